@@ -1,0 +1,37 @@
+"""Torsional vibration of shaft trains: read, assemble, solve, judge and report."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from torsion.errors import Fault, InputError, SolveError, TorsionError
+
+if TYPE_CHECKING:
+    from torsion.analyses.modes import modes
+    from torsion.analyses.response import response
+    from torsion.assembly import assemble
+    from torsion.findings import run
+    from torsion.job import solve
+    from torsion.schema.read import parse, read
+
+__version__ = "0.1.0"
+__all__ = [
+    "Fault", "InputError", "SolveError", "TorsionError", "assemble", "modes", "parse", "read", "response",
+    "run", "solve",
+]  # fmt: skip
+
+_PLACES = {
+    "assemble": "torsion.assembly",
+    "modes": "torsion.analyses.modes",
+    "parse": "torsion.schema.read",
+    "read": "torsion.schema.read",
+    "response": "torsion.analyses.response",
+    "run": "torsion.findings",
+    "solve": "torsion.job",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Public functions are imported when first used, so that a scene loads only what it needs."""
+    if name not in _PLACES:
+        raise AttributeError(f"module 'torsion' has no attribute '{name}'")
+    return getattr(import_module(_PLACES[name]), name)

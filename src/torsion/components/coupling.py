@@ -1,0 +1,67 @@
+"""A coupling: an elastic (or rigid) link with its damping, its end inertias and its maker's limits."""
+
+import math
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from torsion import fields
+from torsion.components.base import Component
+from torsion.components.lowering import Lowering
+from torsion.fields import given, refuse
+from torsion.primitives import Inertia, Spring
+
+Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
+DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
+
+
+class Coupling(Component):
+    """An elastic or rigid coupling, or any other massless spring of the train."""
+
+    keyword: ClassVar[str] = "coupling"
+    sort: ClassVar[Literal["point", "link", "none"]] = "link"
+    unbuilt: ClassVar[tuple[str, ...]] = ("table", "clearance", "hysteresis_torque")
+
+    stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
+    flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
+    inertia: Pair | None = given("[driving, driven] halves")
+    viscous: fields.Damping | None = given("viscous damping")
+    loss_factor: fields.Share | None = given("loss factor eta: k (1 + i eta)")
+    psi: fields.Share | None = given("relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)")
+    magnifier: fields.Number | None = given("dynamic magnifier M; eta = 1/M")
+    rated_torque: fields.Torque | None = given("T_KN of the maker")
+    vibratory_torque: fields.Torque | None = given("T_KW of the maker: permissible vibratory torque, half range")
+    max_torque: fields.Torque | None = given("T_Kmax of the maker")
+    heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
+    tolerance: fields.Share | None = given("tolerance of the stiffness, for example 15 %")
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        if (self.stiffness is None) == (self.flexibility is None):
+            what = "`stiffness` or `flexibility` is missing" if self.stiffness is None else "both are given"
+            raise refuse(what, "give one of `stiffness` and `flexibility` (0 = rigid)")
+        found = [key for key in DAMPINGS if getattr(self, key) is not None]
+        if len(found) > 1:
+            raise refuse(f"{' and '.join(found)} exclude each other", "give one kind of damping", found[1])
+        if self.flexibility == 0 and found:
+            raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
+        return self
+
+    def loss(self) -> float:
+        """Loss factor eta, from whichever way it was given."""
+        if self.psi is not None:
+            return self.psi / (2.0 * math.pi)
+        return 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
+
+    def lower(self, build: Lowering) -> None:
+        driving, driven = build.link()
+        at_driving, at_driven = self.inertia or (0.0, 0.0)
+        build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
+        build.add(self.spring(build, driving, driven))
+
+    def spring(self, build: Lowering, driving: int, driven: int) -> Spring:
+        """The elastic piece between two stations."""
+        own = 1.0 if build.at.referred == 1 else float(build.at.referred**2)
+        flexibility = self.flexibility * own if self.flexibility is not None else 1.0 / build.own(self.stiffness or 1.0)
+        viscous = build.own(self.viscous or 0.0)
+        return Spring(build.name, build.part, driving, driven, flexibility, viscous, self.loss())

@@ -1,0 +1,30 @@
+"""A viscous or tuned damper: a housing on the train and a ring that hangs on it."""
+
+import math
+from typing import ClassVar, Literal
+
+from torsion import fields
+from torsion.components.base import Component
+from torsion.components.lowering import Lowering
+from torsion.fields import given, required
+from torsion.primitives import Inertia, Spring
+
+
+class RingDamper(Component):
+    """A torsional vibration damper."""
+
+    keyword: ClassVar[str] = "damper"
+    sort: ClassVar[Literal["point", "link", "none"]] = "point"
+
+    housing: fields.Inertia = required("inertia of the housing, fixed to the train")
+    ring: fields.Inertia = required("inertia of the ring")
+    damping: fields.Damping = required("viscous damping between ring and housing")
+    stiffness: fields.Stiffness | None = given("stiffness between ring and housing; none in a viscous damper")
+
+    def lower(self, build: Lowering) -> None:
+        here = build.point()
+        ring = build.station(f"{build.name} ring")
+        build.add(Inertia(here, build.own(self.housing)), Inertia(ring, build.own(self.ring)))
+        flexibility = math.inf if self.stiffness is None else 1.0 / build.own(self.stiffness)
+        name = f"{build.name} ring"
+        build.add(Spring(name, build.part, here, ring, flexibility, viscous=build.own(self.damping)))

@@ -1,0 +1,55 @@
+"""A disc: a point with an inertia, or a fixed end."""
+
+import math
+from typing import ClassVar, Literal, Self
+
+from pydantic import model_validator
+
+from torsion import fields
+from torsion.components.base import Component
+from torsion.components.lowering import Lowering
+from torsion.fields import given, refuse
+from torsion.primitives import Damper, Inertia, Spring
+
+
+class Rotor(Component):
+    """What every point with one inertia has: `inertia`, or `held: true`."""
+
+    sort: ClassVar[Literal["point", "link", "none"]] = "point"
+
+    inertia: fields.Inertia | None = given("polar mass moment of inertia")
+    held: bool = given("turns at exactly its mean speed: a fixed end", False)
+    damping: fields.Damping | None = given("viscous damping to ground of the deviation from the mean motion")
+
+    @model_validator(mode="after")
+    def _inertia_or_held(self) -> Self:
+        if self.held and self.inertia is not None:
+            raise refuse("`inertia` and `held: true` exclude each other", "a held point needs no inertia", "inertia")
+        if not self.held and self.inertia is None:
+            raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
+        return self
+
+    def place(self, build: Lowering, extra: float = 0.0) -> int:
+        """The station of this point, with its inertia (and so much more) and its damping."""
+        here = build.point()
+        inertia = math.inf if self.held else build.own(self.inertia or 0.0) + extra
+        build.add(Inertia(here, inertia))
+        if self.damping:
+            build.add(Damper(here, constant=build.own(self.damping)))
+        return here
+
+
+class Disc(Rotor):
+    """A disc, flange, wheel or any other lumped inertia."""
+
+    keyword: ClassVar[str] = "disc"
+
+    stiffness: fields.GroundStiffness | None = given("stiffness to ground")
+
+    def lower(self, build: Lowering) -> None:
+        here = self.place(build)
+        if self.stiffness:
+            ground = build.station(f"{build.name} ground", is_ground=True)
+            build.add(Inertia(ground, math.inf))
+            name = f"{build.name} to ground"
+            build.add(Spring(name, build.part, here, ground, 1.0 / build.own(self.stiffness)))

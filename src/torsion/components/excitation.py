@@ -1,0 +1,83 @@
+"""Harmonic torques that act at a component: a motor's ripple and the file's own excitations."""
+
+from itertools import pairwise
+from typing import Self
+
+from pydantic import field_validator, model_validator
+
+from torsion import fields
+from torsion.fields import Amount, Declared, given, refuse, required
+from torsion.primitives import Torque
+
+Table = tuple[tuple[float | str, float | str], ...]  # [[speed, torque], ...] as written in the file
+
+
+class Harmonic(Declared):
+    """A torque by order of the component's own speed, or at a fixed frequency."""
+
+    order: fields.Exact | None = given("cycles per turn of the component's own shaft")
+    frequency: fields.Frequency | None = given("a fixed frequency, in place of `order`")
+    phase: fields.Angle = given("phase at angle zero, or at time zero for a fixed frequency", 0.0)
+
+    @model_validator(mode="after")
+    def _order_or_frequency(self) -> Self:
+        if self.order is not None and self.frequency is not None:
+            raise refuse("`order` and `frequency` exclude each other", "keep one of them", "frequency")
+        return self
+
+
+class Ripple(Harmonic):
+    """One line of a motor's torque ripple."""
+
+    torque: fields.TorqueAmount = required("amplitude (half range): N m, or % of the mean torque")
+
+    @model_validator(mode="after")
+    def _is_placed(self) -> Self:
+        if self.order is None and self.frequency is None:
+            raise refuse("a ripple needs `order` or `frequency`", "for example `order: 6`")
+        return self
+
+    def at(self, station: int, name: str) -> Torque:
+        """The primitive at a station."""
+        return _harmonic(self, self.torque, station, name)
+
+
+class Excitation(Harmonic):
+    """A torque of the file's list `excitations`."""
+
+    at: str = required("name of the component on which it acts")
+    torque: fields.TorqueAmount | tuple[tuple[float, float], ...] = required(
+        "amplitude (half range): N m, {of_mean: %}, or a table [[speed, torque], ...]"
+    )
+    note: str | None = given("free text")
+    source: str | None = given("where the figure comes from")
+
+    @field_validator("torque", mode="wrap", json_schema_input_type=fields.TorqueAmount | Table)
+    @classmethod
+    def _table(cls, value: object, handler: object) -> object:
+        if not isinstance(value, list | tuple):
+            return fields.read_amount(value)
+        return read_table(value)
+
+    def on(self, station: int) -> Torque:
+        """The primitive at a station."""
+        if isinstance(self.torque, Amount):
+            return _harmonic(self, self.torque, station, self.at)
+        return Torque(self.at, station, self.order, self.frequency, table=self.torque, phase=self.phase)
+
+
+def _harmonic(line: Harmonic, amount: Amount, station: int, name: str) -> Torque:
+    return Torque(name, station, line.order, line.frequency, amount.torque, amount.of_mean, phase=line.phase)
+
+
+def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, float], ...]:
+    """A table [[speed, torque], ...] in rad/s and N m, the speeds rising; raises the fault the user sees."""
+    speed, torque = fields.Quantity("rad/s", at_least=0), fields.Quantity("N*m")
+    table = []
+    for row in rows:
+        if not isinstance(row, list | tuple) or len(row) != 2:
+            raise refuse("a row of a table over speed is [speed, torque]", "for example [1500 rpm, 120 N*m]")
+        table.append((speed.read(row[0]), torque.read(row[1])))
+    if len(table) < 2 or any(a[0] >= b[0] for a, b in pairwise(table)):
+        raise refuse("a table over speed needs two rows or more with rising speeds")
+    return tuple(table)

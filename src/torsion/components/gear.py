@@ -1,0 +1,112 @@
+"""A gear: a change of speed, with the inertias of its wheels and any further wheels on the same driving gear."""
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from torsion import fields
+from torsion.components.base import Component, Line
+from torsion.components.coupling import Pair
+from torsion.components.lowering import Arrival, Lowering
+from torsion.fields import Declared, OneOrMany, given, refuse
+from torsion.primitives import Constraint, Inertia
+
+Teeth = Annotated[int, Field(ge=1, le=100_000)]
+
+
+class GearBranch(Declared):
+    """A further wheel that meshes with the driving gear, and the train behind it."""
+
+    teeth: Annotated[tuple[Teeth, ...], OneOrMany] | None = given("teeth of the wheel, or [driving, driven]")
+    ratio: fields.Exact | None = given("speed of the driving gear / speed of the wheel")
+    inertia: fields.Inertia = given("of the wheel", 0.0)
+    mesh_stiffness: fields.Stiffness | None = given("of this mesh, at the driving gear's speed (default: rigid)")
+    sense: Literal[-1, 1] = given("-1: turns against the driving gear", -1)
+    train: Line = given("what hangs on the wheel", ())
+
+    @model_validator(mode="after")
+    def _one_ratio(self) -> Self:
+        _one_ratio(self)
+        return self
+
+
+class Gear(Component):
+    """A gear stage."""
+
+    keyword: ClassVar[str] = "gear"
+    sort: ClassVar[Literal["point", "link", "none"]] = "link"
+
+    ratio: fields.Exact | None = given("speed before / speed after")
+    teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given("[driving, driven]")
+    inertia: Pair | None = given("[driving, driven] wheels")
+    mesh_stiffness: fields.Stiffness | None = given("torsional, at the driving gear's speed (default: rigid)")
+    sense: Literal[-1, 1] = given("-1: the driven shaft turns the other way", -1)
+    referred: bool = given("figures after it are already referred to the speed before it", False)
+    branches: tuple[GearBranch, ...] = given("further wheels on the same driving gear", ())
+    application_factor: Annotated[float, fields.Quantity("1", at_least=1)] | None = given("K_A of the gear rating")
+
+    @model_validator(mode="after")
+    def _ratios(self) -> Self:
+        _one_ratio(self)
+        for branch in self.branches:
+            if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
+                raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
+        return self
+
+    def lower(self, build: Lowering) -> None:
+        speed = self._speed()
+        before = build.at
+        driving, driven = build.link(speed, self.sense)
+        start = replace(before, here=driving, is_open=False)
+        build.at = _after(build.at, before.referred * speed if self.referred else Fraction(1))
+        at_driving, at_driven = self.inertia or (0.0, 0.0)
+        scale = float(before.referred**2)
+        build.add(Inertia(driving, at_driving / scale), Inertia(driven, build.own(at_driven)))
+        mesh = 0.0 if self.mesh_stiffness is None else scale / self.mesh_stiffness
+        build.add(Constraint(build.name, build.part, driving, driven, speed, mesh))
+        part = build.part
+        for position, branch in enumerate(self.branches):
+            self._lower_branch(build, branch, start, position, part)
+
+    def _lower_branch(self, build: Lowering, branch: GearBranch, start: Arrival, position: int, part: int) -> None:
+        main, gear = build.at, build.parts[part]
+        speed = self._branch_speed(branch)
+        driving = start.here or 0
+        build.at = replace(start, ratio=start.ratio * speed, sense=start.sense * branch.sense, depth=start.depth + 1)
+        name = f"{gear.name} wheel {position + 2}"
+        driven = build.station(name, part=part)
+        referred = start.referred * speed if self.referred else Fraction(1)
+        build.at = _after(replace(build.at, here=driven, is_open=True), referred)
+        scale = float(start.referred**2)
+        mesh = 0.0 if branch.mesh_stiffness is None else scale / branch.mesh_stiffness
+        build.add(Inertia(driven, build.own(branch.inertia)))
+        build.add(Constraint(name, part, driving, driven, speed, mesh))
+        build.branch(build.at, branch.train, (*gear.path, "branches", position, "train"), deeper=False)
+        build.at = main
+
+    def _speed(self) -> Fraction:
+        """Speed after / speed before."""
+        if self.ratio is not None:
+            return 1 / self.ratio
+        driving, driven = self.teeth or (1, 1)
+        return Fraction(driving, driven)
+
+    def _branch_speed(self, branch: GearBranch) -> Fraction:
+        if branch.ratio is not None:
+            return 1 / branch.ratio
+        teeth = branch.teeth or (1,)
+        driving = teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
+        return Fraction(driving, teeth[-1])
+
+
+def _after(arrival: Arrival, referred: Fraction) -> Arrival:
+    """The arrival behind a mesh: no joint is counted from before it."""
+    return replace(arrival, referred=referred, yoke=None)
+
+
+def _one_ratio(gear: Gear | GearBranch) -> None:
+    if (gear.ratio is None) == (gear.teeth is None):
+        what = "`ratio` or `teeth` is missing" if gear.ratio is None else "`ratio` and `teeth` exclude each other"
+        raise refuse(what, "`teeth: [driving, driven]`, or `ratio: speed before / speed after`")

@@ -1,0 +1,32 @@
+"""A motor: an inertia that drives the train, with an optional torque ripple."""
+
+from typing import ClassVar, Self
+
+from pydantic import model_validator
+
+from torsion import fields
+from torsion.components.disc import Rotor
+from torsion.components.excitation import Ripple
+from torsion.components.lowering import Lowering
+from torsion.fields import given, refuse
+
+
+class Motor(Rotor):
+    """An electric motor, turbine or other driver."""
+
+    keyword: ClassVar[str] = "motor"
+
+    power: fields.Power | None = given("rated power; shares the load where several motors drive one train")
+    ripple: tuple[Ripple, ...] = given("torque ripple: list of {order or frequency, torque, phase}", ())
+
+    @model_validator(mode="after")
+    def _ripple_moves_it(self) -> Self:
+        if self.held and self.ripple:
+            raise refuse(
+                "a held motor cannot be moved by its ripple", "give its `inertia` in place of `held`", "ripple"
+            )
+        return self
+
+    def lower(self, build: Lowering) -> None:
+        here = self.place(build)
+        build.add(*(line.at(here, build.name) for line in self.ripple))

@@ -1,0 +1,118 @@
+"""A propeller: inertia with entrained water, damping by one of the usual models, blade-order excitation."""
+
+import math
+from fractions import Fraction
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from torsion import fields
+from torsion.components.base import Component
+from torsion.components.lowering import Lowering
+from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.primitives import Damper, Inertia, Torque
+
+SEA_WATER = 1025.0  # kg/m3
+
+
+class BladeTorque(Declared):
+    """One line of blade-order excitation."""
+
+    blade_order: Annotated[int, Field(ge=1, le=20)] = required("1 is once per blade passing")
+    torque: fields.TorqueAmount = required("amplitude (half range): % of the mean torque, or N m")
+    phase: fields.Angle = given("phase at angle zero", 0.0)
+
+
+class PropellerDamping(Declared):
+    """A damping of the propeller; the report prints which model was used."""
+
+    model: Literal["viscous", "archer", "schwanecke", "frahm", "quasi-steady"] = required("the model")
+    value: fields.Damping | None = given("of `viscous`: the damping itself")
+    factor: fields.Number | None = given("of archer (20..40 with n in rpm), frahm (2..4), quasi-steady: the factor")
+
+    @model_validator(mode="after")
+    def _factor(self) -> Self:
+        if self.model in ("archer", "frahm", "quasi-steady") and self.factor is None:
+            usual = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}[self.model]
+            raise refuse(f"`factor` is missing for {self.model}", f"usual: {usual}")
+        if self.model == "viscous" and self.value is None:
+            raise refuse("`value` is missing", "damping in N*m*s/rad")
+        if self.model == "schwanecke" and self.factor is not None:
+            raise refuse("schwanecke has no `factor`", "it follows from diameter, pitch_ratio and area_ratio", "factor")
+        if self.model != "viscous" and self.value is not None:
+            raise refuse(f"{self.model} has no `value`", "give `factor`, or the value alone", "value")
+        return self
+
+
+def _plain_value(value: Any) -> Any:
+    return value if isinstance(value, dict | PropellerDamping) else {"model": "viscous", "value": value}
+
+
+def _read_entrained(value: Any) -> fields.Amount:
+    if isinstance(value, fields.Amount):
+        return value
+    if isinstance(value, str) and value.strip().endswith("%"):
+        return fields.Amount(of_mean=Quantity("1", at_least=0).read(value))
+    return fields.Amount(torque=Quantity("kg*m**2", at_least=0).read(value))
+
+
+class Propeller(Component):
+    """A propeller, impeller or other rotor that absorbs the power."""
+
+    keyword: ClassVar[str] = "propeller"
+    sort: ClassVar[Literal["point", "link", "none"]] = "point"
+
+    inertia: fields.Inertia = required("dry polar mass moment of inertia")
+    entrained: Annotated[Any, BeforeValidator(_read_entrained, json_schema_input_type=float | str)] = given(
+        "entrained water: % of dry, or kg*m**2"
+    )
+    blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades")
+    diameter: fields.Length | None = given("diameter")
+    pitch_ratio: fields.Number | None = given("pitch / diameter")
+    area_ratio: fields.Number | None = given("expanded blade area / disc area")
+    damping: Annotated[PropellerDamping, BeforeValidator(_plain_value, float | str | PropellerDamping)] | None = given(
+        "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}"
+    )
+    excitation: tuple[BladeTorque, ...] = given("list of {blade_order, torque, phase}", ())
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        if self.excitation and self.blades is None:
+            raise refuse("`blades` is missing; blade orders need the number of blades", key="excitation")
+        needed = ("diameter", "pitch_ratio", "area_ratio")
+        missing = [key for key in needed if getattr(self, key) is None]
+        if self.damping is not None and self.damping.model == "schwanecke" and missing:
+            raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
+        return self
+
+    def lower(self, build: Lowering) -> None:
+        here = build.point()
+        water = self.entrained or fields.Amount()
+        build.add(Inertia(here, build.own(self.inertia * (1.0 + water.of_mean) + water.torque)))
+        if self.damping is not None:
+            build.add(self.damper(here, build))
+        for line in self.excitation:
+            order = Fraction(line.blade_order * (self.blades or 0))
+            share = line.torque.of_mean
+            build.add(Torque(build.name, here, order, torque=line.torque.torque, of_mean=share, phase=line.phase))
+
+    def damper(self, station: int, build: Lowering) -> Damper:
+        """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega."""
+        damping = self.damping
+        if damping is None:
+            return Damper(station)
+        factor = damping.factor or 0.0
+        match damping.model:
+            case "viscous":
+                return Damper(station, constant=build.own(damping.value or 0.0))
+            case "archer":
+                return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0)
+            case "schwanecke":
+                return Damper(station, speed_factor=self._schwanecke())
+            case _:
+                return Damper(station, torque_factor=factor)
+
+    def _schwanecke(self) -> float:
+        """Damping per speed: 0.0231 rho D^5 (P/D)^2 EAR/pi, N m s2/rad2 (to be verified against its source)."""
+        diameter, pitch, area = self.diameter or 0.0, self.pitch_ratio or 0.0, self.area_ratio or 0.0
+        return 0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi

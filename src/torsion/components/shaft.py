@@ -1,0 +1,62 @@
+"""A shaft: distributed inertia and stiffness from its dimensions and material, uniform or conical."""
+
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from torsion import fields
+from torsion.components.base import Component
+from torsion.components.lowering import Lowering
+from torsion.fields import OneOrMany, given, refuse, required
+from torsion.primitives import Bar
+
+Feature = Literal[
+    "flange", "shrink fit", "taper keyway", "cylinder keyway", "radial hole", "slot", "thrust collar", "roller bearing",
+    "propeller flange", "propeller keyless", "propeller keyed", "tube shaft",
+]  # fmt: skip
+
+
+class Shaft(Component):
+    """A uniform or conical shaft, solid or hollow."""
+
+    keyword: ClassVar[str] = "shaft"
+    sort: ClassVar[Literal["point", "link", "none"]] = "link"
+    unbuilt: ClassVar[tuple[str, ...]] = ("section", "support")
+
+    length: fields.Length = required("length")
+    diameter: Annotated[tuple[fields.Length, ...], OneOrMany] = required("outer diameter, or [from, to] of a cone")
+    bore: Annotated[tuple[fields.Bore, ...], OneOrMany] = given("bore, or [from, to] of a conical bore", (0.0,))
+    material: str = given("name of one of `materials`", "steel")
+    segments: Annotated[int, Field(ge=1, le=100_000)] | None = given("lumped segments (default: as many as needed)")
+    loss_factor: fields.Share | None = given("loss factor (default: the material's)")
+    role: Literal["intermediate", "thrust", "propeller"] | None = given("what the class rules call this shaft")
+    features: Annotated[tuple[Feature, ...], OneOrMany] = given("details that the rules reduce the limit for", ())
+
+    @model_validator(mode="after")
+    def _has_a_wall(self) -> Self:
+        for key in ("diameter", "bore"):
+            if len(getattr(self, key)) not in (1, 2):
+                raise refuse(f"`{key}` is one value or [from, to]", key=key)
+        pairs = zip(_ends(self.diameter), _ends(self.bore), strict=True)
+        if any(bore >= outer for outer, bore in pairs):
+            raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
+        return self
+
+    def lower(self, build: Lowering) -> None:
+        driving, driven = build.link()
+        material = build.material(self.material)
+        if material is None:
+            return
+        build.add(
+            Bar(
+                build.name, build.part, driving, driven,
+                length=self.length, outer=_ends(self.diameter), bore=_ends(self.bore),
+                shear_modulus=material.shear_modulus, density=material.density,
+                loss_factor=material.loss_factor if self.loss_factor is None else self.loss_factor,
+                segments=self.segments,
+            )
+        )  # fmt: skip
+
+
+def _ends(values: tuple[float, ...]) -> tuple[float, float]:
+    return values[0], values[-1]

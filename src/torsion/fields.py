@@ -1,0 +1,188 @@
+"""A quantity declared once: the unit, the limits and the reading of one value of the input file."""
+
+import math
+import operator
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import PydanticCustomError, core_schema
+
+from torsion import units
+
+
+class Declared(BaseModel):
+    """Base of everything that is read from a file: frozen, and no key is accepted that was not declared."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+def given(meaning: str, default: Any = None, **limits: Any) -> Any:
+    """An optional key with its meaning; the manual and the editor's completion print the meaning."""
+    return Field(default, description=meaning, **limits)
+
+
+def required(meaning: str, **limits: Any) -> Any:
+    """A key that must be present, with its meaning."""
+    return Field(description=meaning, **limits)
+
+
+def refuse(message: str, hint: str = "", key: str = "") -> PydanticCustomError:
+    """The error that a reader of values raises; the hint says what would be right, the key which entry is at fault."""
+    return PydanticCustomError("fault", "{message}", {"message": message, "hint": hint, "key": key})
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Reads a number in SI or text with a unit into a float in `unit`, within the limits."""
+
+    unit: str
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    at_most: float | None = None
+
+    def read(self, value: object) -> float:
+        """The value in `unit`; raises the located fault that the user sees."""
+        if isinstance(value, str):
+            try:
+                number = units.to_si(value, self.unit)
+            except units.UnitFault as fault:
+                raise refuse(fault.message, fault.hint) from None
+        elif isinstance(value, bool) or not isinstance(value, int | float):
+            hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
+            raise refuse(f"{_shown(value)} is not {units.speak(self.unit)}", hint)
+        else:
+            if units.needs_unit(self.unit):
+                raise refuse(
+                    f"{_shown(value)} has no unit; {units.speak(self.unit)} must carry one",
+                    "deg or rad" if self.unit == "rad" else "rpm or rad/s",
+                )
+            number = _finite(value)
+        return self._within(number)
+
+    def _within(self, number: float) -> float:
+        if not math.isfinite(number):
+            raise refuse(f"{number} is not a finite number")
+        for limit, holds, words in (
+            (self.above, operator.gt, "more than"),
+            (self.at_least, operator.ge, "at least"),
+            (self.below, operator.lt, "less than"),
+            (self.at_most, operator.le, "at most"),
+        ):
+            if limit is not None and not holds(number, limit):
+                unit = "" if self.unit == "1" else f" {self.unit}"
+                raise refuse(f"{number:g}{unit} is out of range", f"must be {words} {limit:g}{unit}")
+        return number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        text = {"type": "string", "description": f"a number with a unit; in SI: {self.unit}"}
+        return text if units.needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, dict | list | tuple):
+        return "a mapping" if isinstance(value, dict) else "a list"
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _finite(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
+
+
+_EXACT = re.compile(r" *[+-]?[0-9]{0,20}(\.[0-9]{0,20}|/[0-9]{1,20})? *")  # no exponent: 1e999999 is beyond any memory
+
+
+def read_exact(value: object) -> Fraction:
+    """An exact positive ratio or order: 2, 0.5, '21/8' (decimal digits are taken as they are written)."""
+    if isinstance(value, Fraction):
+        return value
+    written = value if isinstance(value, str) else repr(value)
+    try:
+        if isinstance(value, bool) or (isinstance(value, str) and not _EXACT.fullmatch(written)):
+            raise ValueError
+        exact = Fraction(written)
+    except (ValueError, ZeroDivisionError):
+        raise refuse(f"{_shown(value)} is not a number", "write 2, 0.5 or 21/8") from None
+    if not 1e-9 < exact < 1e9:
+        raise refuse(f"{_shown(value)} is out of range", "must be a positive number")
+    return exact
+
+
+def _as_tuple(value: object) -> object:
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A torque amplitude: so many N m, and a share of the mean torque that acts there."""
+
+    torque: float = 0.0  # N m
+    of_mean: float = 0.0  # 1
+
+
+def read_amount(value: object) -> Amount:
+    """A torque amplitude: N m, text with %, or {of_mean: %}."""
+    if isinstance(value, Amount):
+        return value
+    if isinstance(value, dict):
+        if set(value) != {"of_mean"}:
+            raise refuse("a share of the mean torque has the key `of_mean` alone", "{of_mean: 10 %}")
+        return Amount(of_mean=Quantity("1", at_least=0).read(value["of_mean"]))
+    if isinstance(value, str) and value.strip().endswith("%"):
+        return Amount(of_mean=Quantity("1", at_least=0).read(value))
+    return Amount(torque=Quantity("N*m", at_least=0).read(value))
+
+
+def _plain(read: Callable[[Any], Any], schema: JsonSchemaValue) -> Any:
+    """A pydantic schema of one reading function, with the JSON Schema that the editor is told."""
+
+    class Plain:
+        @staticmethod
+        def __get_pydantic_core_schema__(source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+            return core_schema.no_info_plain_validator_function(read)
+
+        @staticmethod
+        def __get_pydantic_json_schema__(
+            inner: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+        ) -> JsonSchemaValue:
+            return schema
+
+    return Plain
+
+
+OneOrMany = BeforeValidator(_as_tuple)  # a single value is a list of one
+
+Inertia = Annotated[float, Quantity("kg*m**2", at_least=0)]
+Stiffness = Annotated[float, Quantity("N*m/rad", above=0)]
+GroundStiffness = Annotated[float, Quantity("N*m/rad", at_least=0)]
+Flexibility = Annotated[float, Quantity("rad/(N*m)", at_least=0)]
+Damping = Annotated[float, Quantity("N*m*s/rad", at_least=0)]
+Length = Annotated[float, Quantity("m", above=0)]
+Bore = Annotated[float, Quantity("m", at_least=0)]
+Angle = Annotated[float, Quantity("rad")]
+JointAngle = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
+Speed = Annotated[float, Quantity("rad/s", above=0)]
+Frequency = Annotated[float, Quantity("Hz", above=0)]
+Torque = Annotated[float, Quantity("N*m", at_least=0)]
+Power = Annotated[float, Quantity("W", above=0)]
+Modulus = Annotated[float, Quantity("Pa", above=0)]
+Density = Annotated[float, Quantity("kg/m**3", at_least=0)]
+Share = Annotated[float, Quantity("1", at_least=0)]
+Number = Annotated[float, Quantity("1", above=0)]
+_exact = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": "^[0-9./]+$"}]}
+_amount = {"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "object", "required": ["of_mean"]}]}
+Exact = Annotated[Fraction, _plain(read_exact, _exact)]
+TorqueAmount = Annotated[Amount, _plain(read_amount, _amount)]

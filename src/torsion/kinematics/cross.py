@@ -1,0 +1,168 @@
+"""Cross (Cardan, Hooke) joints: angle, speed, acceleration and torque ratio of one joint, their harmonics and extremes.
+
+Two zeros of the driving angle x are in use. Convention P counts it from the plane of the two shafts: the driving yoke
+lies in that plane at x = 0 and tan(out) = tan(in)/cos(angle). Convention N counts from the plane's normal:
+tan(out) = cos(angle) tan(in). They differ by 90 degrees on both sides of the joint. The driven angle is counted
+likewise, from where the driven yoke stands at x = 0. With c = cos(angle), s = sin(angle), q = tan(angle/2)^2 and
+z = exp(2 i x), the transmission error out - in is -arg(1 - q z) in convention P: no branch of a tangent disturbs it
+below 90 degrees.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Convention = Literal["P", "N"]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """What a joint does to an angle: driven minus driving angle and the derivatives of the driven angle."""
+
+    error: Array  # rad
+    ratio: Array  # first derivative: driven speed / driving speed
+    curvature: Array  # second derivative, 1/rad: driven acceleration / driving speed^2 at constant driving speed
+
+
+@dataclass(frozen=True, slots=True)
+class Harmonics:
+    """Fourier coefficients of orders 2, 4, ... 2 count over the driving angle; each of shape (count, *angle.shape)."""
+
+    error: Array  # of sin(2 k x), rad
+    ratio: Array  # of cos(2 k x); the mean is 1
+    curvature: Array  # of sin(2 k x), 1/rad
+
+
+@dataclass(frozen=True, slots=True)
+class Extremes:
+    """Extremes over a turn and the driving angle x, 0 <= x < pi, at which each first occurs; rad.
+
+    Greatest error and curvature: the least are their negatives, at the driving angle mirrored, pi - x.
+    """
+
+    error: Array
+    error_at: Array
+    ratio_greatest: Array
+    ratio_greatest_at: Array
+    ratio_least: Array
+    ratio_least_at: Array
+    curvature: Array
+    curvature_at: Array
+
+
+def unevenness(angle: ArrayLike) -> Array:
+    """q = tan(angle/2)^2: order-2 amplitude of the transmission error, rad."""
+    half: Array = np.tan(np.asarray(angle, dtype=float) / 2.0)
+    return half * half
+
+
+def rapidity(angle: ArrayLike) -> Array:
+    """ln(1/cos(angle)), the logarithm of the greatest speed ratio; q = tanh(rapidity/2)."""
+    slope: Array = np.tan(np.asarray(angle, dtype=float))
+    return 0.5 * np.log1p(slope * slope)
+
+
+def fluctuation(angle: ArrayLike) -> Array:
+    """(greatest - least)/mean driven speed at constant driving speed: 1/cos(angle) - cos(angle)."""
+    bend = np.asarray(angle, dtype=float)
+    result: Array = np.sin(bend) * np.tan(bend)
+    return result
+
+
+def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Transfer:
+    """Transmission error, speed ratio and second derivative from one sine and one cosine of the driving angle."""
+    bend, turned = np.asarray(angle, dtype=float), np.asarray(driving, dtype=float)
+    across, along = (np.sin(turned), np.cos(turned)) if convention == "P" else (np.cos(turned), -np.sin(turned))
+    cosine, sine, product = np.cos(bend), np.sin(bend), across * along
+    squared = across * across + (cosine * along) ** 2  # 1 - (s cos x)^2 without the difference
+    ratio = cosine / squared
+    leaning = 2.0 * np.sin(bend / 2.0) ** 2 * product  # (1 - c) sin x cos x
+    error = np.arctan2(leaning, across * across + cosine * along * along)
+    return Transfer(error, ratio, -2.0 * sine * sine * product * ratio / squared)
+
+
+def transmission_error(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+    """Driven minus driving angle, rad: atan((1 - c) tan x/(c + tan(x)^2)) in convention P (Ma 2011, eq. 4)."""
+    return transfer(driving, angle, convention).error
+
+
+def driven_angle(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+    """Angle of the driven yoke, rad, continuous over any number of turns."""
+    return np.asarray(driving, dtype=float) + transmission_error(driving, angle, convention)
+
+
+def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+    """Driven speed / driving speed: c/(1 - (s cos x)^2) in convention P, c/(1 - (s sin x)^2) in N."""
+    return transfer(driving, angle, convention).ratio
+
+
+def driven_acceleration(
+    driving: ArrayLike,
+    angle: ArrayLike,
+    speed: ArrayLike,
+    acceleration: ArrayLike = 0.0,
+    convention: Convention = "P",
+) -> Array:
+    """Driven angular acceleration, rad/s^2, at a driving speed (rad/s) and driving acceleration (rad/s^2)."""
+    joint = transfer(driving, angle, convention)
+    rate, gain = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
+    return joint.curvature * rate * rate + joint.ratio * gain
+
+
+def torque_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+    """Driven torque / driving torque, the reciprocal of the speed ratio (no friction, no inertia of the cross)."""
+    return 1.0 / speed_ratio(driving, angle, convention)
+
+
+def torque_ratio_harmonics(angle: ArrayLike, convention: Convention = "P") -> tuple[Array, Array]:
+    """Mean (1 + c^2)/(2 c) of the torque ratio and its coefficient of cos 2x, -+s^2/(2 c) (P, N); there is no other."""
+    bend = np.asarray(angle, dtype=float)
+    second = fluctuation(bend) / 2.0
+    return (1.0 + np.cos(bend) ** 2) / (2.0 * np.cos(bend)), -second if convention == "P" else second
+
+
+def harmonics(angle: ArrayLike, count: int = 1, convention: Convention = "P") -> Harmonics:
+    """Closed Fourier coefficients: +-q^k/k, +-2 q^k and -+4 k q^k; in convention N the sign of every odd k changes."""
+    q = unevenness(angle)
+    rank = np.arange(1, count + 1, dtype=float).reshape(-1, *(1,) * q.ndim)
+    power = (q if convention == "P" else -q) ** rank
+    return Harmonics(power / rank, 2.0 * power, -4.0 * rank * power)
+
+
+def error_amplitude(angle: float, yoke: float, harmonic: int = 1) -> complex:
+    """Complex amplitude of order 2*harmonic of the transmission error, over the driving shaft's angle.
+
+    q^k/k sin 2k(x + yoke) = Re(-i q^k/k exp(2 i k yoke) exp(2 i k x)), convention P.
+    """
+    size = float(unevenness(angle)) ** harmonic / harmonic
+    return complex(-1j * size * np.exp(2j * harmonic * yoke))
+
+
+def extremes(angle: ArrayLike, convention: Convention = "P") -> Extremes:
+    """Extremes of error, speed ratio and second derivative of one joint, and where they occur.
+
+    The error is greatest, asin q, where tan x = sqrt(c). The second derivative is extreme where
+    cos 2x = -+4 s^2/(1 + c^2 + sqrt(4 c^2 + 9 s^4)), the root of its derivative written without a difference.
+    """
+    bend = np.asarray(angle, dtype=float)
+    cosine, square = np.cos(bend), np.sin(bend) ** 2
+    root = np.sqrt(4.0 * cosine**2 + 9.0 * square**2)
+    whole = 1.0 + cosine**2 + root
+    less = cosine**2 * (2.0 + 4.0 / (root + 3.0 * square)) / whole  # 1 + cos 2x of convention N
+    steepest = np.arctan2(np.sqrt(1.0 + 4.0 * square / whole), np.sqrt(less))
+    leading = np.arctan(np.sqrt(cosine))
+    start, quarter = np.zeros_like(bend), np.full_like(bend, np.pi / 2.0)
+    in_plane = convention == "P"
+    return Extremes(
+        error=np.arctan2(np.sin(bend / 2.0) ** 2, np.sqrt(cosine)),
+        error_at=leading if in_plane else leading + quarter,
+        ratio_greatest=1.0 / cosine,
+        ratio_greatest_at=start if in_plane else quarter,
+        ratio_least=cosine,
+        ratio_least_at=quarter if in_plane else start,
+        curvature=transfer(steepest, bend, "N").curvature,
+        curvature_at=steepest + quarter if in_plane else steepest,
+    )

@@ -1,0 +1,102 @@
+"""The primitives that every component lowers to; all that the mathematics needs to know of a train."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """A point of the train with an angle, counted positive in the station's own sense of rotation."""
+
+    name: str
+    part: int  # the component that made it, as a position in the train's parts
+    ratio: Fraction  # its speed / the speed of the reference station
+    sense: int = 1  # 1 turns as the reference station does, -1 the other way
+    is_ground: bool = False  # the fixed end of a spring to ground
+
+
+@dataclass(frozen=True, slots=True)
+class Inertia:
+    """An inertia at a station; infinite where the station turns at exactly its mean speed."""
+
+    station: int
+    inertia: float  # kg m2
+
+
+@dataclass(frozen=True, slots=True)
+class Spring:
+    """An elastic or (flexibility 0) rigid piece between two stations of one speed."""
+
+    name: str
+    part: int
+    driving: int
+    driven: int
+    flexibility: float  # rad/(N m)
+    viscous: float = 0.0  # N m s/rad
+    loss_factor: float = 0.0  # 1
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A shaft with distributed inertia, uniform or conical, from the driving to the driven station."""
+
+    name: str
+    part: int
+    driving: int
+    driven: int
+    length: float  # m
+    outer: tuple[float, float]  # m, diameters at the driving and the driven end
+    bore: tuple[float, float]  # m
+    shear_modulus: float  # Pa
+    density: float  # kg/m3
+    loss_factor: float = 0.0
+    segments: int | None = None  # None: as many as the highest frequency asked for needs
+
+
+@dataclass(frozen=True, slots=True)
+class Constraint:
+    """Driven angle = driving angle * ratio + error: a gear mesh or a universal joint.
+
+    The error is a Fourier sum over the driving station's own angle x: Re sum amplitude * exp(i order x).
+    """
+
+    name: str
+    part: int
+    driving: int
+    driven: int
+    ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
+    flexibility: float = 0.0  # rad/(N m) at the driving station's speed (a mesh stiffness); 0 is rigid
+    error: tuple[tuple[int, complex], ...] = ()  # (order, rad)
+
+
+@dataclass(frozen=True, slots=True)
+class Damper:
+    """A damping to ground of the deviation from the mean motion.
+
+    damping = constant + torque_factor * mean torque / speed + speed_factor * speed, all at the station's own speed.
+    """
+
+    station: int
+    constant: float = 0.0  # N m s/rad
+    torque_factor: float = 0.0  # 1
+    speed_factor: float = 0.0  # N m s2/rad2
+
+
+@dataclass(frozen=True, slots=True)
+class Torque:
+    """A harmonic torque at a station: by order of its own speed, at a fixed frequency, or at every frequency asked.
+
+    Amplitude = torque + of_mean * mean torque there, or the table over the station's own speed.
+    """
+
+    name: str
+    station: int
+    order: Fraction | None = None
+    frequency: float | None = None  # Hz
+    torque: float = 0.0  # N m
+    of_mean: float = 0.0  # 1
+    table: tuple[tuple[float, float], ...] = ()  # (rad/s of the station's own speed, N m)
+    phase: float = 0.0  # rad
+
+
+Primitive = Inertia | Spring | Bar | Constraint | Damper | Torque

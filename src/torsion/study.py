@@ -1,0 +1,91 @@
+"""What is asked: the train, how it is operated, which analyses and which rules."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, model_validator
+
+from torsion import fields
+from torsion.components.excitation import Table, read_table
+from torsion.fields import Declared, given, refuse, required
+from torsion.kernels.tree import FloatArray
+from torsion.train import Train
+
+
+class SpeedRange(Declared):
+    """Speeds of the component `at`, evenly spaced."""
+
+    first: fields.Speed = required("lowest speed", alias="from")
+    last: fields.Speed = required("highest speed", alias="to")
+    steps: Annotated[int, Field(ge=2, le=1_000_000)] = given("number of speeds", 201)
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.first >= self.last:
+            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
+        return self
+
+    def values(self) -> FloatArray:
+        """(steps,) rad/s."""
+        return np.linspace(self.first, self.last, self.steps)
+
+
+class FrequencyRange(Declared):
+    """Frequencies, evenly spaced."""
+
+    first: fields.Frequency = required("lowest frequency", alias="from")
+    last: fields.Frequency = required("highest frequency", alias="to")
+    steps: Annotated[int, Field(ge=2, le=10_000_000)] = given("number of frequencies", 1000)
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.first >= self.last:
+            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
+        return self
+
+    def values(self) -> FloatArray:
+        """(steps,) Hz."""
+        return np.linspace(self.first, self.last, self.steps)
+
+
+class Rated(Declared):
+    """The rated point, at the component `at`."""
+
+    speed: fields.Speed = required("rated speed")
+    power: fields.Power | None = given("rated power")
+
+
+def _read_load(value: Any) -> Any:
+    if isinstance(value, str):
+        if value not in ("propeller", "constant"):
+            raise refuse(f"'{value}' is no law of load", "propeller, constant, or a table [[speed, torque], ...]")
+        return value
+    return read_table(value if isinstance(value, list | tuple) else [value])
+
+
+class Operation(Declared):
+    """How the train is run; speeds and power are those of the component `at`."""
+
+    at: str | None = given("the component whose speed is meant (default: the first)")
+    speeds: SpeedRange | None = given("speed range")
+    rated: Rated | None = given("rated speed and power")
+    load: Annotated[Any, BeforeValidator(_read_load, Literal["propeller", "constant"] | Table)] = given(
+        "mean torque over speed: propeller (T ~ n**2), constant, or [[speed, torque], ...]", "propeller"
+    )
+
+
+@dataclass(frozen=True)
+class Study:
+    """A scene: everything that a file says."""
+
+    name: str
+    train: Train
+    description: str = ""
+    operation: Operation = field(default_factory=Operation)
+    model: Literal["lumped", "fem", "exact"] = "lumped"
+    analyses: Mapping[str, Declared] = field(default_factory=dict)  # settings of every analysis that is named
+    rules: tuple[tuple[str, Declared], ...] = ()  # (rule, its settings)
+    file: str = ""
+    text: str = ""  # the file as read

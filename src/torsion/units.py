@@ -1,0 +1,284 @@
+"""Quantities as an engineer writes them ('20 kN*m/rad', '1500 rpm') turned into numbers in SI units.
+
+The angle is a dimension of its own, so that a torque is refused for a stiffness and a frequency for a speed. Arithmetic
+is in exact fractions and rounded once. The commonest spellings need no unit library; all others are resolved by pint
+with the definitions of units.txt.
+"""
+
+import difflib
+import re
+from collections import Counter
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+    from pint.util import UnitsContainer
+
+_HIGHEST = 12  # power of one unit; bounds the size of exact fractions
+_TRADE = ["kN", "MN", "kg", "mm", "km", "MPa", "GPa", "kW", "MW", "kHz", "Nm", "kNm", "MNm", "Nms"]  # often misspelled
+_LONGEST = 100  # characters of a quantity; no sensible one is longer
+_PI = Fraction("3.14159265358979323846264338327950288419716939937510")
+
+_KINDS = {  # SI unit: what it measures, an example to follow
+    "1": ("a number without a unit", "25 %"),
+    "rad": ("an angle", "5 deg"),
+    "rad/s": ("a speed", "1500 rpm"),
+    "Hz": ("a frequency", "35 Hz"),
+    "s": ("a time", "5 s"),
+    "degC": ("a temperature", "40 degC"),
+    "N*m/rad": ("a stiffness", "20 kN*m/rad"),
+    "rad/(N*m)": ("a flexibility", "5.1e-7 rad/(N*m)"),
+    "N*m*s/rad": ("a damping", "12 N*m*s/rad"),
+    "kg*m**2": ("an inertia", "1.2 kg*m**2"),
+    "N*m": ("a torque or energy", "1.5 kN*m"),
+    "W": ("a power", "100 kW"),
+    "m": ("a length", "60 mm"),
+    "m**2": ("an area", "20 cm**2"),
+    "m/s": ("a velocity", "3 m/s"),
+    "rad/s**2": ("an angular acceleration", "10 rad/s**2"),
+    "kg": ("a mass", "35 kg"),
+    "kg/m**3": ("a density", "7850 kg/m**3"),
+    "N": ("a force", "10 kN"),
+    "N/m": ("a lateral stiffness", "50 MN/m"),
+    "N*s/m": ("a lateral damping", "20 kN*s/m"),
+    "Pa": ("a stress or modulus", "79.3 GPa"),
+    "N*m*s": ("an angular momentum", "12 N*m*s"),
+}
+_COMMON: dict[str, dict[str, Fraction | int]] = {  # SI unit: spelling: its size in that unit
+    "1": {"%": Fraction(1, 100)},
+    "rad": {"deg": _PI / 180, "mrad": Fraction(1, 1000)},
+    "rad/s": {"rpm": _PI / 30, "1/min": _PI / 30, "min**-1": _PI / 30},
+    "Hz": {"kHz": 1000, "1/s": 1},
+    "s": {"ms": Fraction(1, 1000), "min": 60},
+    "N*m/rad": {"Nm/rad": 1, "kN*m/rad": 10**3, "kNm/rad": 10**3, "MN*m/rad": 10**6, "MNm/rad": 10**6},
+    "N*m*s/rad": {"Nms/rad": 1, "kN*m*s/rad": 10**3, "kNms/rad": 10**3},
+    "kg*m**2": {"kgm**2": 1},
+    "N*m": {"Nm": 1, "kN*m": 10**3, "kNm": 10**3, "MN*m": 10**6, "MNm": 10**6},
+    "W": {"kW": 10**3, "MW": 10**6},
+    "m": {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)},
+    "Pa": {"MPa": 10**6, "GPa": 10**9, "N/mm**2": 10**6},
+}
+
+_DIGITS = r"[0-9]+(?:_[0-9]+)*"
+_NUMBER = re.compile(rf"[+-]?(?:{_DIGITS}(?:\.(?:{_DIGITS})?)?|\.{_DIGITS})(?:[eE]([+-]?[0-9]+))?")
+_TOKEN = re.compile(r"\s*(\*\*[+-]?[0-9]{1,2}(?![0-9])|[*/()]|1(?![0-9.])|[^\W\d_]+|%)\s*")
+_GLUED = re.compile(r"([kMGmu]?N|kgf|lbf)(mm|cm|m|in|ft)(s?)|([kMGmu]?N|[kMGm]?W|[kM]?Pa)(s)|(kg|g|lb)(mm|cm|m|in|ft)")
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
+_SIGNS = str.maketrans(dict.fromkeys("·⋅∙•×", "*") | {"µ": "u", "μ": "u", "−": "-", "^": "**", "℃": "degC"})
+_RAISED = re.compile(r"[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+_REWRITES = (  # towards one spelling: pattern, replacement
+    (re.compile(r"°"), "deg"),
+    (re.compile(r"hp\(metric\)"), "PS"),
+    (re.compile(r"\s+"), " "),
+    (re.compile(r" ?(\*\*|[*/()]) ?"), r"\1"),
+    (re.compile(r"\*\*\(([+-]?[0-9]+)\)"), r"**\1"),
+    (re.compile(r"(?<=[A-Za-z])-(?=[A-Za-z])"), "*"),
+    (re.compile(r"(?<=[A-Za-z])(-?[0-9]+)"), r"**\1"),
+    (re.compile(r"^\*(?=[^*])"), ""),
+)
+
+
+class UnitFault(ValueError):
+    """A text that is not the quantity that is expected: what is wrong, and what would be right."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        self.message = message
+        self.hint = hint
+        super().__init__(f"{message} ({hint})" if hint else message)
+
+
+def to_si(text: str, unit: str) -> float:
+    """The quantity `text` as a number in the SI unit `unit`, correctly rounded; raises UnitFault."""
+    amount, written = _parts(text)
+    if not written:
+        if needs_unit(unit):
+            example = _KINDS[unit][1].split()[1]
+            hint = f"write '{text.strip()} {example}' or '{text.strip()} {unit}'"
+            raise UnitFault(f"{_quoted(text)} has no unit, {_expected(unit)} is expected", hint)
+        return _rounded(amount, text)
+    scale = 1 if written == unit else _COMMON.get(unit, {}).get(written)
+    return _rounded(amount * scale if scale else _converted(amount, written, unit, text), text)
+
+
+def number(text: str) -> float:
+    """The number that `text` is, without any unit; raises UnitFault."""
+    amount, written = _parts(text)
+    if written:
+        raise UnitFault(f"{_quoted(text)} is not a number", "leave the unit out")
+    return _rounded(amount, text)
+
+
+def needs_unit(unit: str) -> bool:
+    """A bare number in this unit could be read in two ways: degrees or radians, rpm or rad/s."""
+    return unit in {"rad", "rad/s"}
+
+
+def speak(unit: str) -> str:
+    """What is measured in the SI unit `unit`, in words: 'a stiffness'."""
+    return _KINDS[unit][0] if unit in _KINDS else "a quantity"
+
+
+def _expected(unit: str) -> str:
+    return speak(unit) if unit == "1" else f"{speak(unit)} in {unit}"
+
+
+def _quoted(text: str) -> str:
+    shown = text.strip() if len(text.strip()) <= 40 else text.strip()[:40] + "…"
+    return "'" + "".join(sign if sign.isprintable() else "?" for sign in shown) + "'"
+
+
+def _parts(text: str) -> tuple[Fraction, str]:
+    """The number in front and the unit behind it in one spelling (empty if there is none)."""
+    spelled = text.strip()[: _LONGEST + 1].translate(_SIGNS)
+    spelled = _RAISED.sub(lambda raised: "**" + raised[0].translate(_SUPERSCRIPTS), spelled)
+    found = _NUMBER.match(spelled)
+    if not found:
+        if spelled.lstrip("+-.").casefold() in {"nan", "inf", "infinity"}:
+            raise UnitFault(f"{_quoted(text)} is not a finite number")
+        raise UnitFault(f"{_quoted(text)} does not begin with a number", "write a number, a space and a unit")
+    if len(spelled) > _LONGEST:
+        raise UnitFault(f"{_quoted(text)} is too long for a quantity")
+    written = spelled[found.end() :].strip()
+    if re.match(r",\s*[0-9]", written):
+        raise UnitFault(
+            f"{_quoted(text)} has a comma in its number", "write a decimal point, and no mark between thousands"
+        )
+    if found[1] and len(found[1].lstrip("+-0")) > 3:
+        raise UnitFault(f"{_quoted(text)} is outside the range of numbers")
+    return Fraction(found[0].replace("_", "")), _spelling(written)
+
+
+def _spelling(written: str) -> str:
+    for pattern, replacement in _REWRITES:
+        written = pattern.sub(replacement, written)
+    return "1" + written if written.startswith("/") else written
+
+
+def _rounded(amount: Fraction, text: str) -> float:
+    try:
+        value = float(amount)
+    except OverflowError:
+        raise UnitFault(f"{_quoted(text)} is too large for a number") from None
+    if amount and not value:
+        raise UnitFault(f"{_quoted(text)} is too small for a number other than 0")
+    return value
+
+
+@cache
+def _registry() -> "UnitRegistry[Any]":
+    from pint import UnitRegistry
+
+    return UnitRegistry(Path(__file__).with_name("units.txt"), non_int_type=Fraction, cache_folder=None)
+
+
+@cache
+def _container(written: str) -> "UnitsContainer":
+    """The unit as powers of the names of units.txt; raises UnitFault."""
+    from pint.errors import PintError
+
+    registry, powers = _registry(), Counter[str]()
+    for name, power in _powers(written).items():
+        try:
+            powers[registry.get_name("percent" if name == "%" else name)] += power  # '' for dimensionless
+        except PintError:
+            raise UnitFault(f"'{name}' is not a known unit", _similar(name)) from None
+    if any(abs(power) > _HIGHEST for power in powers.values()):
+        raise UnitFault(f"'{written}' has a power that no quantity has")
+    return registry.UnitsContainer({name: power for name, power in powers.items() if name and power})
+
+
+def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction:
+    from pint.errors import PintError
+
+    registry, found, expected = _registry(), _container(written), _container(unit)
+    if unit == "rad/s" and found == _container("1/min"):
+        found = _container("rpm")
+    if registry.get_dimensionality(found) != registry.get_dimensionality(expected):
+        message = f"{_quoted(text)} {_said(found, written)}, {_expected(unit)} is expected"
+        raise UnitFault(message, _remedy(text, found, unit))
+    try:
+        return Fraction(registry.convert(amount, found, expected))
+    except PintError:
+        raise UnitFault(f"{_quoted(text)} mixes a temperature scale with other units", "write K") from None
+
+
+def _said(found: "UnitsContainer", written: str) -> str:
+    dimension = _registry().get_dimensionality
+    for unit, (words, _) in _KINDS.items():
+        if dimension(_container(unit)) == dimension(found):
+            return f"is {words}"
+    return f"is in {written}"
+
+
+def _remedy(text: str, found: "UnitsContainer", unit: str) -> str:
+    """What to write instead: the same with or without '/rad' if that is all that is wrong."""
+    dimension = _registry().get_dimensionality
+    missing = dimension(_container(unit) / found)
+    written = " ".join(text.split())
+    if unit.endswith("/rad") and missing == dimension(_container("1/rad")):
+        return f"try '{written}/rad'"
+    if missing == dimension(_container("rad")) and written.endswith("/rad"):
+        return f"try '{written.removesuffix('/rad')}'"
+    return f"for example '{_KINDS[unit][1]}'" if unit in _KINDS else ""
+
+
+def _similar(name: str) -> str:
+    registry = _registry()
+    plain = (spelling for spelling in registry if spelling.isalpha() and not registry.parse_unit_name(spelling)[0][0])
+    known = {spelling.casefold(): spelling for spelling in (*plain, *_TRADE)}
+    close = difflib.get_close_matches(name.casefold(), known, 1)
+    return f"did you mean '{known[close[0]]}'?" if close else "units are written like kN*m/rad, kg*m**2, rpm"
+
+
+def _powers(written: str) -> Counter[str]:
+    """The names in a product of units with their powers: 'kNm/rad' is kN 1, m 1, rad -1; raises UnitFault."""
+    tokens, end = [], 0
+    while found := _TOKEN.match(written, end):
+        tokens.append(found[1])
+        end = found.end()
+    tokens.reverse()  # the next one is the last
+    powers = _product(tokens, written)
+    if tokens or end < len(written):
+        raise _unreadable(written)
+    return powers
+
+
+def _product(tokens: list[str], written: str) -> Counter[str]:
+    total, sign = Counter[str](), 1
+    while True:
+        for name, power in _factor(tokens, written).items():
+            total[name] += sign * power
+        if not tokens or tokens[-1] == ")":
+            return total
+        sign = -1 if tokens[-1] == "/" else 1
+        if tokens[-1] in "*/":
+            tokens.pop()
+
+
+def _factor(tokens: list[str], written: str) -> Counter[str]:
+    """One unit, several glued together ('kNm') or a product in brackets, raised to the power that follows."""
+    token = tokens.pop() if tokens else ""
+    if token == "(":
+        powers = _product(tokens, written)
+        if not tokens or tokens.pop() != ")":
+            raise _unreadable(written)
+        raised = list(powers)
+    elif token == "1":
+        powers, raised = Counter(), []
+    elif token == "%" or token.isalpha():
+        glued = _GLUED.fullmatch(token)
+        names = [name for name in glued.groups() if name] if glued else [token]
+        powers, raised = Counter(names), names[-1:]
+    else:
+        raise _unreadable(written)
+    if tokens and tokens[-1].startswith("**"):
+        exponent = int(tokens.pop()[2:])
+        powers.update({name: powers[name] * (exponent - 1) for name in raised})
+    return powers
+
+
+def _unreadable(written: str) -> UnitFault:
+    return UnitFault(f"the unit {_quoted(written)} cannot be read", "units are written like kN*m/rad, kg*m**2, rpm")
