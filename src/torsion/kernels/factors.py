@@ -1,0 +1,98 @@
+"""Factors G of J^-1/2 K J^-1/2 = G G^T whose singular values are the natural frequencies, and those values.
+
+The stiffness matrix is never assembled: rounding its diagonal would already spoil the low frequencies of a stiff train.
+On a tree G has one column a spring; on any other graph the star-mesh elimination gives a triangular factor whose
+entries are sums, products and quotients of positive numbers.
+"""
+
+import numpy as np
+
+from torsion.kernels.chain import bidiagonal_factor
+from torsion.kernels.lapack import bidiagonal_singular_values, jacobi_svd
+from torsion.kernels.reduction import ReducedTrain
+from torsion.kernels.tree import FloatArray
+
+_BODIES_FOR_JACOBI = 30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
+_BODIES_FOR_DENSE = 2000  # above, a dense decomposition is slower than counting
+
+
+def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
+    """The elastic natural frequencies (elastic,) rad/s, ascending; None where the train is too large for this way.
+
+    To full accuracy for chains and for small trains, otherwise to about eps times the highest frequency.
+    """
+    ends = _chain_grounds(train)
+    if ends is not None:
+        return _chain_values(train, *ends)[:elastic][::-1]
+    if len(train.inertia) > _BODIES_FOR_DENSE:
+        return None
+    tied = np.flatnonzero(train.ground)
+    if train.acyclic and len(train.stiffness) + len(tied) == elastic:
+        factor = incidence_factor(train)
+    else:
+        factor = star_mesh_factor(train.inertia, conductance(train), train.ground)[:, :elastic]
+    if len(train.inertia) <= _BODIES_FOR_JACOBI:
+        return jacobi_svd(factor)[1][::-1]
+    return np.asarray(np.linalg.svd(factor, compute_uv=False)[::-1], dtype=np.float64)
+
+
+def incidence_factor(train: ReducedTrain) -> FloatArray:
+    """G (bodies, springs + ties to ground): a column sqrt(k/J) at both ends of a spring, with opposite signs."""
+    springs, tied = len(train.stiffness), np.flatnonzero(train.ground)
+    root, column = 1.0 / np.sqrt(train.inertia), np.arange(springs)
+    factor = np.zeros((len(train.inertia), springs + len(tied)), order="F")
+    strength = np.sqrt(train.stiffness)
+    factor[train.inner, column] = strength * root[train.inner]
+    factor[train.outer, column] = -strength * root[train.outer]
+    factor[tied, springs + np.arange(len(tied))] = np.sqrt(train.ground[tied]) * root[tied]
+    return factor
+
+
+def star_mesh_factor(inertia: FloatArray, conductance: FloatArray, ground: FloatArray) -> FloatArray:
+    """G (bodies, rank) of any graph: `conductance` (bodies, bodies) symmetric N m/rad, `ground` (bodies,).
+
+    Cholesky's factorisation with the largest s/J as pivot, s being the row's sum, by the star-mesh rule; it ends at
+    s = 0, so that the rank is exact.
+    """
+    mesh, tie, root = conductance.copy(), ground.copy(), 1.0 / np.sqrt(inertia)
+    np.fill_diagonal(mesh, 0.0)
+    left, columns = np.ones(len(inertia), dtype=bool), []
+    for _ in range(len(inertia)):
+        total = mesh.sum(axis=1) + tie
+        pivot = int(np.argmax(np.where(left, total / inertia, -1.0)))
+        if not total[pivot] > 0.0:
+            break
+        share = mesh[pivot] / total[pivot]
+        column = -share
+        column[pivot] = 1.0
+        columns.append(np.sqrt(total[pivot]) * column * root)
+        mesh += np.outer(share, mesh[pivot])
+        tie += share * tie[pivot]
+        mesh[pivot], mesh[:, pivot], tie[pivot], left[pivot] = 0.0, 0.0, 0.0, False
+        np.fill_diagonal(mesh, 0.0)
+    return np.array(columns).reshape(-1, len(inertia)).T.copy(order="F")
+
+
+def conductance(train: ReducedTrain) -> FloatArray:
+    """Stiffness (bodies, bodies) N m/rad of the springs between each two bodies; parallel ones add."""
+    matrix = np.zeros((len(train.inertia),) * 2)
+    np.add.at(matrix, (train.inner, train.outer), train.stiffness)
+    return matrix + matrix.T
+
+
+def _chain_grounds(train: ReducedTrain) -> tuple[float, float] | None:
+    """Ties to ground of the first and the last body, if the train is a chain in its numbering tied at most at one."""
+    bodies = len(train.inertia)
+    along = np.arange(bodies - 1)
+    if not (np.array_equal(train.inner, along) and np.array_equal(train.outer, along + 1) and train.acyclic):
+        return None
+    first, last = float(train.ground[0]), float(train.ground[-1])
+    if np.any(train.ground[1:-1] > 0.0) or (bodies > 1 and first > 0.0 and last > 0.0):
+        return None
+    return (0.0, last) if bodies == 1 else (first, last)
+
+
+def _chain_values(train: ReducedTrain, first: float, last: float) -> FloatArray:
+    if first > 0.0:
+        return bidiagonal_singular_values(*bidiagonal_factor(train.inertia[::-1], train.stiffness[::-1], first))
+    return bidiagonal_singular_values(*bidiagonal_factor(train.inertia, train.stiffness, last))

@@ -1,0 +1,144 @@
+"""Natural frequencies and mode shapes of a tree, each frequency with a proven enclosure."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsion.errors import SolveError
+from torsion.kernels.clamped import cut, needs_cutting, with_reactions
+from torsion.kernels.enclosure import bisect, enclose
+from torsion.kernels.factors import start_frequencies
+from torsion.kernels.passes import free_shapes, stiffness_passes
+from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
+from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
+from torsion.kernels.tree import BoolArray, FloatArray, Tree
+
+_SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
+_STEPS = 4  # Rayleigh quotients converge cubically; a start that needs more is bisected instead
+_TRUSTED = 0.1  # a relative change beyond which a Rayleigh step is taken to have left its mode
+_START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
+_FULL_BISECTION = 2.0**-52
+_NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
+_EQUAL_SIZE = 1e-6  # relative; components that near count as equal when the sign of a shape is chosen
+
+
+@dataclass(frozen=True)
+class TreeModes:
+    """Elastic modes of a tree in ascending order, mass-normalised, and its rigid motions."""
+
+    frequency: FloatArray  # (m,) rad/s
+    lower: FloatArray  # (m,) rad/s, proven to be no more than the frequency of the given train
+    upper: FloatArray  # (m,) rad/s, proven to be no less
+    angle: FloatArray  # (stations, m) rad; x'Jx = 1, the first of the largest components positive
+    torque: FloatArray  # (stations, m) N m, on station i: (angle[parent] - angle[i]) / flexibility; 0 at a root
+    rigid: int  # number of rigid motions, known from the graph
+    rigid_angle: FloatArray  # (stations, rigid) rad; constant over each free part, x'Jx = 1
+    certified: bool = True  # whether `lower` and `upper` are proven
+    loop_torque: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (loops, m) N m, on the second station
+
+
+def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
+    """The lowest `count` elastic modes of a tree, or all.
+
+    Frequencies closer than 1e-13 (relative) count as repeated: their shapes are one orthogonal set of many. Raises
+    SolveError for a frequency that cannot be proven. Flexibilities must be finite, inertias not negative.
+    """
+    known = rigidity(tree)
+    wanted = known.elastic if count is None else min(count, known.elastic)
+    rigid_angle = rigid_shapes(tree, known)
+    solved = cut(tree, known) if needs_cutting(tree, known) else tree
+    if wanted == 0:
+        none, empty = np.empty((tree.size, 0)), np.empty(0)
+        return TreeModes(empty, empty, empty, none, none, len(known.free_roots), rigid_angle)
+    frequency, shapes = _polish(solved, _start(tree, known, wanted))
+    frequency, lower, upper, wrong = _prove(tree, frequency, len(known.free_roots))
+    if wrong.any():
+        shapes = _determined_shapes(solved, frequency)[:2]
+    angle, torque = _complete(solved, frequency, *shapes)
+    sign = shape_sign(angle)
+    angle, torque = angle * sign, torque * sign
+    if solved is not tree:
+        torque = with_reactions(tree, known, torque)
+    return TreeModes(frequency, lower, upper, angle, torque, len(known.free_roots), rigid_angle)
+
+
+def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
+    """Angles (stations, rigid motions) rad, constant over each free part and mass-normalised."""
+    part = known.component[:, None] == known.free_roots
+    scaled: FloatArray = part / np.sqrt(tree.moving_inertia @ part)
+    return scaled
+
+
+def _start(tree: Tree, known: Rigidity, wanted: int) -> FloatArray:
+    """Frequencies (wanted,) rad/s to begin with, ascending."""
+    start = start_frequencies(reduce_tree(tree, known), known.elastic)
+    if start is None or not np.all(start > 0.0):
+        modes = len(known.free_roots) + np.arange(wanted)
+        return bisect(tree, modes, tolerance=_START_BISECTION)
+    return start[:wanted]
+
+
+def _polish(tree: Tree, frequency: FloatArray) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
+    """Frequencies (m,) after Rayleigh steps, ascending, and the angles and torques (stations, m) that go with them."""
+    for _ in range(_STEPS):
+        angle, torque, correction = _determined_shapes(tree, frequency)
+        with np.errstate(invalid="ignore", over="ignore"):
+            change = correction / (frequency * (frequency + np.sqrt(frequency**2 + correction)))
+        change[~(np.abs(change) < _TRUSTED)] = 0.0
+        frequency = frequency * (1.0 + change)
+        if np.max(np.abs(change)) < _SETTLED:
+            break
+    order = np.argsort(frequency, kind="stable")
+    return frequency[order], (angle[:, order], torque[:, order])
+
+
+def _determined_shapes(tree: Tree, frequency: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Like `free_shapes`; a column that is not finite, where a node falls on a station exactly, is found beside it."""
+    angle, torque, correction = free_shapes(tree, stiffness_passes(tree, frequency))
+    for nudge in _NUDGES:
+        left = np.flatnonzero(~_finite(angle, torque))
+        if len(left) == 0:
+            break
+        beside = free_shapes(tree, stiffness_passes(tree, frequency[left] * (1.0 + nudge)))
+        angle[:, left], torque[:, left], _ = beside
+    return angle, torque, correction
+
+
+def _prove(tree: Tree, frequency: FloatArray, rigid: int) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+    """Frequencies, bounds `lower` and `upper`, and which frequencies had to be found anew by bisection; all (m,)."""
+    lower, upper, proven = enclose(tree, frequency, rigid)
+    wrong = ~proven
+    if wrong.any():
+        frequency = frequency.copy()
+        frequency[wrong] = bisect(tree, np.flatnonzero(wrong) + rigid, tolerance=_FULL_BISECTION)
+        frequency.sort()
+        lower, upper, proven = enclose(tree, frequency, rigid)
+        if not proven.all():
+            where = ", ".join(f"{w:.6g}" for w in frequency[~proven])
+            raise SolveError(f"the natural frequencies near {where} rad/s could not be enclosed; scale the train")
+    return frequency, lower, upper, wrong
+
+
+def _complete(
+    tree: Tree, frequency: FloatArray, angle: FloatArray, torque: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The shapes with those of repeated frequencies put in and those of close ones orthogonal."""
+    groups = repeated_groups(frequency, ~_finite(angle, torque))
+    if groups:
+        columns = np.concatenate(groups)
+        angle[:, columns], torque[:, columns] = repeated_shapes(tree, frequency, groups)
+    orthogonalise(tree, frequency, angle, torque)
+    return angle, torque
+
+
+def shape_sign(angle: FloatArray) -> FloatArray:
+    """Sign (m,) of the first angle in each shape (stations, m) that is, to rounding, as large as any."""
+    size = np.abs(angle)
+    first = np.argmax(size >= (1.0 - _EQUAL_SIZE) * size.max(axis=0), axis=0)
+    sign: FloatArray = np.sign(angle[first, np.arange(angle.shape[1])])
+    return sign
+
+
+def _finite(angle: FloatArray, torque: FloatArray) -> BoolArray:
+    """Whether each shape (m,) is finite throughout."""
+    return np.asarray(np.isfinite(angle).all(axis=0) & np.isfinite(torque).all(axis=0))

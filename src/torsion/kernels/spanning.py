@@ -1,0 +1,91 @@
+"""The spanning tree of the stiffest spans of a train with closed loops."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.kernels.tree import FloatArray, IntArray, Tree
+
+
+@dataclass(frozen=True)
+class LoopedTrain:
+    """A train with loops, renumbered; the torque of every given span is `sign` times that of span or loop `source`."""
+
+    tree: Tree
+    first: IntArray  # (loops,) new stations at both ends of each span that closes a loop
+    second: IntArray
+    flexibility: FloatArray  # (loops,) rad/(N m)
+    station: IntArray  # (stations,) new number of each given station
+    source: IntArray  # (given stations + given loops,) row among the new stations, then the loops
+    sign: FloatArray  # (given stations + given loops,)
+
+
+def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray) -> LoopedTrain:
+    """Tear every loop at its softest span (Kruskal 1956): what is torn is then a correction, not the main path.
+
+    The root of a part is a held station wherever there is one, so that angles are sums of twists from the ground.
+    Spans are those of `tree`, from parent to station, and (loops,) ones from `first` to `second`.
+    """
+    near, far = np.append(tree.parent, first), np.append(np.arange(tree.size), second)
+    soft = np.append(tree.flexibility, flexibility)
+    chosen = _lightest(tree.size, near, far, soft)
+    roots = np.argsort(~tree.held, kind="stable").tolist()
+    order, above, through = _outward(roots, near, far, chosen)
+    station = np.empty(tree.size, dtype=np.int64)
+    station[order] = np.arange(tree.size)
+    span = np.array([through[i] for i in order], dtype=np.int64)
+    parent = np.array([station[above[i]] if above[i] >= 0 else -1 for i in order], dtype=np.int64)
+    new = Tree(parent, np.where(span >= 0, soft[span], 0.0), tree.inertia[order], tree.held[order])
+    torn = np.flatnonzero(~np.isin(np.arange(len(near)), chosen) & (near >= 0))
+    source, sign = np.arange(len(near)), np.zeros(len(near))
+    inside = np.flatnonzero(span >= 0)
+    source[span[inside]] = inside
+    sign[span[inside]] = np.where(station[far[span[inside]]] == inside, 1.0, -1.0)
+    source[torn], sign[torn] = tree.size + np.arange(len(torn)), 1.0
+    source[sign == 0.0] = 0
+    return LoopedTrain(new, station[near[torn]], station[far[torn]], soft[torn], station, source, sign)
+
+
+def _lightest(size: int, near: IntArray, far: IntArray, weight: FloatArray) -> list[int]:
+    """Spans of the spanning forest of least total flexibility."""
+    group = list(range(size))
+
+    def head(i: int) -> int:
+        while group[i] != i:
+            group[i] = group[group[i]]
+            i = group[i]
+        return i
+
+    chosen = []
+    for span in np.argsort(weight, kind="stable").tolist():
+        if near[span] < 0:
+            continue
+        a, b = head(int(near[span])), head(int(far[span]))
+        if a != b:
+            group[max(a, b)] = min(a, b)
+            chosen.append(span)
+    return chosen
+
+
+def _outward(
+    roots: list[int], near: IntArray, far: IntArray, chosen: list[int]
+) -> tuple[list[int], list[int], list[int]]:
+    """Stations outward of the first of `roots` in each part; of each the one before it and the span, -1 at a root."""
+    size = len(roots)
+    joined: list[list[tuple[int, int]]] = [[] for _ in range(size)]
+    for span in chosen:
+        joined[near[span]].append((int(far[span]), span))
+        joined[far[span]].append((int(near[span]), span))
+    above, through, order = [-1] * size, [-1] * size, []
+    seen = [False] * size
+    for root in roots:
+        if not seen[root]:
+            seen[root] = True
+            branch = [root]
+            for i in branch:
+                for other, span in joined[i]:
+                    if not seen[other]:
+                        seen[other], above[other], through[other] = True, i, span
+                        branch.append(other)
+            order += branch
+    return order, above, through
