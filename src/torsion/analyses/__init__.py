@@ -1,0 +1,9 @@
+"""The analyses that a file can ask for: one module each, imported when a scene first names it."""
+
+ANALYSES = {  # name: class of its settings
+    "modes": "torsion.analyses.modes:Asked",
+    "response": "torsion.analyses.response:Asked",
+}
+UNBUILT = ("joints", "stability", "transient", "check", "sweep", "fem")  # of the format, but not built yet
+MODELS = ("lumped",)
+UNBUILT_MODELS = ("fem", "exact")

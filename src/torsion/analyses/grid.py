@@ -1,0 +1,146 @@
+"""Speeds and frequencies at which a response is computed: those asked for, and more around every resonance."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.analyses.damped import DampedModes
+from torsion.analyses.modes import Modes, is_elastic, modes
+from torsion.assembly.system import System
+from torsion.kernels.counts import count_below
+from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+
+POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
+FEWEST_POINTS = 5
+MOST_ADDED = 6000  # points added in all
+BROAD = 0.3  # damping ratio from which a resonance needs no points of its own
+SHIFT = 0.5  # of damping ratio * frequency, by which a damped mode stands apart from an undamped one
+UNDAMPED = 1e-9  # damping ratio below which a resonance is approached in decades
+DECADES = np.concatenate([-np.logspace(-2, -6, 9), [0.0], np.logspace(-6, -2, 9)])
+GAIN = 2e-4  # relative: a peak that stands higher above its highest point is computed at its own place
+SMALL = 1e-3  # of the largest torque of a span: lower peaks are not searched for
+ROUNDS_FOR_PEAKS = 2  # of looking for peaks between the points: the first finds them, the second sharpens them
+SAME_PLACE = 0.02  # of the distance between the neighbouring points: peaks that near are computed once
+
+
+@dataclass(frozen=True)
+class Resonances:
+    """Natural frequencies in ascending order with what damps them, as far as it is known without solving."""
+
+    frequency: FloatArray  # (modes,) rad/s
+    angle: FloatArray  # (stations, modes) rad at own speed, mass-normalised; zero where the ratio below says all
+    damping_ratio: FloatArray  # (modes,) of the spans, or all where the damped modes are known
+
+
+def resonances(system: System, highest: float, known: Modes | None, damped: DampedModes | None) -> Resonances:
+    """All modes up to a highest frequency (rad/s); `known` modes are used as far as they go.
+
+    Damping ratios are those of first order: power lost / (4 pi energy) of the undamped shape. The `damped` modes that
+    heavy damping has moved from every undamped one by more than SHIFT of their width are added.
+    """
+    found = _modes_up_to(system, highest, known)
+    w = 2.0 * math.pi * found.frequency
+    ratio = _span_damping_ratio(system, found, w)
+    if damped is not None:
+        size = np.abs(damped.eigenvalue)
+        moved = (np.abs(size - w[:, None]) > SHIFT * damped.damping_ratio * size).all(axis=0)
+        w = np.concatenate([w, size[moved]])
+        ratio = np.concatenate([ratio, damped.damping_ratio[moved]])
+    shape = np.zeros((len(system.stations), len(w)))
+    shape[:, : found.shape.shape[1]] = found.shape
+    return Resonances(w, shape, ratio)
+
+
+def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
+    """Modes whose frequency does not exceed the highest (rad/s), and perhaps more."""
+    if known is not None and known.frequency.size and 2.0 * math.pi * known.frequency[-1] > highest:
+        return known
+    folded = system.folded
+    if folded.extra.size or np.isinf(folded.tree.flexibility).any():
+        return modes(system, None)
+    below = int(count_below(folded.tree, np.array([highest * (1.0 + 1e-9)]))[0])
+    return modes(system, max(below, 1))
+
+
+def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArray:
+    """(modes,) loss in the spans: (sum c twist^2 + sum eta h torque^2 / w) / (2 w), shapes of generalised inertia 1."""
+    springs = is_elastic(system)
+    flexibility = np.where(springs, system.flexibility, 0.0)
+    q = found.shape / system.speed_ratio[:, None]
+    twist = (q[system.driving] - q[system.driven]) * system.span_ratio[:, None]
+    hysteretic = (system.loss_factor * flexibility) @ found.torque**2
+    return np.asarray((system.viscous @ twist**2 + hysteretic / w) / (2.0 * w))
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where resonances lie on an axis of speed or frequency."""
+
+    at: FloatArray  # (places,)
+    mode: IntArray  # (places,)
+
+
+def places(found: Resonances, orders: FloatArray, first: float, last: float) -> Places:
+    """Speeds (rad/s) at which an order (cycles a turn) meets a mode, within the range."""
+    speed = found.frequency[:, None] / orders
+    inside = (speed >= first) & (speed <= last)
+    return Places(speed[inside], np.nonzero(inside)[0])
+
+
+def damping_ratios(found: Resonances, where: Places, ground: FloatArray) -> FloatArray:
+    """(places,) damping ratio with the damping to ground (stations, places) N m s/rad that acts there."""
+    lost = np.einsum("sp,sp->p", ground, found.angle[:, where.mode] ** 2)
+    return np.asarray(found.damping_ratio[where.mode] + lost / (2.0 * found.frequency[where.mode]))
+
+
+def refined(asked: FloatArray, where: Places, ratio: FloatArray) -> tuple[FloatArray, str]:
+    """The points asked for and those around each resonance, ascending; and what had to be left out, in words.
+
+    Around a resonance at x they stand at x (1 + zeta tan t) with t evenly spaced: equal steps of phase of a single
+    mode, by sqrt(1 - 2 zeta^2) and its inverse (the peaks of angle and of acceleration of one degree of freedom).
+    """
+    narrow = ratio < BROAD
+    at, zeta = where.at[narrow], ratio[narrow]
+    points, remark = POINTS, ""
+    if len(at) * points > MOST_ADDED:
+        points = max(FEWEST_POINTS, (MOST_ADDED // len(at) - 1) // 2 * 2 + 1)
+        at, zeta = at[: MOST_ADDED // points], zeta[: MOST_ADDED // points]
+        remark = f"{np.count_nonzero(narrow)} resonances lie in the range; {len(at)} of them have {points} points each"
+    added = [asked]
+    step = np.tan(np.linspace(-0.5, 0.5, points + 2)[1:-1] * math.pi)
+    for x, z in zip(at.tolist(), zeta.tolist(), strict=True):
+        if z < UNDAMPED:
+            added.append(x * (1.0 + DECADES))
+            continue
+        peak = math.sqrt(1.0 - 2.0 * z * z)
+        added.append(np.concatenate([x * (1.0 + z * step), [x * peak, x / peak]]))
+    every = np.unique(np.concatenate(added))
+    return every[(every >= asked[0]) & (every <= asked[-1])], remark
+
+
+def missed_peaks(x: FloatArray, torque: ComplexArray, sound: np.ndarray) -> FloatArray:
+    """Places of peaks that stand higher than the highest computed point beside them.
+
+    x: (points,) ascending. torque: (points, lines, spans). sound: (points, lines) bool, where the answer is ok.
+    The inverse square of a resonance curve is a parabola over the frequency, so its lowest point is the peak.
+    """
+    if len(x) < 3 or torque.size == 0:
+        return np.empty(0)
+    size = np.where(sound[:, :, None], np.abs(torque), np.nan)
+    largest = np.nanmax(np.where(np.isfinite(size), size, 0.0), axis=(0, 1))
+    point, line, span = np.nonzero(
+        (size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:]) & (size[1:-1] > SMALL * largest)
+    )
+    left, right = x[point] - x[point + 1], x[point + 2] - x[point + 1]
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        y0, y1, y2 = (size[point + k, line, span] ** -2 for k in range(3))
+        slope0, slope2 = (y0 - y1) / left, (y2 - y1) / right
+        bend = (slope2 - slope0) / (right - left)
+        slope = slope0 - bend * left
+        move = -slope / (2.0 * bend)
+        gain = np.sqrt(y1 / (y1 + slope * move / 2.0)) - 1.0
+    inner = (bend > 0) & (move > left) & (move < right) & ~(gain <= GAIN) & (move != 0)
+    step = SAME_PLACE * (right - left)[inner]
+    rounded = np.round(move[inner] / step) * step
+    return np.unique(x[point[inner] + 1] + rounded)

@@ -1,0 +1,96 @@
+"""The Holzer table of a mode, taken from the mode itself: station by station, all referred to the reference speed."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.analyses.modes import STANDS_STILL, Modes
+from torsion.assembly.system import System
+from torsion.kernels.tree import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class HolzerTable:
+    """One mode, row by row from the root of the tree outward.
+
+    A row is a station and the span that leads to it from a row above: angle = angle of that row - twist (+ what a
+    rigid span does not twist), and the torque of the span is what all stations inward of it exert on it.
+    """
+
+    frequency: float  # Hz
+    station: IntArray  # (rows,) position of the station in the system
+    before: IntArray  # (rows,) row from which the span leads here, -1 at a start
+    span: IntArray  # (rows,) position of that span in the system, -1 at a start
+    inertia: FloatArray  # (rows,) kg m2 at own speed; infinite where held
+    referred_inertia: FloatArray  # (rows,) kg m2
+    angle: FloatArray  # (rows,) at reference speed; the first row is 1, or the largest where the first stands still
+    inertia_torque: FloatArray  # (rows,) N m per radian of the scale: omega^2 J angle
+    torque: FloatArray  # (rows,) N m in the span, from inward to outward
+    flexibility: FloatArray  # (rows,) rad/(N m) of the span, referred
+    twist: FloatArray  # (rows,) rad: flexibility * torque
+
+
+def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
+    """The table of one mode (counted from 0) of a train without loops; spans that close loops have no row.
+
+    Nothing is summed up along the train, as Holzer's own recurrence does, so no error grows along it.
+    """
+    folded = system.folded
+    nodes = np.array(_outward(folded.tree.children, folded.tree.parent.tolist()), dtype=np.int64)
+    place = np.full(folded.tree.size, -1, dtype=np.int64)
+    place[nodes] = np.arange(len(nodes))
+    span, station = _spans_and_stations(system)
+    keep = (folded.tree.parent >= 0) | (np.array([len(row) for row in folded.tree.children]) > 0)
+    keep |= len(nodes) == 1
+    rows = nodes[keep[nodes]]
+    place = np.cumsum(keep[nodes])[place] - 1
+    ratio = system.speed_ratio[station]
+    angle = np.where(folded.is_held_copy, 0.0, modes.shape[station, mode] / ratio)
+    scale = _scale(angle[rows])
+    omega = 2.0 * math.pi * modes.frequency[mode]
+    own = np.where(folded.tree.held, np.inf, system.inertia[station])
+    moving = np.where(folded.tree.held, 0.0, folded.tree.inertia)
+    torque = np.zeros(folded.tree.size)
+    has = span >= 0
+    torque[has] = (modes.torque[:, mode] * system.span_ratio)[span[has]] * folded.sign[span[has]]
+    flexibility = folded.tree.flexibility
+    twist = np.where(np.isfinite(flexibility), flexibility, 0.0) * torque
+    before = np.where(folded.tree.parent >= 0, place[folded.tree.parent], -1)
+    return HolzerTable(
+        float(modes.frequency[mode]), station[rows], before[rows], span[rows], own[rows], folded.tree.inertia[rows],
+        (angle / scale)[rows], (omega**2 * moving * angle / scale)[rows], (torque / scale)[rows],
+        flexibility[rows], (twist / scale)[rows],
+    )  # fmt: skip
+
+
+def _outward(children: tuple[tuple[int, ...], ...], parents: list[int]) -> list[int]:
+    """Tree stations, each branch to its end before the next."""
+    order: list[int] = []
+    for root in [k for k, parent in enumerate(parents) if parent < 0]:
+        stack = [root]
+        while stack:
+            here = stack.pop()
+            order.append(here)
+            stack.extend(reversed(children[here]))
+    return order
+
+
+def _spans_and_stations(system: System) -> tuple[IntArray, IntArray]:
+    """(tree stations,) the system's span that leads to each (-1 at a root) and its station."""
+    folded = system.folded
+    span = np.full(folded.tree.size, -1, dtype=np.int64)
+    station = np.zeros(folded.tree.size, dtype=np.int64)
+    in_tree = np.flatnonzero(folded.span >= 0)
+    span[folded.span[in_tree]] = in_tree
+    station[folded.node] = np.arange(len(system.stations))
+    for copy in np.flatnonzero(folded.is_held_copy).tolist():
+        by = int(span[copy])
+        station[copy] = system.driven[by] if folded.sign[by] > 0 else system.driving[by]
+    return span, station
+
+
+def _scale(angle: FloatArray) -> float:
+    """The first amplitude, or the largest where the first stands still."""
+    largest = float(angle[np.argmax(np.abs(angle))])
+    return float(angle[0]) if abs(angle[0]) > STANDS_STILL * abs(largest) else largest

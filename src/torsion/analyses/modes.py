@@ -1,0 +1,135 @@
+"""Natural frequencies and mode shapes of the undamped train."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from torsion.assembly.folding import Folded
+from torsion.assembly.system import System
+from torsion.fields import Declared, given
+from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+
+if TYPE_CHECKING:
+    from torsion.kernels.modes import TreeModes
+
+STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
+
+
+class Asked(Declared):
+    """Settings of `modes`."""
+
+    count: Annotated[int, Field(ge=1, le=100_000)] = given("how many elastic modes", 6)
+    damped: bool | None = given("damped frequencies and damping ratios too (default: when something damps)")
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Natural frequencies with their certificate; shapes scaled to a generalised inertia of 1 kg m2."""
+
+    frequency: FloatArray  # (modes,) Hz, elastic modes, ascending
+    shape: FloatArray  # (stations, modes) rad at own speed
+    torque: FloatArray  # (spans, modes) N m at the driving station's speed, positive when the driving side pushes
+    lower: FloatArray  # (modes,) Hz; counts prove that the mode lies in [lower, upper]
+    upper: FloatArray  # (modes,) Hz
+    rigid: int  # rigid motions, frequency exactly 0
+    certified: bool
+    kinetic: FloatArray  # (stations, modes) share of the kinetic energy
+    elastic: FloatArray  # (spans, modes) share of the elastic energy
+    nodes: np.ndarray  # (modes,) int: sign changes of the shape over elastic spans
+
+
+def modes(system: System, count: int | None = 6) -> Modes:
+    """The lowest `count` elastic modes (None: all). Raises SolveError for a frequency that cannot be proven."""
+    closing = closing_spans(system)
+    found = _referred_modes(system, closing, count)
+    torque = span_torques(system, found.torque, closing, found.loop_torque)
+    return _modes(system, found, torque)
+
+
+def _referred_modes(system: System, closing: IntArray, count: int | None) -> "TreeModes":
+    """The modes on the folded tree, with the spans `closing` that close its loops."""
+    tree = undamped_tree(system.folded)
+    if not closing.size:
+        from torsion.kernels.modes import tree_modes
+
+        return tree_modes(tree, count)
+    from torsion.kernels.graph_modes import graph_modes
+
+    node = system.folded.node
+    flexibility = (system.flexibility / system.span_ratio**2)[closing]
+    return graph_modes(tree, node[system.driving[closing]], node[system.driven[closing]], flexibility, count)
+
+
+def undamped_tree(folded: Folded) -> Tree:
+    """The tree without the spans that have damping but no stiffness, which hold nothing without damping."""
+    tree = folded.tree
+    slips = np.isinf(tree.flexibility)
+    if not slips.any():
+        return tree
+    return replace(tree, parent=np.where(slips, -1, tree.parent), flexibility=np.where(slips, 0.0, tree.flexibility))
+
+
+def closing_spans(system: System) -> IntArray:
+    """(closing,) spans with a stiffness that close loops or lie beside another span."""
+    extra = system.folded.extra
+    return extra[np.isfinite(system.flexibility[extra])]
+
+
+def span_torques(system: System, torque: np.ndarray, closing: IntArray, closing_torque: np.ndarray) -> np.ndarray:
+    """(spans, columns) N m at each driving station's speed, from torques (tree stations, columns) on the tree.
+
+    closing_torque: (closing, columns) N m at one speed, positive when the driving side pushes.
+    """
+    folded = system.folded
+    told = np.zeros((len(system.spans), torque.shape[1]), dtype=torque.dtype)
+    in_tree = np.flatnonzero(folded.span >= 0)
+    told[in_tree] = torque[folded.span[in_tree]] * folded.sign[in_tree, None]
+    if closing.size:
+        told[closing] = closing_torque
+    return np.asarray(told / system.span_ratio[:, None])
+
+
+def _modes(system: System, found: "TreeModes", torque: FloatArray) -> Modes:
+    """The modes at own speeds, with their energies."""
+    folded = system.folded
+    angle = found.angle[folded.node]
+    shape = angle * system.speed_ratio[:, None]
+    inertia = np.where(system.held, 0.0, system.inertia)
+    springs = is_elastic(system)
+    energy = np.where(springs, system.flexibility, 0.0)[:, None] * torque**2
+    kinetic = inertia[:, None] * shape**2
+    hertz = 1.0 / (2.0 * math.pi)
+    return Modes(
+        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
+        kinetic / kinetic.sum(axis=0), energy / energy.sum(axis=0), _nodes(system, found.angle),
+    )  # fmt: skip
+
+
+def is_elastic(system: System) -> BoolArray:
+    """(spans,) spans that store energy: neither rigid nor without stiffness."""
+    return np.asarray((system.flexibility > 0) & np.isfinite(system.flexibility))
+
+
+def _nodes(system: System, angle: FloatArray) -> IntArray:
+    """(modes,) spans over which the shape changes its sign.
+
+    A station that stands still takes the sign of the station inward of it, so that a node at a station counts once.
+    A held station has no sign: the shape starts there and does not cross it.
+    """
+    tree = system.folded.tree
+    size = np.abs(angle).max(axis=0, initial=0.0)
+    sign = np.where(np.abs(angle) > STANDS_STILL * size, np.sign(angle), 0.0)
+    changes = np.zeros(angle.shape[1], dtype=np.int64)
+    for station, parent in enumerate(tree.parent.tolist()):
+        if tree.held[station]:
+            sign[station] = 0.0
+        elif parent < 0:
+            sign[station] = np.where(sign[station] == 0.0, 1.0, sign[station])
+        else:
+            sign[station] = np.where(sign[station] == 0.0, sign[parent], sign[station])
+            if np.isfinite(tree.flexibility[station]):
+                changes += sign[station] * sign[parent] < 0.0
+    return changes

@@ -1,0 +1,150 @@
+"""Mean torque in every span (order 0) from the load law and the gear ratios."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.statics import Shares, statics
+from torsion.assembly.system import System
+from torsion.components.lowering import Part
+from torsion.errors import Fault, InputError
+from torsion.kernels.tree import FloatArray
+from torsion.study import Operation, Study
+from torsion.train import Train
+
+SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was written in another unit
+
+
+@dataclass(frozen=True)
+class Steady:
+    """The train at constant speed."""
+
+    speed: FloatArray  # (speeds,) rad/s of the reference station
+    torque: FloatArray  # (spans, speeds) N m at the driving station's speed
+    applied: FloatArray  # (stations, speeds) N m: drive positive, load negative
+    twist: FloatArray  # (stations, speeds) rad at own speed, elastic, against the reference station
+    sharing: str  # how the load was shared, in a sentence
+
+
+def has_mean_torque(operation: Operation) -> bool:
+    """The file says enough for a mean torque: a rated power, or a table of torque over speed."""
+    return not isinstance(operation.load, str) or (operation.rated is not None and operation.rated.power is not None)
+
+
+def operating_speed(operation: Operation) -> float:
+    """rad/s at which speed-dependent damping is told: the rated speed, else the highest; 0 where none is given."""
+    if operation.rated is not None:
+        return operation.rated.speed
+    return operation.speeds.last if operation.speeds is not None else 0.0
+
+
+def steady(train: Train, system: System, operation: Operation, speed: FloatArray) -> Steady:
+    """Mean torques at reference speeds (speeds,) rad/s.
+
+    The torque enters at the motors, in proportion to their power, else at the first station, and leaves at the
+    propellers, in equal parts, else at the last station of the main line. Raises InputError where the operation says
+    no mean torque, or its table does not cover the speeds, or only some of the motors have a power.
+    """
+    speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
+    mean = mean_torque(operation, speed)
+    drives, driving = _drives(train)
+    loads, loading = _loads(train)
+    shares: Shares = [Fraction(0)] * len(system.stations)
+    for station, share in drives:
+        shares[station] += share
+    for station, share in loads:
+        shares[station] -= share
+    one = statics(system, shares, reference_station(train, operation))
+    applied = np.array([float(share / station.ratio) for share, station in zip(shares, system.stations, strict=True)])
+    return Steady(
+        speed,
+        np.outer(one.torque / system.span_ratio, mean),
+        np.outer(applied, mean),
+        np.outer(one.twist * system.speed_ratio, mean),
+        f"The mean torque enters at {driving} and leaves at {loading}.",
+    )
+
+
+def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
+    """Mean torques at the speeds (speeds,) rad/s; None where the operation does not say them."""
+    if not has_mean_torque(study.operation):
+        return None
+    return steady(study.train, system, study.operation, speed)
+
+
+def mean_torque(operation: Operation, speed: FloatArray) -> FloatArray:
+    """(speeds,) N m at the reference station, from the load law; raises InputError where the file does not say it."""
+    load = operation.load
+    if not isinstance(load, str):
+        return interpolated(load, speed, Fault(("operation", "load"), "the table of the load", "")).copy()
+    rated = operation.rated
+    if rated is None or rated.power is None:
+        hint = "for example `rated: {speed: 1500 rpm, power: 100 kW}`"
+        raise InputError([Fault(("operation", "rated"), "the mean torque needs the rated power", hint)])
+    torque = rated.power / rated.speed
+    return torque * (speed / rated.speed) ** 2 if load == "propeller" else np.full_like(speed, torque)
+
+
+def interpolated(table: tuple[tuple[float, float], ...], speed: FloatArray, about: Fault) -> FloatArray:
+    """Torque (speeds,) N m from a table over speed, linear between its rows and never beyond them.
+
+    `about` names the table and its place; raises InputError where the table does not cover the speeds.
+    """
+    rows = np.array(table, dtype=np.float64)
+    first, last = rows[0, 0], rows[-1, 0]
+    if speed.size and (speed.min() < first * (1 - SAME_SPEED) or speed.max() > last * (1 + SAME_SPEED)):
+        covers = f"covers {_rpm(first)} to {_rpm(last)}, the speeds run from {_rpm(speed.min())} to {_rpm(speed.max())}"
+        hint = "extend the table, or narrow the speeds; nothing is extrapolated"
+        raise InputError([Fault(about.path, f"{about.message} {covers}", hint)])
+    return np.asarray(np.interp(speed, rows[:, 0], rows[:, 1]))
+
+
+def reference_station(train: Train, operation: Operation) -> int:
+    """The station whose speed and angle are meant: that of the component `at`, else the first one."""
+    if operation.at is not None:
+        stations = train.part(operation.at).stations
+        if stations:
+            return stations[0]
+    return next((k for k, station in enumerate(train.stations) if station.ratio == 1), 0)
+
+
+def _rpm(speed: float) -> str:
+    return f"{speed * 30.0 / np.pi:.6g} rpm"
+
+
+def _drives(train: Train) -> tuple[list[tuple[int, Fraction]], str]:
+    """Stations that drive with their shares of the power, and their names in words."""
+    motors = [part for part in train.parts if part.component.keyword == "motor"]
+    if not motors:
+        return [(0, Fraction(1))], f"{train.stations[0].name} (there is no motor)"
+    power = [getattr(part.component, "power", None) for part in motors]
+    given = [Fraction(value) for value in power if value is not None]
+    if len(motors) == 1 or not given:
+        return _equally(motors)
+    if len(given) < len(motors):
+        lacking = motors[power.index(None)]
+        hint = "give every motor its power, or none of them to share the load equally"
+        raise InputError([Fault(lacking.path, f"'{lacking.name}' has no power, other motors have", hint)])
+    shares = [(part.stations[0], value / sum(given)) for part, value in zip(motors, given, strict=True)]
+    return shares, f"{_names(motors)} in proportion to their power"
+
+
+def _loads(train: Train) -> tuple[list[tuple[int, Fraction]], str]:
+    """Stations that absorb the power with their shares, and their names in words."""
+    propellers = [part for part in train.parts if part.component.keyword == "propeller"]
+    if propellers:
+        return _equally(propellers)
+    main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
+    last = main[-1].stations[-1]
+    return [(last, Fraction(1))], f"{train.stations[last].name} (there is no propeller)"
+
+
+def _equally(parts: list[Part]) -> tuple[list[tuple[int, Fraction]], str]:
+    words = _names(parts) + (" in equal parts" if len(parts) > 1 else "")
+    return [(part.stations[0], Fraction(1, len(parts))) for part in parts], words
+
+
+def _names(parts: list[Part]) -> str:
+    names = [part.name for part in parts]
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
