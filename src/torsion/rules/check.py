@@ -1,0 +1,36 @@
+"""The verdict of a rule on one thing."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+Verdict = Literal["pass", "fail", "outside", "to be verified"]
+
+
+@dataclass(frozen=True, slots=True)
+class BarredRange:
+    """Speeds that are not for continuous use and are to be passed rapidly; rad/s of the reference station."""
+
+    lower: float
+    upper: float
+    critical: float  # the speed of the worst stress, from which the rule's width follows
+    shaft: str
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One line of the verdict table."""
+
+    rule: str
+    clause: str
+    where: str  # name of the component
+    what: str  # "synthesis stress amplitude"
+    value: float  # infinite where the response has no answer
+    limit: float  # NaN where the rule has no limit (verdict "outside")
+    unit: str
+    verdict: Verdict
+    speed: float | None = None  # rad/s of the reference station, at the worst point
+    order: Fraction | None = None  # of the reference station; None for the synthesis
+    note: str = ""
+    at_least: bool = False  # the limit is a least value, not a greatest
+    barred: tuple[BarredRange, ...] = ()  # the ranges that the verdict stands on

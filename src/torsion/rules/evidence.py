@@ -1,0 +1,104 @@
+"""What a rule reads: the study, its system and the results that were computed."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.analyses.steady import SAME_SPEED
+from torsion.components.lowering import Part
+from torsion.errors import Fault, Path
+from torsion.fields import Declared
+from torsion.kernels.tree import FloatArray, IntArray
+from torsion.study import Operation, Study
+
+if TYPE_CHECKING:
+    from torsion.analyses.modes import Modes
+    from torsion.analyses.response import Response, Synthesis
+    from torsion.analyses.steady import Steady
+    from torsion.assembly.system import System
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A study and its results; None for what was not computed."""
+
+    study: Study
+    system: "System"
+    modes: "Modes | None" = None
+    steady: "Steady | None" = None
+    response: "Response | None" = None
+    synthesis: "Synthesis | None" = None
+
+    def vibration(self) -> "tuple[Response, Synthesis]":
+        """The response over speed and its synthesis; raises ValueError where they were not computed."""
+        if self.response is None or self.synthesis is None:
+            raise ValueError("a rule about vibration needs the response over speed and its synthesis")
+        return self.response, self.synthesis
+
+
+def parts_of_kind(study: Study, keyword: str) -> Iterator[tuple[int, Part]]:
+    """Every component of one kind with its position in the train's parts."""
+    return ((k, part) for k, part in enumerate(study.train.parts) if part.component.keyword == keyword)
+
+
+def spans_of(system: "System", part: int) -> IntArray:
+    """(spans of the part,) positions of the spans that a component was made into, from driving to driven."""
+    return np.array([k for k, span in enumerate(system.spans) if span.part == part], dtype=np.int64)
+
+
+def rated_torque(evidence: Evidence, spans: IntArray) -> FloatArray | None:
+    """(spans,) N m: magnitude of the mean torque at the rated speed; None where it is not known.
+
+    Between computed speeds the torque is taken linear in the squared speed for the propeller law, which is exact.
+    """
+    steady, rated = evidence.steady, evidence.study.operation.rated
+    if steady is None or rated is None:
+        return None
+    first, last = steady.speed[0], steady.speed[-1]
+    if not first * (1 - SAME_SPEED) <= rated.speed <= last * (1 + SAME_SPEED):
+        return None
+    power = 2 if evidence.study.operation.load == "propeller" else 1
+    rows = [np.interp(rated.speed**power, steady.speed**power, steady.torque[span]) for span in spans]
+    return np.asarray(np.abs(np.array(rows)))
+
+
+def rated_is_computed(operation: Operation) -> bool:
+    """The rated speed lies in the speed range; so it does where there is no range yet."""
+    rated, speeds = operation.rated, operation.speeds
+    if rated is None or speeds is None:
+        return rated is not None
+    return speeds.first * (1 - SAME_SPEED) <= rated.speed <= speeds.last * (1 + SAME_SPEED)
+
+
+def excites(study: Study) -> bool:
+    """Something in the train excites it by order, or at a frequency of its own."""
+    harmonic = any(torque.order is not None or torque.frequency is not None for torque in study.train.torques)
+    return harmonic or any(mesh.error for mesh in study.train.constraints)
+
+
+def rule_path(study: Study, asked: Declared) -> Path:
+    """Where the rule with these settings stands in the file."""
+    for position, (_, settings) in enumerate(study.rules):
+        if settings is asked:
+            return ("rules", position)
+    return ("rules",)
+
+
+def vibration_faults(study: Study, asked: Declared, rule: str) -> list[Fault]:
+    """What the file lacks for any rule that reads the response over speed."""
+    found = []
+    if study.operation.speeds is None:
+        hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
+        found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule} judges a speed range", hint))
+    if not excites(study):
+        hint = "give an excitation, or leave the rule out"
+        found.append(Fault(rule_path(study, asked), f"nothing excites the train, so {rule} has nothing to judge", hint))
+    return found
+
+
+def in_rpm(speed: float) -> str:
+    """A speed in words, per minute."""
+    return f"{speed * 30.0 / math.pi:.5g} rpm"

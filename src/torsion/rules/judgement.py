@@ -1,0 +1,104 @@
+"""The verdict on a value that is computed over speed: the worst point against its limit."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.kernels.response import Status
+from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.rules.check import Check
+from torsion.rules.evidence import in_rpm
+
+if TYPE_CHECKING:
+    from torsion.analyses.response import Line, Response
+
+EDITION = "to be verified against the edition in force"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A value and its limit over speed."""
+
+    speed: FloatArray  # (speeds,) rad/s of the reference station
+    value: FloatArray  # (speeds,)
+    limit: FloatArray  # (speeds,) NaN where the rule has no limit
+    status: IntArray  # (speeds,) kernels.response.Status of the worst line
+
+    def utilisation(self) -> FloatArray:
+        """(speeds,) value / limit; infinite where the response is not ok, 0 where both are nothing."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = self.value / self.limit
+        share[(self.value == 0) & (self.limit == 0)] = 0.0
+        return np.where((self.status != Status.OK) | ~np.isfinite(self.value), np.inf, share)
+
+    def exceeds(self) -> BoolArray:
+        """(speeds,) where the limit exists and is not kept."""
+        return np.isfinite(self.limit) & (self.utilisation() > 1.0)
+
+
+@dataclass(frozen=True)
+class Clause:
+    """What a verdict is about."""
+
+    rule: str
+    clause: str
+    where: str
+    what: str
+    unit: str
+
+
+def worst_status(response: "Response") -> IntArray:
+    """(speeds,) the worst status of any line at each speed."""
+    return np.asarray(np.max(response.status, axis=1, initial=Status.OK), dtype=np.int64)
+
+
+def judge(clause: Clause, curve: Curve, within: BoolArray) -> Check | None:
+    """The check at the worst of the speeds `within`; None where there is no speed."""
+    if not np.any(within):
+        return None
+    share = np.where(within, curve.utilisation(), -np.inf)
+    at = worst_of(share, curve.value)
+    return Check(
+        clause.rule, clause.clause, clause.where, clause.what,
+        value=stated(curve.value[at]), limit=float(curve.limit[at]), unit=clause.unit,
+        verdict="fail" if share[at] > 1.0 else "pass",
+        speed=float(curve.speed[at]), note=status_words(curve, at),
+    )  # fmt: skip
+
+
+def noted(check: Check, *notes: str) -> Check:
+    """The check with further notes; empty ones are left out."""
+    return replace(check, note="; ".join(text for text in (check.note, *notes) if text))
+
+
+def worst_of(share: FloatArray, value: FloatArray) -> int:
+    """The place of the greatest share; among infinite ones that of the greatest value."""
+    top = np.flatnonzero(share == np.max(share))
+    return int(top[np.argmax(np.where(np.isfinite(value[top]), value[top], np.inf))])
+
+
+def stated(value: float) -> float:
+    """A value as printed; infinite where there is none."""
+    return float(value) if np.isfinite(value) else float("inf")
+
+
+def status_words(curve: Curve, at: int) -> str:
+    """Why a number is not one to pass on; empty where the response is ok."""
+    if curve.status[at] == Status.OK:
+        return "" if np.isfinite(curve.value[at]) else f"no value at {in_rpm(curve.speed[at])}"
+    word = Status(int(curve.status[at])).name.lower().replace("_", "-")
+    return f"the response is {word} at {in_rpm(curve.speed[at])}, which is never a pass"
+
+
+def largest_line(response: "Response", check: Check, spans: IntArray) -> str:
+    """Words for the line with the greatest torque in the spans at the speed of a check."""
+    if not response.lines or check.speed is None:
+        return ""
+    at = int(np.argmin(np.abs(response.speed - check.speed)))
+    size = np.abs(response.torque[at][:, spans]).max(axis=1)
+    if not np.all(np.isfinite(size)) or not np.any(size > 0):
+        return ""
+    line: Line = response.lines[int(np.argmax(size))]
+    name = f"order {line.order}" if line.order is not None else f"{line.frequency:.5g} Hz"
+    return f"mostly {name} ({', '.join(line.sources)})"

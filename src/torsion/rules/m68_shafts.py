@@ -1,0 +1,167 @@
+"""A shaft as IACS UR M68 sees it: its role, strength, factors, and nominal stress for a torque."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Literal, Self, cast
+
+import numpy as np
+from pydantic import model_validator
+
+from torsion import fields
+from torsion.components.lowering import Part
+from torsion.components.shaft import Shaft
+from torsion.fields import Declared, OneOrMany, given, refuse, required
+from torsion.kernels.sections import section_modulus
+from torsion.kernels.tree import FloatArray, IntArray
+from torsion.primitives import Bar
+from torsion.rules import m68_formulas as formulas
+from torsion.rules.evidence import parts_of_kind, spans_of
+from torsion.rules.m68_formulas import ASSUMED, DETAILS, Detail, Role
+from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.assembly.system import System
+
+PA = 1e-6  # N/mm2
+MM = 1e3  # mm/m
+
+
+class Slot(Declared):
+    """Dimensions of a longitudinal slot."""
+
+    length: fields.Length = required("length along the shaft")
+    width: fields.Length = required("width")
+
+    @model_validator(mode="after")
+    def _is_longitudinal(self) -> Self:
+        if self.length < self.width:
+            raise refuse("the slot is shorter than it is wide", "the length runs along the shaft", "length")
+        return self
+
+
+class Asked(Declared):
+    """Settings of `iacs-m68`."""
+
+    alloy: Annotated[tuple[str, ...], OneOrMany] = given("shafts of alloy steel; others are carbon or C-Mn steel", ())
+    drive: Literal["turbine", "electric", "slip coupling", "other"] = given("what drives, for F", "other")
+    tachometer: fields.Share = given("tolerance of the tachometer, added to both ends of a barred range", 0.0)
+    slots: Mapping[str, Slot] = given("slots by name of the shaft: {length, width}; C_K 1.45/scf in place of 0.30", {})
+
+
+@dataclass(frozen=True)
+class ClassedShaft:
+    """A shaft with a role, and what the rule takes for it."""
+
+    part: int
+    name: str
+    role: Role
+    strength: float  # N/mm2, as used
+    details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K and the greatest k govern
+    diameter: float  # mm, greatest: for C_D
+    ends: tuple[tuple[float, float], tuple[float, float]]  # mm, (outer, bore) of the driving and the driven end
+    notes: tuple[str, ...]
+
+    @property
+    def governing(self) -> tuple[str, Detail]:
+        """The feature with the smallest C_K."""
+        return min(self.details, key=lambda entry: entry[1].c_k)
+
+    @property
+    def c_k(self) -> float:
+        """The smallest C_K of the shaft's features."""
+        return self.governing[1].c_k
+
+    @property
+    def k(self) -> float:
+        """The greatest k of the shaft's features, for the least diameter."""
+        return max(detail.k for _, detail in self.details)
+
+    @property
+    def keyways(self) -> tuple[str, ...]:
+        """Features that do not go with a barred range."""
+        return tuple(name for name, detail in self.details if detail.has_keyway)
+
+    def tau_c(self, speed_ratio: FloatArray) -> FloatArray:
+        """(speeds,) N/mm2, NaN above 1.05."""
+        return formulas.tau_c(self.strength, self.diameter, self.c_k, speed_ratio)
+
+    def tau_t(self, speed_ratio: FloatArray) -> FloatArray:
+        """(speeds,) N/mm2, NaN above 0.8."""
+        return formulas.tau_t(self.strength, self.diameter, self.c_k, speed_ratio)
+
+
+def classed_shafts(study: Study, asked: Asked) -> Iterator[ClassedShaft]:
+    """Every shaft of the train that has a role."""
+    for number, part in parts_of_kind(study, "shaft"):
+        if cast(Shaft, part.component).role is not None:
+            yield _classed(study, asked, number, part)
+
+
+def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, FloatArray]:
+    """Spans of the shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
+    spans = spans_of(system, shaft.part)
+    bar = next(bar for bar in system.train.bars if bar.part == shaft.part)
+    at_edge = _modulus(bar, np.linspace(0.0, 1.0, len(spans) + 1))
+    return spans, np.minimum(at_edge[:-1], at_edge[1:])
+
+
+def _modulus(bar: Bar, at: FloatArray) -> FloatArray:
+    """W_p at shares of the length; between two of them it is never below the smaller."""
+    outer = bar.outer[0] + (bar.outer[1] - bar.outer[0]) * at
+    bore = bar.bore[0] + (bar.bore[1] - bar.bore[0]) * at
+    return section_modulus(outer, bore)
+
+
+def _classed(study: Study, asked: Asked, number: int, part: Part) -> ClassedShaft:
+    component = cast(Shaft, part.component)
+    role = cast(Role, component.role)
+    stated = study.train.materials[component.material].tensile_strength
+    steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
+    strength = formulas.used_strength(steel, role, alloy=part.name in asked.alloy)
+    outer, bore = component.diameter, component.bore
+    ends = ((outer[0] * MM, bore[0] * MM), (outer[-1] * MM, bore[-1] * MM))
+    shaft = ClassedShaft(
+        number, part.name, role, strength, _details(component, role, part.name, ends, asked),
+        diameter=max(outer) * MM, ends=ends, notes=(),
+    )  # fmt: skip
+    return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
+
+
+def _details(
+    component: Shaft, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: Asked
+) -> tuple[tuple[str, Detail], ...]:
+    """The shaft's features with their factors; the role's usual one where none is given."""
+    if not component.features:
+        return (("no feature given", ASSUMED[role]),)
+    found: list[tuple[str, Detail]] = []
+    for feature in component.features:
+        detail = DETAILS[feature]
+        if feature == "slot" and name in asked.slots:
+            detail = replace(detail, c_k=_slot(asked.slots[name], ends), c_k_mark="to be verified")
+        found.append((feature, detail))
+    return tuple(found)
+
+
+def _slot(slot: Slot, ends: tuple[tuple[float, float], ...]) -> float:
+    """C_K of a slot at the less favourable end of the shaft, at most that of the plain section."""
+    factors = [formulas.slot_concentration(d, bore, slot.length * MM, slot.width * MM) for d, bore in ends]
+    return min(1.0, formulas.slot_c_k(max(factors)))
+
+
+def _notes(shaft: ClassedShaft, stated: float | None) -> tuple[str, ...]:
+    """What was used, in words."""
+    feature, detail = shaft.governing
+    doubt = "" if detail.c_k_mark == "verified" else ", to be verified against the edition in force"
+    condition = f": {detail.condition}" if detail.condition else ""
+    if stated is None:
+        doubt_of_strength = " (none stated: the least of shaft steel assumed, to be verified)"
+    else:
+        doubt_of_strength = f" (of {stated:.4g})" if shaft.strength < stated else ""
+    (first, _), (last, _) = shaft.ends
+    factors = [
+        f"C_K {shaft.c_k:.4g} ({feature}{condition}{doubt})",
+        f"C_D {formulas.size_factor(shaft.diameter):.4g}",
+        f"sigma_B {shaft.strength:.4g} N/mm2{doubt_of_strength}",
+    ]
+    cone = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter" if first != last else ""
+    return (", ".join(factors), *([cone] if cone else []))

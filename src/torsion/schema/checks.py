@@ -1,0 +1,75 @@
+"""What the sections of a file need of each other."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from torsion.errors import Fault, Path
+from torsion.primitives import Torque
+from torsion.rules import lacking, needed
+from torsion.study import Study
+
+_SPEEDS = "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`"
+_RATED = "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
+_LISTS = {"motor": "ripple", "propeller": "excitation"}  # keys of components that bring torques
+
+
+def study_faults(study: Study) -> list[Fault]:
+    """Faults between sections: speeds, frequencies, mean torque and what the rules need."""
+    return [*_response_faults(study), *lacking(study)]
+
+
+def _response_faults(study: Study) -> Iterator[Fault]:
+    """A response runs when it or a rule about it is asked for or, where no analysis is named, when a torque excites."""
+    ruled = "response" in needed(study)
+    asked = study.analyses.get("response")
+    if not ruled and asked is None and (study.analyses or not study.train.torques):
+        return
+    speeds = study.operation.speeds is not None
+    frequencies = getattr(asked, "frequencies", None) is not None
+    if asked is not None and not speeds and not frequencies:
+        hint = f"{_SPEEDS}, or `response: {{frequencies: {{from: 1, to: 200}}}}`"
+        yield Fault(("analyses", "response"), "a response needs speeds or frequencies", hint)
+    yield from _speed_faults(study, speeds=speeds or asked is not None or ruled, frequencies=frequencies)
+    if speeds and not _has_mean_torque(study):
+        yield from _mean_torque_faults(study)
+
+
+def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[Fault]:
+    """A torque at every frequency needs frequencies; all others need speeds, which is said once."""
+    for path, torque in _placed(study):
+        if torque.order is None and torque.frequency is None:
+            if not frequencies:
+                hint = "give it `order` or `frequency`, or `analyses: {response: {frequencies: {from: 1, to: 200}}}`"
+                yield Fault(path, "this torque acts at every frequency, and no frequencies are asked for", hint)
+        elif not speeds:
+            yield Fault(path, "this excitation needs the speeds at which the train runs", _SPEEDS)
+            speeds = True
+
+
+def _mean_torque_faults(study: Study) -> Iterator[Fault]:
+    """The first value that needs the mean torque, where it is not known."""
+    needs = [path for path, torque in _placed(study) if torque.of_mean]
+    parts, stations = study.train.parts, study.train.stations
+    needs += [(*parts[stations[d.station].part].path, "damping") for d in study.train.dampers if d.torque_factor]
+    if needs:
+        yield Fault(needs[0], "this needs the mean torque, and the rated power is not given", _RATED)
+
+
+def _has_mean_torque(study: Study) -> bool:
+    operation = study.operation
+    return not isinstance(operation.load, str) or (operation.rated is not None and operation.rated.power is not None)
+
+
+def _placed(study: Study) -> Iterator[tuple[Path, Torque]]:
+    """Every torque with the place in the file that brings it: a list of its component, or one of `excitations`."""
+    brought: Counter[str] = Counter()
+    for torque in study.train.torques:
+        part = study.train.part(torque.name)
+        key = _LISTS.get(part.component.keyword, "")
+        place = brought[torque.name]
+        if place < len(getattr(part.component, key, ())):
+            brought[torque.name] += 1
+            yield (*part.path, key, place), torque
+        else:
+            yield ("excitations", brought["excitations"]), torque
+            brought["excitations"] += 1

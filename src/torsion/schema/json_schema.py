@@ -1,0 +1,92 @@
+"""JSON Schema of the whole file, from the same declarations that read it, so that an editor completes and checks it."""
+
+from typing import Any
+
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
+from pydantic_core import core_schema
+
+from torsion.analyses import ANALYSES, MODELS
+from torsion.components import KINDS, component
+from torsion.components.excitation import Excitation
+from torsion.components.material import Material
+from torsion.fields import Declared, OneOrMany
+from torsion.rules import RULES
+from torsion.schema.read import Scene
+from torsion.schema.sections import LINKS, settings
+from torsion.study import Operation
+
+Schema = dict[str, Any]
+
+
+class _Declarations(GenerateJsonSchema):
+    """Keys without a value are refused by the reader, so null is no choice; one value stands for a list of one."""
+
+    def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
+        return self.generate_inner(schema["schema"])
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        return False
+
+    def function_before_schema(self, schema: core_schema.BeforeValidatorFunctionSchema) -> JsonSchemaValue:
+        inner = super().function_before_schema(schema)
+        if schema["function"]["function"] is OneOrMany.func and "items" in inner:
+            return {"anyOf": [inner["items"], inner]}
+        return inner
+
+
+def json_schema() -> Schema:
+    """The schema (draft 2020-12) of a shaft-train file; parts of the format that are not built yet are absent."""
+    sections: dict[str, type[Declared]] = {"material": Material, "operation": Operation, "excitation": Excitation}
+    models = {
+        **{kind: component(kind) for kind in KINDS},
+        **sections,
+        **{name: settings(ANALYSES, name) for name in ANALYSES},
+        **{name: settings(RULES, name) for name in RULES},
+    }
+    asked = list(dict.fromkeys(models.values()))
+    found, shared = models_json_schema([(model, "validation") for model in asked], schema_generator=_Declarations)
+    refs = {name: dict(found[model, "validation"]) for name, model in models.items()}
+    schema = Scene.model_json_schema(schema_generator=_Declarations)
+    for key, body in _sections(refs).items():
+        schema["properties"][key] |= body
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    schema |= {"title": "Shaft train", "description": "A train of shafts and what is asked of it."}
+    train = _list_of(_one_of({kind: refs[kind] for kind in KINDS}))
+    parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
+    schema["$defs"] = {"train": {"description": "components in a row", **train}, **parts}
+    return schema
+
+
+def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
+    rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: refs[name] for name in RULES})]}
+    ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+    link = _one_of({kind: refs[kind] for kind in LINKS}, more={"between": ends})
+    asked = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in ANALYSES}
+    return {
+        "materials": {"type": "object", "additionalProperties": refs["material"]},
+        "operation": refs["operation"],
+        "train": {"$ref": "#/$defs/train"},
+        "links": _list_of(link),
+        "excitations": _list_of(refs["excitation"]),
+        "analyses": _mapping({"model": {"enum": list(MODELS)}, **asked}),
+        "rules": _list_of(rule),
+    }
+
+
+def _mapping(properties: Schema) -> Schema:
+    return {"type": "object", "properties": properties, "additionalProperties": False}
+
+
+def _one_of(properties: Schema, more: Schema | None = None) -> Schema:
+    """A mapping with exactly one of the properties, and all of the others."""
+    others = more or {}
+    size = 1 + len(others)
+    body = _mapping({**others, **properties}) | {"minProperties": size, "maxProperties": size}
+    return body | {"required": list(others)} if others else body
+
+
+def _list_of(items: Schema) -> Schema:
+    return {"type": "array", "items": items}

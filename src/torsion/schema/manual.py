@@ -1,0 +1,132 @@
+"""The manual of the file, as Markdown, from the same declarations that read it and that make the JSON Schema."""
+
+from collections.abc import Iterator
+from importlib.resources import files
+from string import Template
+
+from torsion import units
+from torsion.analyses import ANALYSES, MODELS, UNBUILT, UNBUILT_MODELS
+from torsion.components import KINDS, component
+from torsion.components import UNBUILT as UNBUILT_KINDS
+from torsion.components.base import Component
+from torsion.components.excitation import Excitation
+from torsion.components.material import STEEL, Material
+from torsion.fields import Declared
+from torsion.rules import RULES
+from torsion.schema.manual_keys import keys_of, quantities_of, table_of
+from torsion.schema.read import Scene
+from torsion.schema.sections import LINKS, settings
+from torsion.study import Operation
+
+EXAMPLES = {
+    "disc": "- disc: {name: flywheel, inertia: 2.075 kg*m**2, source: drawing}",
+    "motor": "- motor: {inertia: 8.5, power: 400 kW, ripple: [{order: 6, torque: 1 %, phase: 30 deg}]}",
+    "propeller": "- propeller: {inertia: 42, entrained: 25 %, blades: 4, damping: {model: archer, factor: 30},\n"
+    "              excitation: [{blade_order: 1, torque: 6 %}, {blade_order: 2, torque: 2 %}]}",
+    "damper": "- damper: {housing: 1.5, ring: 4, damping: 600 N*m*s/rad}",
+    "shaft": "- shaft: {length: 4.5 m, diameter: [150 mm, 140 mm], bore: 40 mm, role: propeller, features: shrink fit}",
+    "coupling": "- coupling: {stiffness: 40 kN*m/rad, inertia: [0.9, 0.6], psi: 0.9, vibratory_torque: 1.2 kN*m}",
+    "gear": "- gear: {teeth: [31, 93], inertia: [0.25, 14], branches: [{teeth: 62, train: [disc: {inertia: 2}]}]}",
+    "branch": "- branch: {train: [coupling: {stiffness: 20 kN*m/rad}, disc: {inertia: 1}]}",
+    "joint": "- joint: {angle: 5 deg, phase: 90 deg}",
+}
+NOTES = {  # what the keys of a kind need of each other
+    "disc": "Give `inertia`, or `held: true`.",
+    "motor": "Give `inertia`, or `held: true` (and then no `ripple`). The mean torque enters at the motors.",
+    "propeller": "The mean torque leaves at the propellers. `excitation` needs `blades`. Of the models of damping "
+    "`viscous` has a `value`, `schwanecke` needs `diameter`, `pitch_ratio` and `area_ratio`, others have a `factor`.",
+    "shaft": "The bore is smaller than the diameter at both ends.",
+    "coupling": "Give `stiffness` or `flexibility`, and at most one of `viscous`, `loss_factor`, `psi` and "
+    "`magnifier`; a rigid coupling has none of these.",
+    "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "
+    "where the gear has `teeth`.",
+    "joint": "`plane` and `phase` count from the joint before it on the same shaft line. Behind a gear a joint is "
+    "again the first, and has no `plane`.",
+}
+
+
+def manual() -> str:
+    """The text of docs/format.md."""
+    template = files("torsion.schema").joinpath("templates", "manual.md").read_text(encoding="utf-8")
+    return Template(template).substitute(
+        quantities=_quantities(),
+        top=table_of(Scene),
+        material=table_of(Material),
+        steel=_steel(),
+        operation=_with_parts(Operation),
+        common=table_of(Component),
+        kinds="\n".join(_kind(kind) for kind in KINDS),
+        links=_words(LINKS),
+        excitation=_with_parts(Excitation),
+        models=_words(MODELS),
+        analyses="\n".join(_settings("analysis", name, settings(ANALYSES, name)) for name in ANALYSES),
+        rules="\n".join(_settings("rule", name, settings(RULES, name)) for name in RULES),
+        unbuilt=_unbuilt(),
+    )
+
+
+def _kind(kind: str) -> str:
+    """The section of one kind: what it is, its keys, an example."""
+    declared = component(kind)
+    sort = {"point": "a point", "link": "a link", "none": "hangs on a point"}[declared.sort]
+    example = f"```yaml\n{EXAMPLES[kind]}\n```\n"
+    words = " ".join([_meaning(declared), *([NOTES[kind]] if kind in NOTES else [])])
+    return f"### `{kind}`: {sort}\n\n{words}\n\n{_with_parts(declared, Component)}\n{example}"
+
+
+def _settings(what: str, name: str, declared: type[Declared]) -> str:
+    """The section of an analysis or a rule."""
+    return f"### {what} `{name}`\n\n{_with_parts(declared)}"
+
+
+def _with_parts(declared: type[Declared], common: type[Declared] | None = None) -> str:
+    """The keys of a declaration, then those of every mapping in it; the keys of `common` are left out."""
+    text = table_of(declared, common)
+    for key, part in _parts(declared):
+        text += f"\nKeys of `{key}`:\n\n{table_of(part)}"
+    return text
+
+
+def _parts(declared: type[Declared]) -> Iterator[tuple[str, type[Declared]]]:
+    """Mappings in a declaration with the key that they stand at, each once."""
+    seen: set[type[Declared]] = set()
+    for key in keys_of(declared):
+        for part in key.parts:
+            if part not in seen:
+                seen.add(part)
+                yield key.name, part
+
+
+def _meaning(declared: type[Declared]) -> str:
+    return (declared.__doc__ or "").strip().splitlines()[0]
+
+
+def _words(names: tuple[str, ...]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _quantities() -> str:
+    """Every SI unit of the format with what it measures."""
+    everything: list[type[Declared]] = [
+        *(component(kind) for kind in KINDS), Material, Operation, Excitation,
+        *(settings(ANALYSES, name) for name in ANALYSES), *(settings(RULES, name) for name in RULES),
+    ]  # fmt: skip
+    found = dict.fromkeys(quantity.unit for declared in everything for quantity in quantities_of(declared))
+    rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
+    for unit in found:
+        bare = "is an error" if units.needs_unit(unit) else "is in the SI unit" if unit != "1" else "or a percentage"
+        rows.append(f"| {units.speak(unit)} | {'' if unit == '1' else f'`{unit}`'} | {bare} |")
+    return "\n".join(rows) + "\n"
+
+
+def _steel() -> str:
+    modulus, density = STEEL.shear_modulus / 1e9, STEEL.density
+    return f"G {modulus:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, rho {density:g} kg/m**3"
+
+
+def _unbuilt() -> str:
+    """What the format has a word for and the program refuses, as a list."""
+    rows = [f"- kinds: {_words(UNBUILT_KINDS)}"]
+    rows += [f"- keys of `{kind}`: {_words(component(kind).unbuilt)}" for kind in KINDS if component(kind).unbuilt]
+    rows += [f"- analyses: {_words(UNBUILT)}; models: {_words(UNBUILT_MODELS)}"]
+    return "\n".join(rows) + "\n"

@@ -1,0 +1,136 @@
+"""The sections of the file beside the train: materials, links, excitations, analyses and rules."""
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any
+
+from torsion.analyses import ANALYSES, MODELS, UNBUILT, UNBUILT_MODELS
+from torsion.components.excitation import Excitation
+from torsion.components.material import STEEL, Material
+from torsion.errors import Fault, Path
+from torsion.fields import Declared
+from torsion.rules import RULES
+from torsion.schema.messages import declared, shown, unbuilt, unknown
+from torsion.schema.train_reader import one_component
+from torsion.train import Link
+
+LINKS = ("coupling", "shaft")  # kinds that can close a loop
+
+
+def settings(registry: Mapping[str, str], name: str) -> type[Declared]:
+    """The class of the settings of an analysis or a rule; raises KeyError."""
+    module, kind = registry[name].split(":")
+    found: type[Declared] = getattr(import_module(module), kind)
+    return found
+
+
+def materials(section: object, faults: list[Fault]) -> dict[str, Material]:
+    """The materials; steel stands in for a faulty one, so that the train can still be looked at."""
+    path: Path = ("materials",)
+    return {
+        name: declared(Material, body, (*path, name), faults) or STEEL
+        for name, body in _mapping(section, path, "`my-steel: {shear_modulus: 79.3 GPa, ...}`", faults).items()
+    }
+
+
+def excitations(section: object, faults: list[Fault]) -> list[Excitation]:
+    """The excitations, or none if one is faulty: their positions are places in the file."""
+    entries = _entries(section, ("excitations",), "`- {at: motor-1, order: 2, torque: 100 N*m}`", faults)
+    read = [declared(Excitation, entry, ("excitations", place), faults) for place, entry in enumerate(entries)]
+    sound = [excitation for excitation in read if excitation is not None]
+    return sound if len(sound) == len(read) else []
+
+
+def links(section: object, faults: list[Fault]) -> list[Link]:
+    """The links that close loops, or none if one is faulty."""
+    entries = _entries(section, ("links",), "`- {between: [a, b], coupling: {stiffness: 2e4}}`", faults)
+    read = [_link(entry, ("links", place), faults) for place, entry in enumerate(entries)]
+    sound = [link for link in read if link is not None]
+    return sound if len(sound) == len(read) else []
+
+
+def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
+    kinds = [key for key in entry if key != "between"] if isinstance(entry, dict) else []
+    if not isinstance(entry, dict) or len(kinds) != 1:
+        faults.append(Fault(path, "a link has `between` and one kind", "`{between: [a, b], coupling: {...}}`"))
+        return None
+    before = len(faults)
+    ends = entry.get("between")
+    if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(end, str) for end in ends):
+        where = (*path, "between") if "between" in entry else path
+        faults.append(Fault(where, "`between` is a list of the names of two points", "`between: [a, b]`"))
+    kind = kinds[0]
+    if kind in ("gear", "joint"):
+        faults.append(unbuilt((*path, kind), f"a {kind} that closes a loop"))
+    elif kind not in LINKS:
+        faults.append(unknown((*path, kind), "link", kind, list(LINKS)))
+    else:
+        read = one_component(kind, entry[kind], (*path, kind), faults)
+        if read is not None and len(faults) == before and isinstance(ends, list):
+            return Link((ends[0], ends[1]), read)
+    return None
+
+
+def analyses(section: object, faults: list[Fault]) -> dict[str, Declared]:
+    """The settings of every analysis that is named; defaults where it is named without any."""
+    read: dict[str, Declared] = {}
+    path: Path = ("analyses",)
+    for name, body in _mapping(section, path, "`modes: {count: 6}`", faults).items():
+        where = (*path, name)
+        if name == "model":
+            _model(body, where, faults)
+        elif name in UNBUILT:
+            faults.append(unbuilt(where, f"`{name}`"))
+        elif name not in ANALYSES:
+            faults.append(unknown(where, "analysis", name, ["model", *ANALYSES]))
+        elif (asked := declared(settings(ANALYSES, name), body, where, faults)) is not None:
+            read[name] = asked
+    return read
+
+
+def _model(value: object, path: Path, faults: list[Fault]) -> None:
+    if value in UNBUILT_MODELS:
+        faults.append(Fault(path, f"the model {shown(value)} is part of the format but not built yet", "model: lumped"))
+    elif value not in MODELS:
+        faults.append(Fault(path, f"{shown(value)} is no model", f"there is {', '.join(MODELS)}"))
+
+
+def rules(section: object, faults: list[Fault]) -> list[tuple[str, Declared]]:
+    """The rules with their settings, in the order of the file."""
+    read: list[tuple[str, Declared]] = []
+    seen: set[str] = set()
+    for place, entry in enumerate(_entries(section, ("rules",), "`rules: [iacs-m68]`", faults)):
+        path: Path = ("rules", place)
+        if isinstance(entry, str):
+            name, body = entry, None
+        elif isinstance(entry, dict) and len(entry) == 1:
+            ((name, body),) = entry.items()
+            path = (*path, name)
+        else:
+            faults.append(
+                Fault(path, f"{shown(entry)} is not a rule", "`- iacs-m68`, or `- gear-hammer: {limit: 0.35}`")
+            )
+            continue
+        if name not in RULES:
+            faults.append(unknown(path, "rule", name, list(RULES)))
+            continue
+        if name in seen:
+            faults.append(Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True))
+        seen.add(name)
+        if (asked := declared(settings(RULES, name), body, path, faults)) is not None:
+            read.append((name, asked))
+    return read
+
+
+def _mapping(section: object, path: Path, example: str, faults: list[Fault]) -> dict[str, Any]:
+    if section is None or isinstance(section, dict):
+        return section or {}
+    faults.append(Fault(path, f"{shown(section)} is not a mapping", f"for example {example}"))
+    return {}
+
+
+def _entries(section: object, path: Path, example: str, faults: list[Fault]) -> list[Any]:
+    if section is None or isinstance(section, list):
+        return section or []
+    faults.append(Fault(path, f"{shown(section)} is not a list", f"for example {example}"))
+    return []

@@ -1,0 +1,139 @@
+"""Verdicts of `coupling-maker`, and the heat of a coupling against its closed form."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from torsion.analyses.response import Line
+from torsion.rules import coupling
+
+RPM = math.pi / 30.0
+PSI, STIFFNESS, ELASTIC, FREQUENCY = 1.15, 36000.0, 500.0, 20.0  # B20
+LOSS = 79.8611  # W, published
+
+
+def line(**limits):
+    body = {"name": "rubber", "stiffness": STIFFNESS, "psi": PSI, **limits}
+    excited = {"inertia": 1.0, "ripple": [{"order": 4, "torque": 10.0}]}
+    return [("motor", excited), ("coupling", body), ("disc", {"inertia": 2.0})]
+
+
+def the(checks, clause):
+    (found,) = [check for check in checks if check.clause == clause]
+    return found
+
+
+@pytest.mark.parametrize(
+    "damping",
+    [
+        {"psi": PSI, "viscous": None},
+        {"magnifier": 5.46364, "psi": None},
+        {"loss_factor": 0.1830282, "psi": None},
+        {"viscous": 52.43371, "psi": None},
+    ],
+    ids=["psi", "magnifier", "loss factor", "viscous"],
+)
+def test_heat_of_every_kind_of_damping_is_the_published_one(study, evidence, damping) -> None:
+    scene = study(line(**damping, heat_limit=80.0))
+    torque = ELASTIC * (1 + 1j * PSI / (2 * math.pi))
+    seen = evidence(scene, [FREQUENCY * 15.0], half={"rubber": torque})  # order 4 of 300 rpm is 20 Hz
+    check = the(coupling.check(seen, coupling.Asked()), "P_KW")
+    assert check.value == pytest.approx(LOSS, rel=1e-6)
+    assert (check.verdict, check.unit) == ("pass", "W")
+
+
+def test_heat_is_torque_times_twist_speed_averaged(study, evidence) -> None:
+    scene = study(line(psi=None, viscous=700.0))
+    omega, twist = 4 * 300.0 * RPM, 0.3 - 0.1j
+    torque = (STIFFNESS + 1j * omega * 700.0) * twist
+    seen = evidence(scene, [300.0], half={"rubber": torque})
+    power = coupling.heat(seen.response, 1 / STIFFNESS, 700.0, 0.0, 0)
+    assert power == pytest.approx(0.5 * (torque * np.conj(1j * omega * twist)).real, rel=1e-13)
+
+
+def test_damper_without_stiffness_heats_and_a_rigid_coupling_does_not(study, evidence) -> None:
+    seen = evidence(study(line()), [300.0], half={"rubber": 40.0})
+    assert coupling.heat(seen.response, math.inf, 20.0, 0.0, 0) == pytest.approx(40.0**2 / (2 * 20.0), rel=1e-14)
+    assert coupling.heat(seen.response, 0.0, 0.0, 0.0, 0) == [0.0]
+    assert coupling.heat(seen.response, 1e-4, 0.0, 0.0, 0) == [0.0]
+
+
+def test_every_limit_that_is_given_is_judged_at_its_worst_speed(study, evidence) -> None:
+    limits = {"rated_torque": 900.0, "vibratory_torque": 300.0, "max_torque": 1000.0, "heat_limit": 1e9}
+    rpm = np.array([300.0, 600.0, 900.0])
+    seen = evidence(study(line(**limits)), rpm, half={"rubber": [10, 310, 250]}, mean={"rubber": [100, 400, 850]})
+    found = coupling.check(seen, coupling.Asked())
+    assert [check.clause for check in found] == ["T_KN", "T_KW", "P_KW", "T_Kmax"]
+    mean, vibratory, greatest = (the(found, clause) for clause in ("T_KN", "T_KW", "T_Kmax"))
+    assert (mean.value, mean.verdict, mean.speed) == (850, "pass", pytest.approx(900 * RPM))
+    assert (vibratory.value, vibratory.verdict, vibratory.speed) == (310, "fail", pytest.approx(600 * RPM))
+    assert (greatest.value, greatest.verdict, greatest.speed) == (1100, "fail", pytest.approx(900 * RPM))
+    assert all("to be verified against the edition in force" in check.note for check in found)
+
+
+def test_speeds_outside_continuous_use_count_for_the_greatest_torque_alone(study, evidence) -> None:
+    limits = {"vibratory_torque": 300.0, "max_torque": 500.0, "heat_limit": 500.0}
+    rpm = np.array([300.0, 600.0, 900.0])
+    seen = evidence(study(line(**limits)), rpm, half={"rubber": [10, 600, 250]})
+    asked = coupling.Asked.model_validate({"continuous": {"from": "700 rpm", "to": "900 rpm"}})
+    found = coupling.check(seen, asked)
+    assert (the(found, "T_KW").value, the(found, "T_KW").verdict) == (250, "pass")
+    assert the(found, "P_KW").speed == pytest.approx(900 * RPM)
+    assert (the(found, "T_Kmax").value, the(found, "T_Kmax").verdict) == (600, "fail")
+    assert "700 rpm to 900 rpm" in the(found, "T_KW").note
+
+
+def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
+    seen = evidence(study(line(vibratory_torque=300.0)), [300.0, 600.0], half={"rubber": [1, 2]}, status=[0, 1])
+    (check,) = coupling.check(seen, coupling.Asked())
+    assert (check.verdict, check.value) == ("fail", 2)
+    assert "near-singular at 600 rpm" in check.note
+
+
+def test_fixed_frequency_heats_at_its_own_frequency(study, evidence) -> None:
+    fixed = Line(None, FREQUENCY, ("grid",))
+    torque = ELASTIC * (1 + 1j * PSI / (2 * math.pi))
+    seen = evidence(study(line(heat_limit=70.0)), [777.0], half={"rubber": torque}, line=fixed)
+    check = the(coupling.check(seen, coupling.Asked()), "P_KW")
+    assert check.value == pytest.approx(LOSS, rel=1e-6)
+    assert check.verdict == "fail"
+    assert "20 Hz (grid)" in check.note
+
+
+def test_tolerance_of_the_stiffness_is_said_not_to_be_varied(study, evidence) -> None:
+    seen = evidence(study(line(vibratory_torque=1.0, tolerance=0.15)), [300.0], half={"rubber": [0.5]})
+    assert "15 % was not varied" in coupling.check(seen, coupling.Asked())[0].note
+
+
+def test_coupling_without_limits_gives_nothing_but_is_said_to_be_left_out(study, evidence) -> None:
+    scene = study(line())
+    assert coupling.check(evidence(scene, [300.0], half={"rubber": [9e9]}), coupling.Asked()) == ()
+    assert coupling.left_out(scene, coupling.Asked()) == (
+        ("coupling-maker for rubber", "its maker's limits are not given"),
+    )
+
+
+def test_faults_are_told_where_they_stand(study) -> None:
+    asked = coupling.Asked.model_validate({"continuous": {"from": "50 rpm", "to": "900 rpm"}})
+    rules = [("coupling-maker", asked)]
+    bare = coupling.faults(study(line(), rules), asked)
+    assert [fault.path for fault in bare] == [("rules", 0)]
+    full = coupling.faults(study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None), asked)
+    assert [fault.path for fault in full] == [
+        ("rules", 0, "coupling-maker", "continuous"),
+        ("operation", "rated", "power"),
+    ]
+    assert coupling.faults(study(line(vibratory_torque=1.0), rated=None), coupling.Asked()) == []
+    quiet = [("disc", {"inertia": 1.0}), *line(vibratory_torque=1.0)[1:]]
+    assert [fault.path for fault in coupling.faults(study(quiet, rules, speeds=None), asked)] == [
+        ("operation", "speeds"),
+        ("rules", 0),
+    ]
+
+
+def test_order_of_the_line_is_exact_in_the_note(study, evidence) -> None:
+    half_order = Line(Fraction(21, 8), None, ("screw",))
+    seen = evidence(study(line(vibratory_torque=9.0)), [300.0], half={"rubber": [1.0]}, line=half_order)
+    assert "order 21/8 (screw)" in coupling.check(seen, coupling.Asked())[0].note

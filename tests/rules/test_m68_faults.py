@@ -1,0 +1,57 @@
+"""What a file lacks for `iacs-m68`, told where it stands."""
+
+from torsion.components.material import STEEL, Material
+from torsion.rules import m68
+from torsion.rules.m68_shafts import classed_shafts
+
+BLADES = [{"blade_order": 1, "torque": 10.0}]
+SCREW = ("propeller", {"name": "screw", "inertia": 5.0, "blades": 4, "excitation": BLADES})
+
+
+def line(role="intermediate", **shaft):
+    body = {"name": "line", "length": 1.0, "diameter": 0.1, "role": role, **shaft}
+    return [("motor", {"inertia": 3.0}), ("shaft", body), SCREW]
+
+
+def messages(scene, asked):
+    return {fault.path: fault.message for fault in m68.faults(scene, asked)}
+
+
+def test_a_whole_file_has_no_fault(study) -> None:
+    assert m68.faults(study(line()), m68.Asked()) == []
+
+
+def test_strength_that_is_missing_is_told_at_the_shaft(study) -> None:
+    soft = {"soft": Material(shear_modulus=79e9, density=7850.0)}
+    found = messages(study(line(material="soft"), materials=soft), m68.Asked())
+    assert "tensile_strength" in found["train", 1, "shaft", "material"]
+
+
+def test_built_in_steel_counts_as_the_softest_shaft_steel_and_says_so(study) -> None:
+    plain = study(line(material="steel"), materials={"steel": STEEL})
+    assert m68.faults(plain, m68.Asked()) == []
+    (shaft,) = classed_shafts(plain, m68.Asked())
+    assert shaft.strength == 400.0
+    assert "none stated" in shaft.notes[0]
+
+
+def test_rated_speed_and_speeds_that_are_missing_are_told(study) -> None:
+    found = messages(study(line(), rated=None, speeds=None), m68.Asked())
+    assert {("operation", "rated"), ("operation", "speeds")} == set(found)
+
+
+def test_train_that_nothing_excites_cannot_be_judged(study) -> None:
+    asked = m68.Asked()
+    quiet = [*line()[:2], ("disc", {"inertia": 1.0})]
+    assert "nothing excites" in messages(study(quiet, [("iacs-m68", asked)]), asked)["rules", 0]
+
+
+def test_train_without_a_role_cannot_be_judged(study) -> None:
+    asked = m68.Asked()
+    assert "role" in messages(study(line(None), [("iacs-m68", asked)]), asked)["rules", 0]
+
+
+def test_settings_name_shafts_that_exist(study) -> None:
+    asked = m68.Asked.model_validate({"alloy": ["lime"], "slots": {"line": {"length": 0.07, "width": 0.02}}})
+    found = messages(study(line(), [("iacs-m68", asked)]), asked)
+    assert set(found) == {("rules", 0, "iacs-m68", "alloy", 0), ("rules", 0, "iacs-m68", "slots", "line")}

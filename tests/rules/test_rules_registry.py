@@ -1,0 +1,49 @@
+"""Laws that hold for every rule of the registry."""
+
+import numpy as np
+import pytest
+
+from torsion.fields import Declared
+from torsion.rules import RULES, lacking, needed, not_judged, rule, settings, verdicts
+
+PARTS = [
+    ("motor", {"inertia": 1.0, "ripple": [{"order": 2, "torque": 5.0}]}),
+    ("coupling", {"name": "rubber", "stiffness": 2e4, "psi": 1.0, "vibratory_torque": 50.0}),
+    ("gear", {"name": "gearbox", "ratio": 2}),
+    ("shaft", {"name": "line", "length": 1.0, "diameter": 0.1, "role": "intermediate"}),
+    ("propeller", {"inertia": 2.0}),
+]
+
+
+@pytest.mark.parametrize("name", RULES)
+def test_every_rule_has_settings_with_defaults(name) -> None:
+    assert issubclass(settings(name), Declared)
+    assert settings(name)() == settings(name).model_validate({})
+    assert settings(name).model_json_schema()["type"] == "object"
+
+
+@pytest.mark.parametrize("name", RULES)
+def test_every_rule_needs_analyses_and_finds_nothing_missing_in_a_whole_file(study, name) -> None:
+    scene = study(PARTS, [(name, settings(name)())])
+    assert needed(scene) <= {"modes", "steady", "response"}
+    assert lacking(scene) == []
+    assert all(len(line) == 2 for line in not_judged(scene))
+
+
+@pytest.mark.parametrize("name", RULES)
+def test_every_check_of_a_rule_carries_its_name(study, evidence, name) -> None:
+    scene = study(PARTS, [(name, settings(name)())])
+    found = verdicts(evidence(scene, np.array([500.0, 1000.0]), half={}, mean={"line": 1.0, "gearbox": 1.0}))
+    assert found
+    assert {check.rule for check in found} == {name}
+
+
+def test_a_word_that_is_no_rule_is_a_key_error() -> None:
+    with pytest.raises(KeyError):
+        rule("iacs-m86")
+
+
+def test_rules_are_judged_in_the_order_of_the_file(study, evidence) -> None:
+    scene = study(PARTS, [(name, settings(name)()) for name in reversed(RULES)])
+    found = verdicts(evidence(scene, np.array([500.0, 1000.0]), half={}, mean={"line": 1.0, "gearbox": 1.0}))
+    assert list(dict.fromkeys(check.rule for check in found)) == list(reversed(RULES))

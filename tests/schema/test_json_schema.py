@@ -1,0 +1,99 @@
+"""The JSON Schema takes what the reader takes and refuses what is wrong in structure."""
+
+from pathlib import Path
+
+import pytest
+
+from torsion.components import KINDS, component
+from torsion.schema.example import example
+from torsion.schema.json_schema import json_schema
+from torsion.schema.source import parse_source
+
+jsonschema = pytest.importorskip("jsonschema")
+ROOT = Path(__file__).parents[2]
+SCENES = sorted((ROOT / "shafting_specs").glob("**/*.yaml"))
+GOOD = (ROOT / "tests" / "faults" / "good.yaml").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def validator():
+    schema = json_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def refusals(validator, text: str) -> list[str]:
+    return [error.message for error in validator.iter_errors(parse_source(text, "train.yaml").data)]
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_scene_of_the_repository_is_valid(validator, path):
+    assert refusals(validator, path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("text", [GOOD, example()], ids=["one of every kind", "example"])
+def test_scene_with_every_sort_of_value_is_valid(validator, text):
+    assert refusals(validator, text) == []
+
+
+@pytest.mark.parametrize(
+    ("good", "bad"),
+    [
+        ("name: A train", "nam: A train"),
+        ("length: 0.8 m", "lenght: 0.8 m"),
+        ("length: 0.8 m, ", ""),
+        ("length: 0.8 m", "length: [0.8, 0.9]"),
+        ("diameter: [70 mm, 76 mm]", "diameter: {from: 70 mm}"),
+        ("angle: 5 deg", "angle: 5"),
+        ("from: 300 rpm", "from: 300"),
+        ("steps: 31", "steps: 1"),
+        ("load: propeller", "load: 5"),
+        ("load: propeller", "load: fan"),
+        ("joint: {angle: 5 deg}", "jiont: {angle: 5 deg}"),
+        ("- joint: {angle: 5 deg}", "- {joint: {angle: 5 deg}, disc: {inertia: 1}}"),
+        ("- joint: {angle: 5 deg}", "- engine: {cylinders: 6}"),
+        ("psi: 0.8", "table: [[1, 2]]"),
+        ("psi: 0.8", "psi: null"),
+        ("inertia: [0.1, 0.2]", "inertia: [0.1]"),
+        ("inertia: [0.1, 0.2]", "inertia: [0.1, 0.2, 0.3]"),
+        ("teeth: [20, 41]", "teeth: 20"),
+        ("train: [disc: {name: generator, inertia: 0.7}]", "train: [disk: {inertia: 0.7}]"),
+        ("role: thrust", "role: trust"),
+        ("model: archer", "model: arche"),
+        ("blade_order: 1, ", ""),
+        ("blades: 4", "blades: 4.5"),
+        ("[screw, screw cap]", "[screw]"),
+        ("    coupling: {stiffness: 1e5}", "    disc: {inertia: 1}"),
+        ("order: 2, torque: 100 N*m", "order: 2"),
+        ("model: lumped", "model: fem"),
+        ("modes: {count: 6}", "stability: {}"),
+        ("count: 6", "cuont: 6"),
+        ("- iacs-m68", "- iacs"),
+        ("{limit: 0.35}", "{limits: 0.35}"),
+    ],
+)
+def test_structural_fault_is_refused(validator, good, bad):
+    assert good in GOOD
+    assert refusals(validator, GOOD.replace(good, bad)) != []
+
+
+def test_every_key_of_every_kind_is_offered_with_its_meaning():
+    definitions = json_schema()["$defs"]
+    for kind in KINDS:
+        entry = definitions["train"]["items"]["properties"][kind]
+        keys = definitions[entry["$ref"].removeprefix("#/$defs/")]["properties"]
+        assert set(keys) == {field.alias or name for name, field in component(kind).model_fields.items()}
+        assert [key for key, body in keys.items() if not body.get("description")] == []
+        assert not set(keys) & set(component(kind).unbuilt)
+
+
+def test_every_reference_of_the_schema_is_defined():
+    def references(body):
+        if isinstance(body, dict):
+            yield from ([body["$ref"]] if "$ref" in body else [])
+        if isinstance(body, dict | list):
+            for part in body.values() if isinstance(body, dict) else body:
+                yield from references(part)
+
+    schema = json_schema()
+    assert {name.removeprefix("#/$defs/") for name in references(schema)} == set(schema["$defs"])
