@@ -15,7 +15,7 @@ FLOORS = {
     "study": 4, "assembly": 4,
     "analyses": 5,
     "rules": 6,
-    "schema": 7, "plan": 7,
+    "schema": 7, "plan": 7, "asked": 7,
     "findings": 8,
     "report": 9, "plots": 9,
     "job": 10, "cli": 11, "__main__": 12,

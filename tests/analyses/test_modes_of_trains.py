@@ -84,7 +84,7 @@ def test_held_end_is_no_node_and_leaves_no_rigid_motion(build):
 
 def test_train_between_two_held_ends_has_one_node_less_than_its_mode(build):
     line = [Disc(held=True), *_chain([1.0] * 4, [100.0] * 3), Disc(held=True)]
-    line[1:1], line[-1:-1] = [Coupling(stiffness=80.0)], [Coupling(stiffness=120.0)]
+    line[1:1], line[-1:-1] = [Coupling(stiffness=900.0)], [Coupling(stiffness=20.0)]
     _, system = build(line)
     assert modes(system).nodes.tolist() == [0, 1, 2, 3]
 
@@ -97,6 +97,12 @@ def test_line_that_stands_still_adds_no_nodes(build):
     found = modes(system)
     still = next(k for k in range(len(found.frequency)) if abs(found.shape[:5, k]).max() < 1e-12)
     assert found.nodes[still] == 1
+
+
+def test_held_end_behind_a_rigid_span_stays_the_root_beside_a_spring_to_ground(build):
+    line = [Disc(inertia=4.0, stiffness=60.0), Coupling(stiffness=40.0), Coupling(flexibility=0), Disc(held=True)]
+    _, system = build(line)
+    assert modes(system).frequency == pytest.approx([5.0 / (2 * math.pi)], rel=1e-15)
 
 
 def test_repeated_branches_count_one_node_each(build):

@@ -1,5 +1,6 @@
 """The sum of all lines over the common cycle."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from torsion.analyses.response import Line, Response
 from torsion.analyses.synthesis import common_cycle, extremes, synthesis
+from torsion.kernels.response import Status
 
 
 def _response(orders: list, torque: np.ndarray, mean: np.ndarray | None = None) -> Response:
@@ -95,7 +97,13 @@ def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
     assert found.half_range[0, 0] == pytest.approx(1.5, rel=1e-15)
 
 
-def test_singular_line_leaves_no_finite_number():
+def test_line_flagged_as_singular_leaves_no_finite_number():
+    response = _response([1, 2], [[1.0], [1e15]])
+    found = synthesis(None, replace(response, status=np.array([[Status.OK, Status.SINGULAR]], dtype=np.uint8)))
+    assert np.isinf([found.half_range, found.peak, found.rms, found.bound]).all()
+
+
+def test_line_without_a_value_leaves_no_finite_number():
     found = synthesis(None, _response([1, 2], [[1.0, np.nan], [0.7, 1.0]]))
     assert np.isfinite(found.half_range[0, 0])
     assert np.isinf(found.half_range[0, 1])

@@ -7,6 +7,7 @@ import numpy as np
 
 from torsion.analyses.response import Response, Synthesis
 from torsion.assembly.system import System
+from torsion.kernels.response import Status
 from torsion.kernels.tree import ComplexArray, FloatArray
 
 SAMPLES = 32  # of the highest harmonic, before extremes are refined
@@ -43,7 +44,8 @@ def synthesis(system: System, response: Response) -> Synthesis:
         highest, lowest = (values.reshape(-1, spans) for values in extremes(phasors, harmonics))
     half_range = (highest - lowest) / 2.0 + fixed
     peak = np.maximum(np.abs(response.mean + highest + fixed), np.abs(response.mean + lowest - fixed))
-    values = [np.where(np.isfinite(bound), value, np.inf) for value in (half_range, peak, rms, bound)]
+    answered = np.isfinite(bound) & (response.status != Status.SINGULAR).all(axis=1)[:, None]
+    values = [np.where(answered, value, np.inf) for value in (half_range, peak, rms, bound)]
     return Synthesis(values[0], values[1], values[2], values[3], turns)
 
 

@@ -64,7 +64,8 @@ def _split_held(system: "System") -> _Ends:
             if beyond in rooted or system.stations[station].is_ground:
                 side[span] = number + len(copies)
                 copies.append(station)
-        rooted.update(int(group[other[id(side)][span]]) for side, span in touching)
+        if not system.stations[station].is_ground:
+            rooted.update(int(group[other[id(side)][span]]) for side, span in touching)
     return _Ends(driving, driven, tuple(copies))
 
 

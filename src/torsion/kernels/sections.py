@@ -14,4 +14,4 @@ def polar_area_moment(outer: ArrayLike, bore: ArrayLike = 0.0) -> NDArray[np.flo
 
 def section_modulus(outer: ArrayLike, bore: ArrayLike = 0.0) -> NDArray[np.float64]:
     """W_p = pi/16 (D^4 - d^4)/D, m3: torque / largest nominal shear stress."""
-    return 2.0 * polar_area_moment(outer, bore) / np.asarray(outer, dtype=float)
+    return np.asarray(2.0 * polar_area_moment(outer, bore) / np.asarray(outer, dtype=float))

@@ -50,7 +50,7 @@ def manual() -> str:
     template = files("torsion.schema").joinpath("templates", "manual.md").read_text(encoding="utf-8")
     return Template(template).substitute(
         quantities=_quantities(),
-        top=table_of(Scene),
+        top=table_of(Scene).replace("see meaning", "section below"),
         material=table_of(Material),
         steel=_steel(),
         operation=_with_parts(Operation),

@@ -1,0 +1,5 @@
+"""`python -m torsion` is the command `torsion`."""
+
+from torsion.cli import main
+
+main()

@@ -1,0 +1,105 @@
+"""The command `torsion`."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from torsion.errors import InputError, SolveError
+
+if TYPE_CHECKING:
+    from torsion.findings import Findings
+
+SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
+)  # fmt: skip
+
+File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
+
+
+@app.callback()
+def about() -> None:
+    """Torsional vibration of shaft trains: frequencies, response, universal joints, class rules, report."""
+
+
+@app.command()
+def solve(
+    file: File,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the results as JSON and write nothing.")] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
+    matrices: Annotated[Path | None, typer.Option("--matrices", help="Write J, K and C to this .npz file.")] = None,
+) -> None:
+    """Solve a scene, print its tables and write its report.
+
+    Exit status: 0 solved and every check passes, 1 solved and a check fails, 2 the input is at fault, 3 no answer to
+    the promised accuracy.
+    """
+    try:
+        findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices)
+    except InputError as error:
+        _stop(str(error), BAD_INPUT)
+    except SolveError as error:
+        _stop(f"{file}: {error}", REFUSED)
+    raise typer.Exit(FAILED_CHECK if any(check.verdict == "fail" for check in findings.checks) else SOLVED)
+
+
+def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None) -> "Findings":
+    from torsion import job
+
+    if as_json:
+        from torsion.findings import run
+        from torsion.report.json import text
+        from torsion.schema.read import read
+
+        findings = run(read(file))
+        typer.echo(text(findings))
+    else:
+        from torsion.report.text import progress, show
+
+        with progress() as report_progress:
+            findings = job.solve(file, out, pdf=pdf, progress=report_progress)
+        show(findings, job.folder_of(file, out))
+    if matrices is not None:
+        job.write_matrices(findings, matrices)
+    return findings
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of the file, by which an editor completes and checks it."""
+    import json
+
+    from torsion.schema.json_schema import json_schema
+
+    typer.echo(json.dumps(json_schema(), indent=2))
+
+
+@app.command()
+def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml")) -> None:
+    """Write a commented example that solves."""
+    from torsion.schema.example import example
+
+    try:
+        with file.open("x", encoding="utf-8") as target:
+            target.write(example())
+    except FileExistsError:
+        _stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
+    except OSError as error:
+        _stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
+    typer.echo(f"{file} written; solve it with: torsion solve {file}")
+
+
+def _stop(message: str, status: int) -> NoReturn:
+    typer.echo(message, err=True)
+    raise typer.Exit(status)
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(encoding="utf-8", errors="replace")
+    app()

@@ -1,0 +1,253 @@
+"""A study to its findings: only what is asked, and what that needs, is computed."""
+
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import metadata
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.analyses.modes import Modes, modes
+from torsion.asked import (
+    has_inertia,
+    highest_excited,
+    modes_asked,
+    no_response,
+    operating_speed,
+)
+from torsion.assembly import assemble
+from torsion.assembly.system import System
+from torsion.errors import InputError
+from torsion.plan import Log, Plan
+from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.analyses.critical import CriticalSpeed
+    from torsion.analyses.damped import DampedModes
+    from torsion.analyses.response import FrequencyResponse, Response
+    from torsion.analyses.steady import Steady
+    from torsion.analyses.synthesis import Synthesis
+    from torsion.rules.check import Check
+
+Progress = Callable[[str, float], None]  # (what, share done 0..1)
+ROUNDS = 6  # of dividing the shafts more finely until the highest frequency asked for stays put
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Everything a study asks; what it does not ask is None or empty."""
+
+    study: Study
+    system: System
+    plan: Plan
+    modes: Modes | None = None
+    damped: "DampedModes | None" = None
+    steady: "Steady | None" = None
+    critical: "tuple[CriticalSpeed, ...]" = ()
+    response: "Response | None" = None
+    synthesis: "Synthesis | None" = None
+    sweep: "FrequencyResponse | None" = None
+    checks: "tuple[Check, ...]" = ()
+
+
+def run(study: Study, *, progress: Progress | None = None) -> Findings:
+    """Compute everything that the study asks. Raises InputError (located in the study's file) and SolveError."""
+    try:
+        return _run(study, progress or _silent)
+    except InputError as error:
+        from torsion.schema.read import located
+
+        raise located(error, study) from None
+
+
+def _silent(what: str, share: float) -> None:
+    """No progress is shown."""
+
+
+def _run(study: Study, progress: Progress) -> Findings:
+    log = Log()
+    system, found = _system_and_modes(study, log)
+    damped = _damped(study, system, log)
+    response, synthesis = _response(study, system, found, damped, log, progress)
+    sweep = _sweep(study, system, found, damped, log)
+    steady = _steady(study, system, log)
+    critical = _critical(study, system, found, log)
+    checks = _checks(study, system, found, steady, response, synthesis, log)
+    plan = Plan(tuple(log.lines), tuple(log.left_out), _versions())
+    return Findings(study, system, plan, found, damped, steady, critical, response, synthesis, sweep, checks)
+
+
+def _system_and_modes(study: Study, log: Log) -> tuple[System, Modes | None]:
+    """The train divided finely enough for the highest frequency asked for, and its modes if they are asked."""
+    asked = modes_asked(study)
+    with log.step("assembly", "everything stands on it") as step:
+        system = assemble(study.train, study.model)
+        highest = highest_excited(study, system)
+        if highest:
+            system = assemble(study.train, study.model, frequency=highest)
+        step.method = f"{study.model}, kept in factors"
+        step.size = _size(system)
+    if not has_inertia(system):
+        log.without("natural frequencies", "no component has an inertia")
+        return system, None
+    if asked is None:
+        log.without("natural frequencies", "`analyses` does not name modes")
+        return system, None
+    with log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
+        found = modes(system, asked.count)
+        for _ in range(ROUNDS):
+            top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
+            finer = assemble(study.train, study.model, frequency=top)
+            if finer.segments == system.segments:
+                break
+            system = finer
+            found = modes(system, asked.count)
+        step.method = "tree elimination in mixed form, certified by Sturm counts"
+        step.size = f"{found.frequency.size} of {_size(system)}; {_segments(system)}"
+    return system, found
+
+
+def _size(system: System) -> str:
+    return f"{len(system.stations)} stations, {len(system.spans)} spans"
+
+
+def _segments(system: System) -> str:
+    if not system.segments:
+        return "no distributed shaft"
+    return "segments: " + ", ".join(f"{name} {number}" for name, number in system.segments.items())
+
+
+def _damped(study: Study, system: System, log: Log) -> "DampedModes | None":
+    asked = modes_asked(study)
+    if asked is None:
+        return None
+    if asked.damped is False or not system.damps:
+        log.without("damped modes", "`damped: false`" if asked.damped is False else "nothing in the train damps")
+        return None
+    if system.folded.extra.size:
+        log.without("damped modes", "the train has closed loops; its response is damped all the same")
+        return None
+    from torsion.analyses.steady import has_mean_torque, steady
+
+    speed = operating_speed(study.operation)
+    needs_speed = any(damper.torque_factor or damper.speed_factor for damper in system.dampers)
+    needs_torque = any(damper.torque_factor for damper in system.dampers)
+    if (needs_speed and speed is None) or (needs_torque and not has_mean_torque(study.operation)):
+        log.without("damped modes", "the damping depends on speed and mean torque; give `operation: rated`")
+        return None
+    from torsion.analyses.damped import damped
+
+    mean = None
+    if needs_torque and speed is not None:
+        mean = steady(study.train, system, study.operation, np.array([speed]))
+    with log.step("damped modes", "something damps") as step:
+        found = damped(system, speed=speed or 0.0, steady=mean, count=asked.count)
+        step.method = "Newton with two-sided vectors on the quadratic problem"
+        step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")
+    return found
+
+
+def _response(
+    study: Study, system: System, found: Modes | None, damped: "DampedModes | None", log: Log, progress: Progress
+) -> "tuple[Response | None, Synthesis | None]":
+    excites = any(t.order is not None or t.frequency is not None for t in study.train.torques)
+    excites = excites or any(mesh.error for mesh in study.train.constraints)
+    why = no_response(study, system, excites)
+    if why:
+        log.without("response over speed", why)
+        return None, None
+    from torsion.analyses.response import response
+    from torsion.analyses.synthesis import synthesis
+
+    with log.step("response over speed", "asked" if "response" in study.analyses else "something excites") as step:
+        answer = response(study, system, modes=found, damped=damped, progress=progress)
+        step.method = "two-sided elimination, every order apart"
+        step.size = f"{len(answer.lines)} lines at {answer.speed.size} speeds ({int(answer.asked.sum())} asked)"
+        if answer.remark:
+            step.size += f"; {answer.remark}"
+    with log.step("synthesis", "rules and readers judge all orders together") as step:
+        total = synthesis(system, answer)
+        step.method = "sum over the common cycle, true to phase"
+        step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
+    return answer, total
+
+
+def _sweep(
+    study: Study, system: System, found: Modes | None, damped: "DampedModes | None", log: Log
+) -> "FrequencyResponse | None":
+    asked = study.analyses.get("response")
+    if getattr(asked, "frequencies", None) is None:
+        return None
+    from torsion.analyses.frequency_response import frequency_response
+
+    with log.step("response over frequency", "asked") as step:
+        answer = frequency_response(study, system, modes=found, damped=damped)
+        step.method = "two-sided elimination"
+        step.size = f"{answer.frequency.size} frequencies"
+    return answer
+
+
+def _steady(study: Study, system: System, log: Log) -> "Steady | None":
+    from torsion.analyses.steady import has_mean_torque, steady
+
+    if not has_mean_torque(study.operation):
+        log.without("mean torque", "`operation` says no rated power and no table of the load")
+        return None
+    speeds, speed = study.operation.speeds, operating_speed(study.operation)
+    grid = speeds.values() if speeds is not None else np.array([speed] if speed is not None else [])
+    if speed is not None and study.operation.rated is not None:
+        grid = np.union1d(grid, [speed])
+    if not grid.size:
+        log.without("mean torque", "`operation` says no speed")
+        return None
+    with log.step("mean torque", "`operation` says the load") as step:
+        found = steady(study.train, system, study.operation, grid)
+        step.method = "sums over the tree"
+        step.size = f"{grid.size} speeds"
+    return found
+
+
+def _critical(study: Study, system: System, found: Modes | None, log: Log) -> "tuple[CriticalSpeed, ...]":
+    from torsion.analyses.excitation import excitations
+
+    lines = tuple(excitation.line for excitation in excitations(system))
+    if found is None or not any(line.order is not None for line in lines):
+        log.without("critical speeds", "no modes" if found is None else "no order excites")
+        return ()
+    from torsion.analyses.critical import critical_speeds
+
+    return critical_speeds(found, lines, study.operation)
+
+
+def _checks(
+    study: Study,
+    system: System,
+    found: Modes | None,
+    steady: "Steady | None",
+    response: "Response | None",
+    synthesis: "Synthesis | None",
+    log: Log,
+) -> "tuple[Check, ...]":
+    if not study.rules:
+        log.without("rules", "the file names none")
+        return ()
+    from torsion.rules import not_judged, verdicts
+    from torsion.rules.evidence import Evidence
+
+    with log.step("rules", "the file names them") as step:
+        checks = verdicts(Evidence(study, system, found, steady, response, synthesis))
+        step.method = ", ".join(name for name, _ in study.rules)
+        step.size = f"{len(checks)} checks"
+    for what, why in not_judged(study):
+        log.without(what, why)
+    return checks
+
+
+def _versions() -> dict[str, str]:
+    from torsion import __version__
+
+    names = ("numpy", "scipy", "pydantic", "PyYAML")
+    python = ".".join(str(part) for part in sys.version_info[:3])
+    return {"torsion": __version__, "Python": python, **{name: metadata.version(name) for name in names}}

@@ -1,0 +1,1 @@
+"""Figures: one function each, from plain values to an SVG element."""

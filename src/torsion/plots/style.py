@@ -1,0 +1,139 @@
+"""The look of every figure: A4 width, small type, thin grid, colours that the colour-blind can tell apart."""
+
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from itertools import cycle
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+WIDTH = 6.9  # inch: the text of an A4 page
+# Okabe and Ito (2008), without the yellow, which is too light on paper
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#444444")
+DASHES = ("-", "--", "-.", ":")
+INK, GREY, PALE, BAD = "#222222", "#777777", "#e8eef4", "#b3261e"
+MOST_LINES = 12  # in one figure
+LOGARITHMIC = 30.0  # times the median: a larger peak makes the axis logarithmic
+MOST_DECADES = 1e7  # from the lowest to the highest value of a logarithmic axis
+LEGEND_LETTERS = 130  # in one row of a legend, its samples included
+SETTINGS: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["Arial", "Liberation Sans", "Helvetica", "DejaVu Sans"],
+    "font.size": 8.5,
+    "axes.titlesize": 9,
+    "axes.labelsize": 8.5,
+    "axes.edgecolor": GREY,
+    "axes.linewidth": 0.6,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "#d5d5d5",
+    "grid.linewidth": 0.4,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+    "hatch.linewidth": 0.5,
+    "svg.fonttype": "none",
+    "axes.formatter.useoffset": False,
+    "axes.unicode_minus": True,
+    "text.parse_math": False,
+}
+
+
+@contextmanager
+def page(name: str, height: float, rows: int = 1, **grid: Any) -> Iterator["Page"]:
+    """A figure of the page's width with `rows` plots above each other; its SVG is in `page.svg` afterwards."""
+    with mpl.rc_context({**SETTINGS, "svg.hashsalt": name}):
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        canvas: Any = FigureCanvasSVG(figure)
+        axes = figure.subplots(rows, 1, squeeze=False, **grid)[:, 0]
+        sheet = Page(figure, list(axes))
+        yield sheet
+        buffer = io.StringIO()
+        canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
+    text = buffer.getvalue()
+    sheet.svg = text[text.index("<svg") :]
+
+
+class Page:
+    """The sheet that a plot is drawn on."""
+
+    def __init__(self, figure: Figure, axes: list[Axes]) -> None:
+        self.figure, self.axes, self.svg = figure, axes, ""
+
+
+def pens(count: int) -> Iterator[dict[str, Any]]:
+    """Colour and dashes of `count` lines, all different up to MOST_LINES and beyond."""
+    colour = cycle(COLOURS)
+    for index in range(count):
+        yield {"color": next(colour), "linestyle": DASHES[index // len(COLOURS) % len(DASHES)]}
+
+
+def legend_below(sheet: Page) -> None:
+    """One legend under the figure, where it covers no data, in as many columns as its words leave room for."""
+    handles, labels = [], []
+    for axes in sheet.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            if label not in labels:
+                handles.append(handle)
+                labels.append(label)
+    if handles:
+        columns = max(1, min(len(labels), LEGEND_LETTERS // (max(len(label) for label in labels) + 7)))
+        sheet.figure.legend(handles, labels, loc="outside lower center", ncols=columns)
+
+
+def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable answer here") -> None:
+    """Hatch the stretches of x in which `bad` holds, each from its neighbour to its neighbour."""
+    low, high = float(x[0]), float(x[-1])
+    least = (high - low) * 2e-3  # so that a single speed can still be seen
+    for start, stop in stretches(bad):
+        left, right = float(x[max(start - 1, 0)]), float(x[min(stop + 1, len(x) - 1)])
+        if right - left < least:
+            middle = (left + right) / 2
+            left, right = middle - least / 2, middle + least / 2
+        axes.axvspan(
+            left, right, facecolor="#f6d9d6", edgecolor=BAD, hatch="////", linewidth=0.3, label=label, zorder=0
+        )
+
+
+def stretches(where: np.ndarray) -> list[tuple[int, int]]:
+    """First and last index of every run of true values."""
+    edges = np.diff(np.concatenate([[0], np.asarray(where, dtype=np.int8), [0]]))
+    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
+
+
+def ranges(axes: Axes, bands: tuple[tuple[float, float], ...], label: str = "barred range") -> None:
+    """Shade ranges of speed."""
+    for low, high in bands:
+        axes.axvspan(low, high, facecolor="#f7e3b5", alpha=0.6, linewidth=0, label=label, zorder=0)
+
+
+def amplitude_axis(axes: Axes, values: Sequence[np.ndarray]) -> None:
+    """Start the amplitudes at zero, or take logarithms where a resonance would leave all else on the axis."""
+    known = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0)] for v in values] or [np.zeros(0)])
+    if known.size == 0 or known.max() <= LOGARITHMIC * np.median(known):
+        axes.set_ylim(bottom=0.0)
+        return
+    axes.set_yscale("log")
+    lowest = max(float(known.min()), float(known.max()) / MOST_DECADES)
+    axes.set_ylim(lowest / 1.5, float(known.max()) * 2.0)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def rated_line(axes: Axes, rated: float | None) -> None:
+    """Mark the rated speed."""
+    if rated is not None:
+        axes.axvline(rated, color=INK, linewidth=0.8, linestyle=(0, (6, 2, 1, 2)), label="rated speed")

@@ -1,0 +1,62 @@
+"""Chapter: the response over a frequency range."""
+
+import numpy as np
+
+from torsion.findings import Findings
+from torsion.kernels.response import Status
+from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.report.elements import elements
+from torsion.report.numbers import NONE, degrees, number, scale
+from torsion.report.reading import largest
+
+MOST_LINES = 10
+
+
+def chapter(findings: Findings) -> list[Block]:
+    """Nothing where no frequencies were asked."""
+    sweep = findings.sweep
+    if sweep is None:
+        return []
+    bad = sweep.status != Status.OK
+    natural = [] if findings.modes is None else findings.modes.frequency.tolist()
+    found = elements(findings.system)
+    torque = np.array([np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in found])
+    own = [k for k, s in enumerate(findings.study.train.stations) if not s.is_ground]
+    angle = np.where(bad, np.nan, np.abs(sweep.angle[:, own]).T)
+    unit = scale("N m", [float(np.nanmax(np.append(torque, 0.0)))])
+    common = {"frequency": sweep.frequency, "bad": bad, "natural": natural}
+    names = [e.name for e in found]
+    stations = [findings.study.train.stations[k].name for k in own]
+    return [
+        Heading("Response over the frequency range"),
+        Paragraph("The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."),
+        _table("Largest torque amplitude", "Element", names, torque * unit.factor, unit.unit, sweep.frequency),
+        Figure("sweep-torque", "Torque amplitude over the frequency", "frequency",
+               {**common, "lines": _lines(names, torque * unit.factor), "quantity": f"torque amplitude, {unit.unit}"}),
+        _table("Largest angular amplitude", "Station", stations, angle, "rad", sweep.frequency),
+        Figure("sweep-angle", "Angular amplitude over the frequency", "frequency",
+               {**common, "lines": _lines(stations, np.degrees(angle)), "quantity": "angular amplitude, deg"}),
+    ]  # fmt: skip
+
+
+def _lines(names: list[str], values: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """The largest of the lines, in their order."""
+    size = np.nanmax(np.where(np.isfinite(values), values, 0.0), axis=1, initial=0.0)
+    kept = sorted(np.argsort(-size, kind="stable")[:MOST_LINES].tolist())
+    return [(names[k], values[k]) for k in kept if size[k] > 0]
+
+
+def _table(caption: str, what: str, names: list[str], values: np.ndarray, unit: str, frequency: np.ndarray) -> Table:
+    in_degrees = unit == "rad"
+    columns = [Column(what, align="left"), Column("Amplitude", unit), Column("At frequency", "Hz")]
+    if in_degrees:
+        columns.insert(2, Column("Amplitude", "deg"))
+    rows = []
+    for name, row in zip(names, values, strict=True):
+        at = largest(row)
+        if at is None:
+            rows.append((name, *[NONE] * (len(columns) - 1)))
+            continue
+        more = [degrees(float(row[at]))] if in_degrees else []
+        rows.append((name, number(float(row[at])), *more, number(float(frequency[at]))))
+    return Table(tuple(columns), tuple(rows), caption)

@@ -1,0 +1,131 @@
+"""Chapter: the verdict of every rule in one table, the conclusion and the restrictions of speed."""
+
+import numpy as np
+
+from torsion.findings import Findings
+from torsion.report.blocks import Block, Column, Heading, Paragraph, Points, Table
+from torsion.report.numbers import RPM, given, number, order, rpm
+from torsion.report.reading import band_words, barred_rpm, failed, unreliable
+from torsion.rules.check import Check
+
+COLUMNS = (
+    Column("Check", align="left"), Column("Component", align="left"), Column("Worst value"), Column("Limit"),
+    Column("Unit", align="left"), Column("At speed", "rpm"), Column("Order"), Column("Verdict", align="left"),
+)  # fmt: skip
+
+
+def chapter(findings: Findings) -> list[Block]:
+    """The verdict comes first in every report."""
+    blocks: list[Block] = [Heading("Verdict")]
+    if findings.checks:
+        rows = tuple(_row(check) for check in findings.checks)
+        marks = tuple(check.verdict for check in findings.checks)
+        blocks.append(
+            Table(
+                COLUMNS,
+                rows,
+                "Checks against the rules asked, each at its worst point; without an order: all orders together, "
+                "or none",
+                marks,
+            )
+        )
+    blocks.extend(conclusion(findings))
+    notes = _notes(findings)
+    if notes:
+        blocks.extend([Heading("Remarks on the checks", 2), Points(notes)])
+    return blocks
+
+
+def conclusion(findings: Findings) -> list[Block]:
+    """The conclusion and the restrictions of speed, in plain sentences."""
+    blocks: list[Block] = [_overall(findings)]
+    restrictions = _restrictions(findings)
+    if restrictions:
+        blocks.append(Points(restrictions))
+    return blocks
+
+
+def _row(check: Check) -> tuple[str, ...]:
+    sign = "≥ " if check.at_least else ""
+    limit = "none" if np.isnan(check.limit) else sign + given(check.limit)
+    value = "no finite value" if np.isinf(check.value) else number(check.value)
+    what = f"{check.what} ({check.rule}, {check.clause})"
+    unit = check.unit.replace("mm2", "mm²")
+    verdict = check.verdict.upper() + ("" if _is_kept(check) or check.verdict == "fail" else ", not kept")
+    return what, check.where, value, limit, unit, rpm(check.speed), order(check.order), verdict
+
+
+def _is_kept(check: Check) -> bool:
+    """The value keeps its limit, whatever the standing of the limit; where there is none, it is kept."""
+    if np.isnan(check.limit):
+        return True
+    return bool(check.value >= check.limit if check.at_least else check.value <= check.limit)
+
+
+def _overall(findings: Findings) -> Paragraph:
+    checks, bad = findings.checks, failed(findings)
+    if not checks:
+        text = "No rule was asked, or none applies to this train: the report gives results without a verdict."
+        return Paragraph(text, "note")
+    if bad:
+        where = ", ".join(dict.fromkeys(check.where for check in bad))
+        return Paragraph(
+            f"{len(bad)} of {len(checks)} checks failed ({where}). The train does not satisfy the rules asked.", "fail"
+        )
+    if any(check.verdict != "pass" for check in checks):
+        return Paragraph(f"No check failed: {_count(checks)}.", "note")
+    restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
+    return Paragraph(f"All {len(checks)} checks passed: the train satisfies the rules asked{restricted}.", "pass")
+
+
+def _count(checks: tuple[Check, ...]) -> str:
+    """How many checks stand how, in words."""
+    words = {
+        "pass": "passed", "to be verified": "compared with a limit that is to be verified against the edition in force",
+        "outside": "outside the range for which the rule has a limit",
+    }  # fmt: skip
+    found = [f"{n} {text}" for key, text in words.items() if (n := sum(c.verdict == key for c in checks))]
+    missed = [check.where for check in checks if check.verdict == "to be verified" and not _is_kept(check)]
+    more = f"; not kept among those to be verified: {', '.join(dict.fromkeys(missed))}" if missed else ""
+    return ", ".join(found) + more
+
+
+def _restrictions(findings: Findings) -> tuple[str, ...]:
+    found = [
+        f"Barred range: {band_words(band)}. Not for continuous operation; to be passed rapidly."
+        for band in barred_rpm(findings)
+    ]
+    bad = unreliable(findings)
+    response = findings.response
+    if response is not None and np.any(bad):
+        speeds = response.speed[bad] * RPM
+        found.append(
+            f"At {_listed(speeds)} the response has no reliable finite value (undamped resonance). "
+            "No amplitude is stated there; give the damping of the train."
+        )
+    if not found and response is not None and findings.checks and not failed(findings):
+        found.append("No restriction of speed follows from the checks asked.")
+    return tuple(found)
+
+
+def _listed(speeds: np.ndarray) -> str:
+    groups: list[list[float]] = []
+    for speed in speeds.tolist():
+        if groups and speed - groups[-1][-1] <= 0.01 * speed:
+            groups[-1].append(speed)
+        else:
+            groups.append([speed])
+    words = [
+        number(group[0], 5) if len(group) == 1 else f"{number(group[0], 5)}–{number(group[-1], 5)}" for group in groups
+    ]
+    more = f" and {len(words) - 8} further ranges" if len(words) > 8 else ""
+    return f"{', '.join(words[:8])} rpm{more}"
+
+
+def _notes(findings: Findings) -> tuple[str, ...]:
+    """Remarks, each once, with the components that it is about."""
+    about: dict[str, list[str]] = {}
+    for check in findings.checks:
+        if check.note:
+            about.setdefault(f"{check.what}: {check.note}", []).append(check.where)
+    return tuple(f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items())

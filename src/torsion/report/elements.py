@@ -1,0 +1,47 @@
+"""The elastic elements of a train as people name them: all segments of a shaft are one element."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.assembly.system import System
+from torsion.components.base import Component
+from torsion.kernels.tree import FloatArray
+
+
+@dataclass(frozen=True)
+class Element:
+    """A coupling, shaft, gear mesh, joint or other link, with the spans that it was divided into."""
+
+    name: str
+    kind: str  # the component's keyword
+    part: int
+    spans: tuple[int, ...]
+    ratio: float  # speed at which its torque is told / reference speed
+
+    def largest(self, values: FloatArray) -> FloatArray:
+        """The largest over the element's spans of values (..., spans)."""
+        return np.asarray(values[..., list(self.spans)].max(axis=-1))
+
+
+def elements(system: System) -> tuple[Element, ...]:
+    """Every element in the order of the train; points that are rigidly joined have none between them."""
+    bars = {bar.part: bar.name for bar in system.train.bars}
+    found: dict[tuple[int, str], list[int]] = {}
+    for index, span in enumerate(system.spans):
+        if not _joins_points_rigidly(system, index):
+            found.setdefault((span.part, bars.get(span.part, span.name)), []).append(index)
+    made = [
+        Element(name, _component(system, part).keyword, part, tuple(spans), float(system.span_ratio[spans[0]]))
+        for (part, name), spans in found.items()
+    ]
+    return tuple(sorted(made, key=lambda element: (element.part, element.spans)))
+
+
+def _component(system: System, part: int) -> Component:
+    return system.train.parts[part].component
+
+
+def _joins_points_rigidly(system: System, index: int) -> bool:
+    span = system.spans[index]
+    return _component(system, span.part).sort == "point" and bool(system.flexibility[index] == 0)

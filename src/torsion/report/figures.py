@@ -1,0 +1,23 @@
+"""The plots that a figure can name, drawn when a renderer asks for the first of them."""
+
+from importlib import import_module
+
+from torsion.report.blocks import Figure
+
+PLOTS = {
+    "sketch": "torsion.plots.sketch:sketch",
+    "mode": "torsion.plots.mode:mode",
+    "campbell": "torsion.plots.campbell:campbell",
+    "steady": "torsion.plots.steady:steady",
+    "torque": "torsion.plots.torque:torque",
+    "stress": "torsion.plots.stress:stress",
+    "gear": "torsion.plots.gear:gear",
+    "frequency": "torsion.plots.frequency:frequency",
+}
+
+
+def svg(figure: Figure) -> str:
+    """The figure as an SVG element; the same figure gives the same text. Raises KeyError for an unknown plot."""
+    module, name = PLOTS[figure.plot].split(":")
+    drawn: str = getattr(import_module(module), name)(figure.name, **figure.values)
+    return drawn

@@ -1,0 +1,191 @@
+"""The results as JSON: documented, stable, every number finite or null.
+
+`results` builds plain lists and dicts; `KEYS` in json_keys.py says what stands where. Format 1 may gain keys; a key
+that is there keeps its meaning. Complex amplitudes are pairs [real, imaginary]; orders and ratios are texts "a/b".
+"""
+
+import hashlib
+import json
+from typing import Any
+
+import torsion
+from torsion.findings import Findings
+from torsion.report.json_numbers import exact, finite, numbers
+from torsion.report.json_response import frequency_response, response, synthesis
+
+FORMAT = 1
+LEGEND = {
+    "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
+    "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
+    "own_speed": "angles, torques and inertias are told at the station's own speed, a span's at its driving station",
+    "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
+    "reference": "orders and speeds count from the component `scene.reference`",
+    "status": "ok, near-singular or singular: how far a line can be trusted; where singular, amplitudes are null",
+    "null": "no value, not a number, or infinite (a held station's inertia)",
+}
+
+
+def results(findings: Findings) -> dict[str, Any]:
+    """Everything that was found; what was not asked is null or an empty list."""
+    return {
+        "format": FORMAT,
+        "program": {"name": "torsion", "version": torsion.__version__},
+        "legend": LEGEND,
+        "scene": _scene(findings),
+        "stations": _stations(findings),
+        "spans": _spans(findings),
+        "modes": _modes(findings),
+        "damped_modes": _damped(findings),
+        "critical_speeds": [_critical(c) for c in findings.critical],
+        "mean": _steady(findings),
+        "response": response(findings),
+        "synthesis": synthesis(findings),
+        "frequency_response": frequency_response(findings),
+        "checks": [_check(check) for check in findings.checks],
+        "plan": _plan(findings),
+    }
+
+
+def text(findings: Findings) -> str:
+    """The results as JSON text, one line for each top-level key."""
+    rows = [f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}" for key, value in results(findings).items()]
+    return "{\n" + ",\n".join(rows) + "\n}\n"
+
+
+def _scene(findings: Findings) -> dict[str, Any]:
+    study, speeds, rated = findings.study, findings.study.operation.speeds, findings.study.operation.rated
+    return {
+        "name": study.name,
+        "description": study.description,
+        "file": study.file,
+        "sha256": hashlib.sha256(study.text.encode("utf-8")).hexdigest() if study.text else None,
+        "model": study.model,
+        "reference": study.operation.at or study.train.parts[0].name,
+        "speed_range_rad_per_s": None if speeds is None else [speeds.first, speeds.last],
+        "rated_speed_rad_per_s": None if rated is None else rated.speed,
+        "rated_power_W": None if rated is None else rated.power,
+        "rules": [name for name, _ in study.rules],
+    }
+
+
+def _stations(findings: Findings) -> list[dict[str, Any]]:
+    system, parts = findings.system, findings.system.train.parts
+    return [
+        {
+            "name": station.name,
+            "component": parts[station.part].name,
+            "kind": parts[station.part].component.keyword,
+            "speed_ratio": exact(station.ratio),
+            "sense": station.sense,
+            "is_ground": station.is_ground,
+            "is_held": bool(system.held[index]),
+            "inertia_kg_m2": finite(float(system.inertia[index])),
+        }
+        for index, station in enumerate(system.stations)
+    ]
+
+
+def _spans(findings: Findings) -> list[dict[str, Any]]:
+    system, parts = findings.system, findings.system.train.parts
+    return [
+        {
+            "name": span.name,
+            "component": parts[span.part].name,
+            "kind": parts[span.part].component.keyword,
+            "driving_station": span.driving,
+            "driven_station": span.driven,
+            "ratio": exact(span.ratio),
+            "flexibility_rad_per_Nm": finite(float(system.flexibility[index])),
+            "loss_factor": float(system.loss_factor[index]),
+            "viscous_Nms_per_rad": float(system.viscous[index]),
+            "error": [{"order": order, "amplitude_rad": [value.real, value.imag]} for order, value in span.error],
+        }
+        for index, span in enumerate(system.spans)
+    ]
+
+
+def _modes(findings: Findings) -> dict[str, Any] | None:
+    modes = findings.modes
+    if modes is None:
+        return None
+    return {
+        "rigid_motions": modes.rigid,
+        "is_certified": modes.certified,
+        "frequency_Hz": numbers(modes.frequency),
+        "lower_Hz": numbers(modes.lower),
+        "upper_Hz": numbers(modes.upper),
+        "nodes": numbers(modes.nodes),
+        "shape_rad": numbers(modes.shape.T),
+        "torque_Nm": numbers(modes.torque.T),
+        "kinetic_share": numbers(modes.kinetic.T),
+        "elastic_share": numbers(modes.elastic.T),
+    }
+
+
+def _damped(findings: Findings) -> dict[str, Any] | None:
+    damped = findings.damped
+    if damped is None:
+        return None
+    return {
+        "speed_rad_per_s": finite(damped.speed),
+        "frequency_Hz": numbers(damped.frequency),
+        "damping_ratio": numbers(damped.damping_ratio),
+        "eigenvalue_per_s": [[float(v.real), float(v.imag)] for v in damped.eigenvalue],
+        "overdamped_per_s": numbers(damped.overdamped),
+    }
+
+
+def _critical(critical: Any) -> dict[str, Any]:
+    return {
+        "mode": critical.mode,
+        "order": exact(critical.order),
+        "frequency_Hz": finite(critical.frequency),
+        "speed_rad_per_s": finite(critical.speed),
+        "is_in_range": bool(critical.is_inside),
+        "margin": finite(critical.margin),
+        "sources": list(critical.sources),
+    }
+
+
+def _steady(findings: Findings) -> dict[str, Any] | None:
+    steady = findings.steady
+    if steady is None:
+        return None
+    return {
+        "speed_rad_per_s": numbers(steady.speed),
+        "torque_Nm": numbers(steady.torque),
+        "applied_Nm": numbers(steady.applied),
+        "sharing": steady.sharing,
+    }
+
+
+def _check(check: Any) -> dict[str, Any]:
+    return {
+        "rule": check.rule,
+        "clause": check.clause,
+        "where": check.where,
+        "what": check.what,
+        "value": finite(check.value),
+        "limit": finite(check.limit),
+        "limit_is_a_least_value": check.at_least,
+        "unit": check.unit,
+        "verdict": check.verdict,
+        "speed_rad_per_s": finite(check.speed),
+        "order": exact(check.order),
+        "note": check.note,
+        "barred": [
+            {"shaft": b.shaft, "lower_rad_per_s": b.lower, "upper_rad_per_s": b.upper, "critical_rad_per_s": b.critical}
+            for b in check.barred
+        ],
+    }
+
+
+def _plan(findings: Findings) -> dict[str, Any]:
+    plan = findings.plan
+    return {
+        "done": [
+            {"what": s.what, "method": s.method, "size": s.size, "seconds": s.seconds, "why": s.why} for s in plan.done
+        ],
+        "left_out": [{"what": what, "why": why} for what, why in plan.left_out],
+        "versions": dict(plan.versions),
+    }

@@ -1,0 +1,84 @@
+"""Numbers as an engineer reads them: significant digits, one scale a column, signs of what is no number."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+DIGITS = 5  # significant digits of a figure in a table
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+NONE = "–"
+PREFIXES = ((1e6, "M"), (1e3, "k"))
+RPM = 60.0 / (2.0 * math.pi)
+
+
+def number(value: float | None, digits: int = DIGITS) -> str:
+    """A value to so many significant digits: 0.012346, 1234.6, 1.2346·10⁷; '–' where there is none, '∞' if infinite."""
+    if value is None or math.isnan(value):
+        return NONE
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    if value == 0:
+        return "0"
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    power = int(exponent)
+    if -4 <= power < max(digits + 1, 6):
+        return f"{float(f'{mantissa}e{power}'):.{max(digits - 1 - power, 0)}f}".replace("-", "−")
+    return f"{mantissa}·10{str(power).translate(SUPERSCRIPT)}".replace("-", "−")
+
+
+def given(value: float | None, digits: int = DIGITS) -> str:
+    """A figure of the input: as `number`, without the zeros that nobody wrote."""
+    text = number(value, digits)
+    return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
+
+
+def exact(value: Fraction | None) -> str:
+    """An order or a ratio: '2', '1/2', '21/8'; '–' for none."""
+    return NONE if value is None else str(value)
+
+
+def order(value: Fraction | None) -> str:
+    """An order as people read it: '2', '0.5', or the fraction with its value where the decimals do not end."""
+    if value is None:
+        return NONE
+    if value.denominator == 1:
+        return str(value.numerator)
+    text = f"{float(value):.4f}".rstrip("0")
+    return text if Fraction(text) == value else f"{value} ≈ {float(value):.4f}"
+
+
+def rpm(speed: float | None, digits: int = DIGITS) -> str:
+    """A speed in rad/s as revolutions per minute."""
+    return NONE if speed is None else number(speed * RPM, digits)
+
+
+def given_rpm(speed: float) -> str:
+    """A speed of the input, in rad/s, as revolutions per minute."""
+    return given(speed * RPM, 6)
+
+
+def degrees(angle: float, digits: int = DIGITS) -> str:
+    """An angle in rad as degrees."""
+    return given(math.degrees(angle), digits)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A unit with its prefix, and what an SI value is multiplied with."""
+
+    unit: str
+    factor: float
+
+    def text(self, value: float | None, digits: int = DIGITS) -> str:
+        """An SI value in this unit."""
+        return number(None if value is None else value * self.factor, digits)
+
+
+def scale(unit: str, values: Iterable[float]) -> Scale:
+    """The prefix that suits the largest finite value of a column or a figure: 'N m', 'kN m', 'MN m'."""
+    largest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+    for factor, prefix in PREFIXES:
+        if largest >= factor:
+            return Scale(prefix + unit, 1.0 / factor)
+    return Scale(unit, 1.0)

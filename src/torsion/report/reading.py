@@ -1,0 +1,123 @@
+"""What several chapters read from the findings."""
+
+import math
+
+import numpy as np
+
+from torsion.analyses.response import Response
+from torsion.findings import Findings
+from torsion.kernels.response import Status
+from torsion.kernels.tree import BoolArray, FloatArray
+from torsion.report.numbers import RPM, number
+from torsion.rules.check import BarredRange, Check
+from torsion.rules.evidence import Evidence
+
+Band = tuple[float, float]
+
+
+def evidence(findings: Findings) -> Evidence:
+    """The findings as a rule reads them."""
+    f = findings
+    return Evidence(f.study, f.system, f.modes, f.steady, f.response, f.synthesis)
+
+
+def over_speed(findings: Findings) -> Response:
+    """The response over speed; raises ValueError where none was computed."""
+    if findings.response is None:
+        raise ValueError("this part of the report needs a response over speed")
+    return findings.response
+
+
+def reference(findings: Findings) -> str:
+    """Name of the component whose speed is the speed axis."""
+    return findings.study.operation.at or findings.study.train.parts[0].name
+
+
+def rated(findings: Findings) -> float | None:
+    """Rated speed, rad/s of the reference component."""
+    point = findings.study.operation.rated
+    return None if point is None else point.speed
+
+
+def rated_rpm(findings: Findings) -> float | None:
+    """Rated speed, rpm."""
+    speed = rated(findings)
+    return None if speed is None else speed * RPM
+
+
+def barred(findings: Findings) -> tuple[BarredRange, ...]:
+    """The barred ranges that the verdicts stand on, each once, in rising order."""
+    found = {band: None for check in findings.checks for band in check.barred}
+    return tuple(sorted(found, key=lambda band: (band.lower, band.upper)))
+
+
+def barred_rpm(findings: Findings) -> tuple[Band, ...]:
+    """The barred ranges as bands of rpm, overlapping ones as one."""
+    bands: list[Band] = []
+    for band in barred(findings):
+        low, high = band.lower * RPM, band.upper * RPM
+        if bands and low <= bands[-1][1]:
+            bands[-1] = (bands[-1][0], max(bands[-1][1], high))
+        else:
+            bands.append((low, high))
+    return tuple(bands)
+
+
+def band_words(band: Band) -> str:
+    """A barred range in rpm, rounded outward to a tenth so that nothing of it is lost."""
+    return f"{math.floor(10 * band[0]) / 10:.1f} to {math.ceil(10 * band[1]) / 10:.1f} rpm"
+
+
+def unreliable(findings: Findings) -> BoolArray:
+    """(speeds,) where any line of the response is not ok."""
+    response = findings.response
+    if response is None:
+        return np.zeros(0, dtype=bool)
+    return np.asarray(np.any(response.status != Status.OK, axis=1))
+
+
+def amplitude(findings: Findings, spans: tuple[int, ...]) -> FloatArray:
+    """(speeds, lines) N m: largest torque amplitude in the spans; NaN where the line is not ok."""
+    response = findings.response
+    if response is None:
+        return np.zeros((0, 0))
+    size = np.abs(response.torque[:, :, list(spans)]).max(axis=2)
+    return np.where(response.status == Status.OK, size, np.nan)
+
+
+def synthesis(findings: Findings, spans: tuple[int, ...]) -> FloatArray:
+    """(speeds,) N m: largest half range of all lines together in the spans; NaN where any line is not ok."""
+    if findings.synthesis is None:
+        return np.zeros(0)
+    size = findings.synthesis.half_range[:, list(spans)].max(axis=1)
+    return np.where(unreliable(findings), np.nan, size)
+
+
+def failed(findings: Findings) -> tuple[Check, ...]:
+    """The checks that failed."""
+    return tuple(check for check in findings.checks if check.verdict == "fail")
+
+
+def joint_model(findings: Findings) -> str:
+    """What the joint model says of its own error, in a sentence; empty without joints."""
+    error = 0.0 if findings.response is None else float(np.nanmax(findings.response.joint_error, initial=0.0))
+    if error == 0:
+        return ""
+    if error > 1:
+        return (
+            "At some resonances the vibration is so large that the first-order joint model does not hold there "
+            "(its own "
+            "estimate of its error exceeds 100 %); amplitudes at those peaks are no prediction."
+        )
+    return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
+
+
+def per_minute(frequency: float) -> float:
+    """A frequency in Hz as cycles per minute."""
+    return 60.0 * frequency
+
+
+def largest(values: FloatArray) -> int | None:
+    """Where the largest of the values that are numbers stands; None where there is none."""
+    known = np.isfinite(values)
+    return int(np.argmax(np.where(known, values, -math.inf))) if np.any(known) else None

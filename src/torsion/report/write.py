@@ -1,0 +1,47 @@
+"""Writes a report so that a failed or killed run leaves the earlier one whole."""
+
+import os
+import shutil
+import tempfile
+from datetime import date
+from pathlib import Path
+
+from torsion.findings import Findings
+
+
+def write(findings: Findings, folder: str | Path, *, pdf: bool = False, today: date | None = None) -> list[Path]:
+    """Write results.json, report.html and, if asked, report.pdf into the folder; the paths of what was written.
+
+    Every file is finished in a temporary folder beside the target before the first is put in its place. Raises
+    OSError where the folder cannot be written.
+    """
+    from torsion.report.document import document
+    from torsion.report.html import html
+    from torsion.report.json import text
+
+    target = Path(folder)
+    target.mkdir(parents=True, exist_ok=True)
+    made = document(findings, today or date.today())
+    workshop = Path(tempfile.mkdtemp(prefix=".report-", dir=target))
+    try:
+        finished = [_file(workshop / "results.json", text(findings)), _file(workshop / "report.html", html(made))]
+        if pdf:
+            from torsion.report.pdf import write_pdf
+
+            finished.append(write_pdf(made, workshop))
+        return [_placed(path, target / path.name) for path in finished]
+    finally:
+        shutil.rmtree(workshop, ignore_errors=True)
+
+
+def _file(path: Path, content: str) -> Path:
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    return path
+
+
+def _placed(source: Path, target: Path) -> Path:
+    os.replace(source, target)
+    return target

@@ -1,0 +1,91 @@
+"""Figures are SVG, the same every time, with what they were given in them."""
+
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import numpy as np
+import pytest
+
+from torsion.report.blocks import Figure
+from torsion.report.figures import PLOTS, svg
+
+SPEED = np.linspace(300.0, 1800.0, 61)
+BUMP = 100.0 / (1.0 + ((SPEED - 900.0) / 60.0) ** 2)
+BAD = np.abs(SPEED - 1500.0) < 1.0
+OVER_SPEED: dict[str, Any] = {"speed": SPEED, "bad": BAD, "rated": 1500.0, "barred": ((800.0, 1000.0),)}
+VALUES: dict[str, dict[str, Any]] = {
+    "sketch": {
+        "points": [
+            {"x": 0.0, "row": 0.0, "size": 0.5, "label": "1 <motor> & $x$", "kind": "motor"},
+            {"x": 3.0, "row": 0.0, "size": 1.0, "label": "2", "kind": "damper", "ring": 0.5, "is_grounded": True},
+            {"x": 3.0, "row": -1.0, "size": 0.0, "label": "3", "kind": "disc", "is_held": True},
+        ],
+        "links": [
+            {"kind": kind, "start": (0.0, 0.0), "end": (1.0, 0.0), "label": kind}
+            for kind in ("shaft", "coupling", "gear", "joint", "rigid", "tie")
+        ],
+    },
+    "mode": {
+        "x": np.array([0.0, 1, 2, 2]), "row": np.array([0.0, 0, 0, 1]), "ends": np.array([[0, 1], [1, 2], [2, 3]]),
+        "marked": np.ones(4, dtype=bool), "angle": np.array([1.0, 0, -1, -0.5]), "torque": np.array([1.0, 0.5, -0.2]),
+        "ticks": [(0.0, "motor <A>")],
+    },
+    "campbell": {
+        "frequencies": [10.0, 40.0], "orders": [(1.0, "order 1"), (2.0, "order 2")],
+        "crossings": [(600.0, 10.0, True), (100.0, 10.0, False)], "speeds": (300.0, 1800.0), "rated": 1500.0,
+    },
+    "steady": {"speed": SPEED, "lines": [("a & b", BUMP)], "unit": "kN m", "rated": 1500.0},
+    "torque": {
+        **OVER_SPEED, "lines": [("order 1", BUMP)], "synthesis": BUMP, "unit": "N m",
+        "limits": [("T_KW", 80.0)],
+    },
+    "stress": {**OVER_SPEED, "synthesis": BUMP, "continuous": BUMP + 1, "transient": np.full(61, np.nan)},
+    "gear": {**OVER_SPEED, "vibratory": BUMP, "mean": BUMP * 0 + 50, "unit": "N m", "limit": 70.0},
+    "frequency": {
+        "frequency": SPEED, "lines": [("<disc>", BUMP)], "bad": BAD, "quantity": "torque amplitude, N m",
+        "natural": [900.0],
+    },
+}  # fmt: skip
+
+
+def drawn(plot: str, **changes: Any) -> str:
+    """The SVG of a plot."""
+    return svg(Figure(f"figure-{plot}", "caption", plot, {**VALUES[plot], **changes}))
+
+
+def test_every_plot_is_tried() -> None:
+    assert set(VALUES) == set(PLOTS)
+
+
+@pytest.mark.parametrize("plot", PLOTS)
+def test_a_figure_is_well_formed_and_the_same_every_time(plot: str) -> None:
+    text = drawn(plot)
+    assert ET.fromstring(text).tag.endswith("svg")
+    assert text == drawn(plot)
+
+
+def test_labels_stand_as_text_with_the_names_escaped() -> None:
+    assert "1 &lt;motor&gt; &amp; $x$" in drawn("sketch")
+    assert "a &amp; b" in drawn("steady")
+
+
+@pytest.mark.parametrize("plot", ["torque", "stress", "gear", "frequency"])
+def test_what_is_not_reliable_is_hatched_and_only_then(plot: str) -> None:
+    assert "no reliable answer here" in drawn(plot)
+    assert "no reliable answer here" not in drawn(plot, bad=np.zeros(61, dtype=bool))
+
+
+def test_a_peak_far_above_the_rest_takes_a_logarithmic_axis() -> None:
+    steep = 1e4 * BUMP**2
+    assert ">10000<" in drawn("frequency", lines=[("a", steep)], bad=np.zeros(61, dtype=bool)) or ">1e+06<" in drawn(
+        "frequency", lines=[("a", steep)], bad=np.zeros(61, dtype=bool)
+    )
+
+
+def test_figures_of_other_names_share_no_clip_path() -> None:
+    import re
+
+    first, second = (svg(Figure(name, "", "torque", VALUES["torque"])) for name in ("one", "two"))
+    ids = [set(re.findall(r'<clipPath id="([^"]+)"', text)) for text in (first, second)]
+    assert ids[0]
+    assert not ids[0] & ids[1]

@@ -1,0 +1,52 @@
+"""Numbers as an engineer reads them."""
+
+import math
+from fractions import Fraction
+
+import pytest
+
+from torsion.report import numbers
+from torsion.report.reading import band_words
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"), (1.0, "1.0000"), (123456.7, "123460"), (0.00012345678, "0.00012346"),
+        (0.000012345678, "1.2346·10⁻⁵"),
+        (12345678.0, "1.2346·10⁷"), (-2.5, "−2.5000"), (99999.6, "100000"), (math.inf, "∞"), (math.nan, "–"),
+        (None, "–"),
+    ],
+)  # fmt: skip
+def test_five_significant_digits(value: float | None, text: str) -> None:
+    assert numbers.number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(300.0, "300"), (2.5, "2.5"), (1e-9, "1.0000·10⁻⁹"), (0.0, "0"), (100.0, "100")]
+)
+def test_a_given_figure_has_no_zeros_that_nobody_wrote(value: float, text: str) -> None:
+    assert numbers.given(value) == text
+
+
+@pytest.mark.parametrize(
+    ("order", "text"), [(Fraction(2), "2"), (Fraction(1, 2), "0.5"), (Fraction(40, 21), "40/21 ≈ 1.9048")]
+)
+def test_an_order_is_exact_and_readable(order: Fraction, text: str) -> None:
+    assert numbers.order(order) == text
+
+
+@pytest.mark.parametrize(
+    ("values", "unit"), [([12.0], "N m"), ([999.0, 1000.0], "kN m"), ([3e6, math.inf], "MN m"), ([], "N m")]
+)
+def test_one_prefix_suits_the_largest_value(values: list[float], unit: str) -> None:
+    assert numbers.scale("N m", values).unit == unit
+
+
+def test_a_prefix_does_not_change_the_value() -> None:
+    scale = numbers.scale("N m", [25e3])
+    assert scale.text(12345.0) == "12.345"
+
+
+def test_a_barred_range_is_rounded_outward() -> None:
+    assert band_words((298.46, 368.41)) == "298.4 to 368.5 rpm"

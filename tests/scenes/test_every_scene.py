@@ -1,0 +1,168 @@
+"""Every scene of shafting_specs solves, and shows the physics that it is there for."""
+
+import math
+import re
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.findings import Findings
+from torsion.kernels.response import Status
+from torsion.schema.json_schema import json_schema
+from torsion.schema.source import parse_source
+
+SCENES = {path.stem: path for path in sorted((Path(__file__).parents[2] / "shafting_specs").glob("**/*.yaml"))}
+TABLE = (Path(__file__).parents[2] / "shafting_specs" / "README.md").read_text(encoding="utf-8")
+HERTZ = {"Hz": 1.0, "rad/s": 1.0 / (2.0 * math.pi), "/min": 1.0 / 60.0}
+RPM = math.pi / 30.0
+SECOND_JOINT = "  - joint: {angle: 5 deg}\n  - shaft: {name: tail shaft"  # of usv.yaml
+every_scene = pytest.mark.parametrize("scene", SCENES)
+
+
+@pytest.fixture(scope="module")
+def solved() -> Callable[[str], Findings]:
+    """The findings of a scene; each is solved once."""
+    known: dict[str, Findings] = {}
+
+    def findings(scene: str) -> Findings:
+        if scene not in known:
+            known[scene] = torsion.run(torsion.read(SCENES[scene]))
+        return known[scene]
+
+    return findings
+
+
+@pytest.fixture(scope="module")
+def validator():
+    return pytest.importorskip("jsonschema").Draft202012Validator(json_schema())
+
+
+def station(found: Findings, component: str) -> int:
+    return found.study.train.part(component).stations[0]
+
+
+def span(found: Findings, component: str) -> int:
+    """The first span of a component."""
+    return next(k for k, one in enumerate(found.system.spans) if one.name.split(" [")[0] == component)
+
+
+def at_rated(found: Findings) -> int:
+    return int(np.argmin(np.abs(found.steady.speed - found.study.operation.rated.speed)))
+
+
+@every_scene
+def test_scene_is_valid_against_the_json_schema(scene: str, validator) -> None:
+    data = parse_source(SCENES[scene].read_text(encoding="utf-8"), SCENES[scene].name).data
+    assert [error.message for error in validator.iter_errors(data)] == []
+
+
+@every_scene
+def test_every_frequency_is_certified_and_inside_its_bounds(scene: str, solved) -> None:
+    modes = solved(scene).modes
+    assert modes.certified
+    assert modes.frequency.size > 0
+    assert np.all((modes.lower <= modes.frequency) & (modes.frequency <= modes.upper))
+    assert np.all(modes.upper - modes.lower <= 1e-11 * modes.frequency)
+    for share in (modes.kinetic, modes.elastic):
+        np.testing.assert_allclose(share.sum(axis=0), 1.0, rtol=1e-13)
+
+
+@every_scene
+def test_the_table_of_scenes_says_what_is_computed(scene: str, solved) -> None:
+    row = re.search(rf"^\| `{scene}` \|.*\| (.*) (\S+) \|$", TABLE, re.MULTILINE)
+    for text, value in zip(row[1].split(", "), solved(scene).modes.frequency / HERTZ[row[2]], strict=False):
+        assert abs(value - float(text)) <= 0.5000001 * 10.0 ** -len(text.partition(".")[2])
+
+
+@every_scene
+def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str, solved) -> None:
+    found = solved(scene)
+    for answer in (found.response, found.sweep):
+        if answer is None:
+            continue
+        assert answer.status.shape == answer.residual.shape
+        sound = answer.status == Status.OK
+        assert sound.mean() > 0.9
+        assert np.all(np.isfinite(answer.torque[sound]))
+        assert np.all(np.isfinite(answer.angle[sound]))
+        assert np.all(answer.residual[sound] < 1e-10)
+    if found.response is not None:
+        assert np.all(found.response.status == Status.OK), "these trains are damped"
+        total = found.synthesis
+        assert np.all(np.isfinite(total.half_range))
+        assert np.all(total.half_range <= total.bound * (1 + 1e-12))
+        assert np.all(total.rms <= total.bound)
+
+
+@every_scene
+def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str, solved) -> None:
+    found = solved(scene)
+    assert {name for name, _ in found.study.rules} == {check.rule for check in found.checks}
+    for check in found.checks:
+        assert math.isfinite(check.value)
+        assert math.isnan(check.limit) == (check.verdict == "outside")
+
+
+@pytest.mark.parametrize(("scene", "propeller"), [("haixun_06402", "propeller-1"), ("usv", "propeller-1"),
+                                                  ("pump_1200kw", "impeller")])  # fmt: skip
+def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(scene: str, propeller: str, solved) -> None:
+    found = solved(scene)
+    part = found.study.train.part(propeller)
+    lines = {line.order for line in found.response.lines if propeller in line.sources}
+    assert lines == {k * part.component.blades * part.ratio for k in (1, 2)}
+
+
+def test_ratios_of_the_scenes_are_those_of_their_gears(solved) -> None:
+    assert solved("haixun_06402").study.train.ratio("propeller-1") == Fraction(8, 21)  # 1/2.625
+    assert solved("pump_1200kw").study.train.ratio("impeller") == Fraction(42, 125)
+
+
+@pytest.mark.parametrize(("scene", "propeller"), [("haixun_06402", "propeller-1"), ("usv", "propeller-1"),
+                                                  ("pump_1200kw", "impeller")])  # fmt: skip
+def test_power_that_enters_at_the_motor_leaves_at_the_propeller(scene: str, propeller: str, solved) -> None:
+    found = solved(scene)
+    ratio = float(found.study.train.ratio(propeller))
+    motor, load = (found.steady.applied[station(found, name)] for name in ("motor-1", propeller))
+    np.testing.assert_allclose(-load * ratio, motor, rtol=1e-14)
+
+
+def test_haixun_propeller_carries_the_motor_torque_times_the_gear_ratio(solved) -> None:
+    found = solved("haixun_06402")
+    motor, propeller = (found.steady.torque[span(found, name)] for name in ("motor shaft", "propeller shaft"))
+    np.testing.assert_allclose(propeller, 2.625 * motor, rtol=1e-14)
+    rated = at_rated(found)
+    assert motor[rated] == pytest.approx(400e3 / (1800.0 * RPM), rel=1e-13)
+    np.testing.assert_allclose(motor, motor[rated] * (found.steady.speed / (1800.0 * RPM)) ** 2, rtol=1e-13)
+
+
+def test_pump_shaft_carries_the_rated_power_at_504_rpm(solved) -> None:
+    found = solved("pump_1200kw")
+    pump = found.steady.torque[span(found, "pump shaft"), at_rated(found)]
+    assert pump == pytest.approx(1200e3 / (504.0 * RPM), rel=1e-13)
+
+
+def order_two(second_joint: str) -> np.ndarray:
+    """(speeds, elastic spans) complex N m of order 2 of the unmanned boat, its second joint rewritten."""
+    text = SCENES["usv"].read_text(encoding="utf-8")
+    assert SECOND_JOINT in text
+    study = torsion.parse(text.replace(SECOND_JOINT, SECOND_JOINT.replace("{angle: 5 deg}", second_joint)))
+    system = torsion.assemble(study.train, frequency=60.0)
+    asked = np.linspace(300.0, 1800.0, 16) * RPM
+    answer = torsion.response(study, system, speeds=asked)
+    line = [one.order for one in answer.lines].index(Fraction(2))
+    assert set(answer.lines[line].sources) == {"joint-1", "joint-2"}
+    return answer.torque[answer.asked, line][:, system.flexibility > 0]
+
+
+def test_yokes_in_line_cancel_and_crossed_yokes_add() -> None:
+    in_line, crossed = order_two("{angle: 5 deg}"), order_two("{angle: 5 deg, phase: 90 deg}")
+    assert np.all(np.abs(in_line) < 0.1 * np.abs(crossed))
+
+
+def test_a_turned_plane_undoes_a_phase_of_the_same_size() -> None:
+    in_line, both = order_two("{angle: 5 deg}"), order_two("{angle: 5 deg, phase: 30 deg, plane: 30 deg}")
+    np.testing.assert_allclose(both, in_line, rtol=0, atol=1e-12 * np.abs(in_line).max())

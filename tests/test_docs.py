@@ -1,0 +1,109 @@
+"""What the documents say: the manual is that of the declarations, scenes can be read, equations and commands exist."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+import torsion
+from torsion.cli import app
+from torsion.components import KINDS
+from torsion.rules.m68_formulas import DETAILS
+from torsion.schema.manual import EXAMPLES, manual
+from torsion.schema.read import Scene
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+EQUATION = re.compile(r"\(T(\d+)\)")
+AROUND = """
+name: example
+operation: {{speeds: {{from: 300 rpm, to: 1800 rpm}}, rated: {{speed: 1500 rpm, power: 100 kW}}}}
+train:
+- disc: {{name: before, inertia: 1}}
+{}
+- disc: {{name: after, inertia: 1}}
+"""
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """The fenced blocks of a page in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+
+
+def scenes() -> list[tuple[str, str]]:
+    """Page and text of every block that is a whole scene."""
+    found = [(page.name, text) for page in PAGES for text in blocks(page, "yaml")]
+    return [(page, text) for page, text in found if isinstance(yaml.safe_load(text), dict) and "\ntrain:" in text]
+
+
+def test_the_manual_is_that_of_the_declarations() -> None:
+    written = (ROOT / "docs" / "format.md").read_text(encoding="utf-8")
+    assert written == manual(), "write docs/format.md anew from torsion.schema.manual.manual()"
+
+
+def test_the_manual_has_every_section_and_kind() -> None:
+    assert set(EXAMPLES) == set(KINDS)
+    for name, field in Scene.model_fields.items():
+        assert f"| `{field.alias or name}` |" in manual()
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_the_example_of_a_kind_is_read_without_faults(kind: str) -> None:
+    train = torsion.parse(AROUND.format(EXAMPLES[kind])).train
+    assert kind in {part.component.keyword for part in train.parts}
+
+
+@pytest.mark.parametrize(("page", "text"), scenes(), ids=lambda value: value if value.endswith(".md") else "")
+def test_a_scene_in_a_document_is_read_without_faults(page: str, text: str) -> None:
+    assert torsion.parse(text, page).name
+
+
+def test_documents_hold_scenes() -> None:
+    assert {"README.md", "format.md"} <= {page for page, _ in scenes()}
+
+
+def test_equations_are_numbered_once_and_without_gaps() -> None:
+    numbers = [
+        int(line.rpartition("(T")[2].rstrip(")")) for line in THEORY.splitlines() if re.search(r"\S +\(T\d+\)$", line)
+    ]
+    assert numbers == list(range(1, len(numbers) + 1))
+
+
+@pytest.mark.parametrize("feature", DETAILS)
+def test_the_factors_of_a_feature_are_those_of_the_rule(feature: str) -> None:
+    row = next(line for line in THEORY.splitlines() if line.startswith("| ") and f"`{feature}`" in line)
+    c_k, k = (float(cell.split(",")[0]) for cell in row.strip("| ").split(" | ")[1:])
+    assert (c_k, k) == (DETAILS[feature].c_k, DETAILS[feature].k)
+
+
+@pytest.mark.parametrize("path", [*PAGES, *sorted((ROOT / "src").rglob("*.py"))], ids=lambda path: path.name)
+def test_an_equation_that_is_cited_exists(path: Path) -> None:
+    known = set(EQUATION.findall(THEORY))
+    assert set(EQUATION.findall(path.read_text(encoding="utf-8"))) <= known
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_a_link_in_a_document_leads_to_a_file(path: Path) -> None:
+    for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8")):
+        assert (path.parent / target).exists(), target
+
+
+def test_every_command_and_option_of_the_readme_exists() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    named = re.findall(r"torsion (solve|new|schema|[a-z]+) ?((?:FILE|\[|--|-o)[^`\n|]*)?`", text)
+    assert {command for command, _ in named} >= {"solve", "new", "schema"}
+    for command, options in named:
+        shown = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"})
+        assert shown.exit_code == 0, command
+        for option in re.findall(r"--?[a-z]+", options):
+            assert option in shown.output, f"torsion {command} {option}"
+
+
+def test_files_and_folders_of_the_readme_exist() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"\b(?:shafting_specs|docs|benchmarks|src/torsion)/[\w./-]*", text))
+    for name in named:
+        assert (ROOT / name.rstrip(".")).exists(), name
