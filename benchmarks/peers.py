@@ -1,0 +1,67 @@
+"""torsion beside openTorsion and ROSS: `python -m benchmarks.peers` writes reports/peers.md in about six minutes.
+
+`--quick` takes a minute, leaves the largest trains out and prints without writing.
+"""
+
+import argparse
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks import cases, frequency_rows, machine, response_rows
+from benchmarks.comparison import FULL, QUICK, Effort, Row
+from benchmarks.peers_page import page
+
+REPORT = Path(__file__).parents[1] / "reports" / "peers.md"
+
+
+def main() -> None:
+    """Measures, prints the page and writes it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a minute, small trains, nothing written unless --out")
+    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
+    chosen = parser.parse_args()
+    warnings.simplefilter("ignore")  # of the peers; torsion's own tests turn warnings into errors
+    effort = QUICK if chosen.quick else FULL
+    about, start = machine.lines(), time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        frequencies = _progress(_frequency_rows(effort, Path(folder)))
+    responses = _progress(_response_rows(effort))
+    text = page(frequencies, responses, about, time.perf_counter() - start, quick=chosen.quick)
+    print(text)
+    target = chosen.out or (None if chosen.quick else REPORT)
+    if target:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text)
+
+
+def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:
+    for size in effort.sizes:
+        for make in (cases.chain, cases.geared_tree):
+            for stiff in (False, True):
+                yield frequency_rows.compare(make(size, stiff=stiff), effort, folder)
+
+
+def _response_rows(effort: Effort) -> Iterator[Row]:
+    for size, asked, asked_of_peers in effort.response:
+        for make in (cases.chain, cases.geared_tree):
+            for stiff in (False, True):
+                yield response_rows.compare(make(size, stiff=stiff), effort, asked, asked_of_peers)
+    for stiff in (False, True):
+        case = cases.with_span_dampers(cases.chain(10, stiff=stiff))
+        yield response_rows.compare(case, effort, 1000, 200)
+
+
+def _progress(rows: Iterator[Row]) -> list[Row]:
+    done = []
+    for row in rows:
+        done.append(row)
+        print(f"{row.size:5d}  {row.case}", file=sys.stderr)
+    return done
+
+
+if __name__ == "__main__":
+    main()
