@@ -317,3 +317,17 @@ def test_frequency_response_catches_the_peak_of_a_light_mode(build):
     assert np.abs(found.angle[:, 1]).max() == pytest.approx(1.0, rel=1e-6)
     assert (found.status == Status.OK).all()
     assert found.asked.sum() == 5
+
+
+def test_many_resonances_are_bounded_in_number_and_it_is_said(build, operation, monkeypatch):
+    line = [Disc(inertia=1.0)]
+    for _ in range(30):
+        line += [Coupling(stiffness=1e4, loss_factor=1e-3), Disc(inertia=0.1)]
+    excite = [Excitation(at="disc-1", order=k, torque=1.0) for k in (1, 2, 3, 4)]
+    study, system = build(line, excitations=excite, operation=operation(10.0, 400.0, 3))
+    monkeypatch.setattr(grid, "MOST_ADDED", 200)
+    monkeypatch.setattr(grid, "MOST_PEAKS", 10)
+    found = response(study, system)
+    assert len(found.speed) <= 3 + 200 + 2 * 40 + 2 * 10  # two further points by each of 40 resonances
+    assert "stand out most" in found.remark
+    assert response(study, system, speeds=np.array([10.0, 10.5])).remark == ""

@@ -61,7 +61,8 @@ def frequency_response(
     result = solved(hertz)
     for _ in range(grid.ROUNDS_FOR_PEAKS):
         sound = result.status == Status.OK
-        missed = grid.missed_peaks(result.frequency, result.torque[:, None], sound[:, None])
+        missed, left_out = grid.missed_peaks(result.frequency, result.torque[:, None], sound[:, None])
+        remark = left_out or remark
         if missed.size == 0:
             break
         result = merged(result, solved(missed))

@@ -13,7 +13,7 @@ from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
 FEWEST_POINTS = 5
-MOST_ADDED = 6000  # points added in all
+MOST_ADDED = 4000  # points added around resonances
 BROAD = 0.3  # damping ratio from which a resonance needs no points of its own
 SHIFT = 0.5  # of damping ratio * frequency, by which a damped mode stands apart from an undamped one
 UNDAMPED = 1e-9  # damping ratio below which a resonance is approached in decades
@@ -21,6 +21,7 @@ DECADES = np.concatenate([-np.logspace(-2, -6, 9), [0.0], np.logspace(-6, -2, 9)
 GAIN = 2e-4  # relative: a peak that stands higher above its highest point is computed at its own place
 SMALL = 1e-3  # of the largest torque of a span: lower peaks are not searched for
 ROUNDS_FOR_PEAKS = 2  # of looking for peaks between the points: the first finds them, the second sharpens them
+MOST_PEAKS = 500  # added in one round
 SAME_PLACE = 0.02  # of the distance between the neighbouring points: peaks that near are computed once
 
 
@@ -119,14 +120,14 @@ def refined(asked: FloatArray, where: Places, ratio: FloatArray) -> tuple[FloatA
     return every[(every >= asked[0]) & (every <= asked[-1])], remark
 
 
-def missed_peaks(x: FloatArray, torque: ComplexArray, sound: np.ndarray) -> FloatArray:
-    """Places of peaks that stand higher than the highest computed point beside them.
+def missed_peaks(x: FloatArray, torque: ComplexArray, sound: np.ndarray) -> tuple[FloatArray, str]:
+    """Places of peaks that stand higher than the highest computed point beside them; and what was left out, in words.
 
     x: (points,) ascending. torque: (points, lines, spans). sound: (points, lines) bool, where the answer is ok.
     The inverse square of a resonance curve is a parabola over the frequency, so its lowest point is the peak.
     """
     if len(x) < 3 or torque.size == 0:
-        return np.empty(0)
+        return np.empty(0), ""
     size = np.where(sound[:, :, None], np.abs(torque), np.nan)
     largest = np.nanmax(np.where(np.isfinite(size), size, 0.0), axis=(0, 1))
     point, line, span = np.nonzero(
@@ -142,5 +143,10 @@ def missed_peaks(x: FloatArray, torque: ComplexArray, sound: np.ndarray) -> Floa
         gain = np.sqrt(y1 / (y1 + slope * move / 2.0)) - 1.0
     inner = (bend > 0) & (move > left) & (move < right) & ~(gain <= GAIN) & (move != 0)
     step = SAME_PLACE * (right - left)[inner]
-    rounded = np.round(move[inner] / step) * step
-    return np.unique(x[point[inner] + 1] + rounded)
+    rounded = x[point[inner] + 1] + np.round(move[inner] / step) * step
+    highest_first = np.argsort(-np.where(np.isfinite(gain[inner]), gain[inner], np.inf), kind="stable")
+    found, first = np.unique(rounded[highest_first], return_index=True)
+    if len(found) <= MOST_PEAKS:
+        return found, ""
+    remark = f"{len(found)} peaks lie between the points; the {MOST_PEAKS} that stand out most were computed"
+    return np.sort(found[np.argsort(first, kind="stable")[:MOST_PEAKS]]), remark

@@ -77,7 +77,8 @@ def response(
     speed, remark = _refined_speeds(scene, asked, damped, modes)
     result = _solve(scene, speed)
     for _ in range(grid.ROUNDS_FOR_PEAKS):
-        missed = grid.missed_peaks(result.speed, result.torque, result.status == Status.OK)
+        missed, left_out = grid.missed_peaks(result.speed, result.torque, result.status == Status.OK)
+        remark = left_out or remark
         if missed.size == 0:
             break
         result = merged(result, _solve(scene, missed))
