@@ -109,7 +109,8 @@ def driven_acceleration(
     """Driven angular acceleration, rad/s^2, at a driving speed (rad/s) and driving acceleration (rad/s^2)."""
     joint = transfer(driving, angle, convention)
     rate, gain = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
-    return joint.curvature * rate * rate + joint.ratio * gain
+    result: Array = joint.curvature * rate * rate + joint.ratio * gain
+    return result
 
 
 def torque_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:

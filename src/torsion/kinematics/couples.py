@@ -1,0 +1,159 @@
+"""Secondary couples of cross joints, on the shafts they bend, in the rotating yokes and at the bearings.
+
+A joint without friction carries a couple along the normal of its cross; what each shaft does not pass on as torque
+bends it. Fixed axes of a shaft of direction d at a joint of plane normal n = d_driving x d_driven/sin(angle):
+`normal` about n, `inplane` about d x n. A couple is what the joint puts on that shaft. With T the constant torque, x
+the angle of the shaft that carries it and s, t = sin, tan(angle), the couples hold a mean and twice a turn only.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsion.kinematics.cross import Array, Convention, transfer
+from torsion.kinematics.line import Line, motion
+
+ComplexArray = NDArray[np.complex128]
+Carrier = Literal["driving", "driven"]  # the shaft whose torque is constant
+
+
+@dataclass(frozen=True, slots=True)
+class Couple:
+    """Couple on one shaft in fixed axes, N m."""
+
+    normal: Array
+    inplane: Array
+
+    @property
+    def size(self) -> Array:
+        """Magnitude, N m."""
+        return np.hypot(self.normal, self.inplane)
+
+
+@dataclass(frozen=True, slots=True)
+class Couples:
+    """Torques and couples of one joint over its driving angle; N m, shape of the broadcast inputs.
+
+    At driving angle 0 the driving pin points along n (convention N) or d x n (P), the driven pin along d x n or -n.
+    """
+
+    driving_torque: Array
+    driven_torque: Array
+    driving: Couple
+    driven: Couple
+    driving_yoke: Array  # on the driving shaft, about d x pin turning with its yoke; none about the pin itself
+    driven_yoke: Array  # on the driven shaft, likewise
+
+
+@dataclass(frozen=True, slots=True)
+class Harmonic:
+    """mean + Re(second exp(2 i x)) over the angle x of the shaft with the constant torque; N m."""
+
+    mean: Array
+    second: ComplexArray
+
+
+@dataclass(frozen=True, slots=True)
+class CoupleHarmonics:
+    """Harmonics of the four couples of one joint in fixed axes."""
+
+    driving_normal: Harmonic
+    driving_inplane: Harmonic
+    driven_normal: Harmonic
+    driven_inplane: Harmonic
+
+
+def couples(
+    driving: ArrayLike,
+    angle: ArrayLike,
+    torque: ArrayLike,
+    carrier: Carrier = "driving",
+    convention: Convention = "P",
+) -> Couples:
+    """Couples at driving angles, the torque of one shaft being given (Liu 2023, eq. 13, with T2 corrected).
+
+    In convention N, T on the driving shaft: driven shaft T t/2 sin 2x and T s/2 (1 - cos 2x), driving shaft
+    -T t/2 sin 2x and T t/2 (1 + cos 2x).
+    """
+    bend, turned = np.asarray(angle, dtype=float), np.asarray(driving, dtype=float)
+    ratio = transfer(turned, bend, convention).ratio
+    given = np.asarray(torque, dtype=float)
+    before, behind = (given, given / ratio) if carrier == "driving" else (given * ratio, given)
+    sine, cosine = (np.sin(turned), np.cos(turned)) if convention == "N" else (np.cos(turned), -np.sin(turned))
+    slope, tilt = np.tan(bend), np.sin(bend)
+    normal = before * slope * sine * cosine
+    return Couples(
+        driving_torque=before + np.zeros_like(normal),
+        driven_torque=behind + np.zeros_like(normal),
+        driving=Couple(-normal, before * slope * cosine * cosine),
+        driven=Couple(normal, before * tilt * sine * sine),
+        driving_yoke=before * slope * cosine,
+        driven_yoke=-before * slope * sine * np.sqrt(cosine * cosine + (np.cos(bend) * sine) ** 2),
+    )
+
+
+def couple_harmonics(
+    angle: ArrayLike, torque: ArrayLike, carrier: Carrier = "driving", convention: Convention = "P"
+) -> CoupleHarmonics:
+    """Mean and second harmonic of the couples in fixed axes, over the angle of the shaft whose torque is constant."""
+    bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
+    slope, tilt = 0.5 * given * np.tan(bend), 0.5 * given * np.sin(bend)
+    sign = 1.0 if convention == "N" else -1.0
+    before, behind = (slope, tilt) if carrier == "driving" else (tilt, slope)
+    none = np.zeros_like(slope)
+    return CoupleHarmonics(
+        driving_normal=Harmonic(none, 1j * sign * slope),
+        driving_inplane=Harmonic(before, sign * before + 0j),
+        driven_normal=Harmonic(none, -1j * sign * slope),
+        driven_inplane=Harmonic(behind, -sign * behind + 0j),
+    )
+
+
+def intermediate_couples(
+    driving: ArrayLike, line: Line, torque: ArrayLike, carrier: Carrier = "driving"
+) -> tuple[Couple, ...]:
+    """Net couple of the two joints on each shaft between joints, in the axes of the joint before it.
+
+    `torque` is constant on the first shaft (carrier "driving") or on the last. A plane of 180 degrees with equal
+    angles is the Z arrangement (outer shafts parallel), a plane of 0 the W arrangement.
+    """
+    every = line_couples(driving, line, torque, carrier)
+    nets = []
+    for before, behind, plane in zip(every[:-1], every[1:], line.plane[1:], strict=True):
+        turned = (behind.driving.normal + 1j * behind.driving.inplane) * np.exp(1j * plane)
+        nets.append(Couple(before.driven.normal + turned.real, before.driven.inplane + turned.imag))
+    return tuple(nets)
+
+
+def line_couples(
+    driving: ArrayLike, line: Line, torque: ArrayLike, carrier: Carrier = "driving"
+) -> tuple[Couples, ...]:
+    """Couples of every joint of a line, each with the torque that its own shafts carry at that angle."""
+    turning = motion(driving, line)
+    given = np.asarray(torque, dtype=float)
+    power = given if carrier == "driving" else given * turning.speed[-1]
+    before = [power + np.zeros_like(turning.speed[0]), *(power / ratio for ratio in turning.speed[:-1])]
+    triples = zip(turning.yoke, line.angle, before, strict=True)
+    return tuple(couples(yoke, angle, carried) for yoke, angle, carried in triples)
+
+
+def double_cardan(angle: ArrayLike, torque: ArrayLike, arrangement: Literal["Z", "W"]) -> tuple[Harmonic, Harmonic]:
+    """Net couple (normal, inplane) on the intermediate shaft of two equal joints with yokes in line, over x (P).
+
+    Z: none. W: T t sin 2x about the normal, T s (1 - cos 2x) in the plane (x counted in convention N; peak 2 T s).
+    """
+    bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
+    factor = 1.0 if arrangement == "W" else 0.0
+    slope, tilt = factor * given * np.tan(bend), factor * given * np.sin(bend)
+    return Harmonic(np.zeros_like(slope), 1j * slope), Harmonic(tilt, tilt + 0j)
+
+
+def bearing_reactions(couple: Couple, distance: ArrayLike) -> Couple:
+    """Force, N, of the farther of two bearings on the shaft, in the axes of the couple; the nearer bears its negative.
+
+    `distance`, m, counts along the shaft's direction d from the nearer bearing: distance d x force + couple = 0.
+    """
+    length = np.asarray(distance, dtype=float)
+    return Couple(-couple.inplane / length, couple.normal / length)

@@ -1,0 +1,154 @@
+"""Couples of cross joints against statics in space, Liu 2023, and the balance of power and moments."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from torsion.kinematics import couples, cross, line
+
+ORACLES = json.loads((Path(__file__).parent / "oracles.json").read_text())
+CARRIERS = ["driving", "driven"]
+
+
+def close(found: object, expected: object, relative: float = 1e-13) -> None:
+    np.testing.assert_allclose(
+        np.asarray(found, dtype=float), np.asarray(expected, dtype=float), rtol=relative, atol=0.0
+    )
+
+
+def test_liu_2023_couples_at_eight_degrees_and_its_corrected_torque() -> None:
+    expected = {key: float(value) for key, value in ORACLES["liu2023_r8_alpha30_T800"].items()}
+    angle = np.radians(8.0)
+    found = couples.couples(np.radians(30.0), angle, 800.0, convention="N")
+    close([-found.driving_yoke, found.driven_yoke, found.driven_torque], [expected[key] for key in ("M1", "M2", "T2")])
+    close(found.driving.size, -expected["M1"])
+    close(found.driven.size, -expected["M2"])
+    zero, quarter = (couples.couples(x, angle, 800.0, convention="N") for x in (0.0, np.pi / 2.0))
+    close([zero.driving_yoke, zero.driven_torque], [expected["M1_max"], expected["T2_max"]])
+    close([-quarter.driven_yoke, quarter.driven_torque], [expected["M2_max"], expected["T2_min"]])
+    printed = (1.0 - (np.sin(angle) * np.cos(np.radians(30.0))) ** 2) / np.cos(angle) * 800.0
+    close(printed, expected["T2_printed_wrong"])
+    assert abs(printed - found.driven_torque) > 7.0
+
+
+@pytest.mark.parametrize("degrees", [3, 5, 8, 10, 15, 20, 30])
+def test_harmonics_of_unit_torque_agree_with_the_reference_values(degrees: int) -> None:
+    expected, found = ORACLES[f"joint_{degrees}"], couples.couple_harmonics(np.radians(degrees), 1.0)
+    close([found.driving_inplane.mean, np.abs(found.driven_normal.second)], [expected["tan_b_over_2"]] * 2)
+    close([found.driven_inplane.mean, np.abs(found.driven_inplane.second)], [expected["sin_b_over_2"]] * 2)
+
+
+def turn(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
+    return np.cos(angle) * vector + np.sin(angle) * np.cross(axis, vector)
+
+
+@pytest.mark.parametrize("convention", ["P", "N"])
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_couple_stands_square_to_both_pins_of_the_cross(carrier: couples.Carrier, convention: cross.Convention) -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        normal, first = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]
+        angle, driving = rng.uniform(0.01, 1.4), rng.uniform(-9.0, 9.0)
+        second = np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
+        zero, start = (normal, np.cross(second, normal)) if convention == "N" else (np.cross(first, normal), -normal)
+        pin = np.cos(driving) * zero + np.sin(driving) * np.cross(first, zero)
+        driven_pin = np.cross(second, pin)
+        driven_pin *= np.sign(driven_pin @ turn(start, second, cross.driven_angle(driving, angle, convention)))
+        square = np.cross(pin, driven_pin)
+        along = square / (square @ (first if carrier == "driving" else second)) * 3.0
+        found = couples.couples(driving, angle, 3.0, carrier, convention)
+        scale = 1e-14 * np.linalg.norm(along)
+        assert abs(found.driving_torque - along @ first) < scale
+        assert abs(found.driven_torque - along @ second) < scale
+        assert abs(found.driving.normal + along @ normal) < scale
+        assert abs(found.driving.inplane + along @ np.cross(first, normal)) < scale
+        assert abs(found.driven.normal - along @ normal) < scale
+        assert abs(found.driven.inplane - along @ np.cross(second, normal)) < scale
+        assert abs(found.driving_yoke + along @ np.cross(first, pin)) < scale
+        bar = driven_pin / np.linalg.norm(driven_pin)
+        assert abs(found.driven_yoke - along @ np.cross(second, bar)) < scale
+        assert abs(along @ driven_pin) < scale
+
+
+@pytest.mark.parametrize("convention", ["P", "N"])
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_fixed_axes_hold_a_mean_and_a_second_harmonic_only(
+    carrier: couples.Carrier, convention: cross.Convention
+) -> None:
+    x, angle = np.linspace(0.0, 7.0, 71), 0.7
+    found = couples.couples(x, angle, 5.0, carrier, convention)
+    own = x if carrier == "driving" else cross.driven_angle(x, angle, convention)
+    closed = couples.couple_harmonics(angle, 5.0, carrier, convention)
+    for history, part in (
+        (found.driving.normal, closed.driving_normal),
+        (found.driving.inplane, closed.driving_inplane),
+        (found.driven.normal, closed.driven_normal),
+        (found.driven.inplane, closed.driven_inplane),
+    ):
+        np.testing.assert_allclose(history, part.mean + (part.second * np.exp(2j * own)).real, rtol=0.0, atol=2e-14)
+
+
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_torque_varies_along_a_line_as_speed_does_inversely(carrier: couples.Carrier) -> None:
+    x, case = np.linspace(0.0, 6.0, 31), line.line_of([0.3, 0.5, 0.2], [0.0, 0.4, 1.0], [0.1, 0.7, -0.3])
+    every, turning = couples.line_couples(x, case, 4.0, carrier), line.motion(x, case)
+    close(
+        [each.driven_torque * speed for each, speed in zip(every, turning.speed, strict=True)],
+        every[0].driving_torque + np.zeros((3, 1)),
+        1e-14,
+    )
+    close(every[0].driving_torque if carrier == "driving" else every[-1].driven_torque, 4.0, 1e-14)
+
+
+@pytest.mark.parametrize(("plane", "arrangement"), [(np.pi, "Z"), (0.0, "W")])
+def test_intermediate_shaft_is_free_of_couple_in_z_and_bears_twice_in_w(plane: float, arrangement: str) -> None:
+    x, angle, torque = np.linspace(0.0, 6.0, 61), 0.4, 7.0
+    case = line.line_of([angle, angle], [0.0, plane], [0.0, plane])
+    (net,) = couples.intermediate_couples(x, case, torque)
+    for history, part in zip((net.normal, net.inplane), couples.double_cardan(angle, torque, arrangement), strict=True):
+        np.testing.assert_allclose(history, part.mean + (part.second * np.exp(2j * x)).real, rtol=0.0, atol=1e-14)
+    peak = couples.intermediate_couples(np.array(0.0), case, torque)[0].inplane
+    assert abs(peak - (2.0 * torque * np.sin(angle) if arrangement == "W" else 0.0)) < 1e-14
+
+
+def test_moments_of_a_whole_line_in_space_balance() -> None:
+    """Driving torque, net couples of the intermediate shafts and end couples sum to the driven torque in space."""
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        angles, planes, phases = rng.uniform(0.05, 0.9, 3), rng.uniform(-3, 3, 3), rng.uniform(-3, 3, 3)
+        planes[0], driving = 0.0, rng.uniform(-3, 3)
+        case = line.line_of(angles, planes, phases)
+        every = couples.line_couples(driving, case, 2.0)
+        nets = couples.intermediate_couples(driving, case, 2.0)
+        normal, shaft = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]
+        total = -in_space(every[0].driving, shaft, normal) + every[0].driving_torque * shaft
+        for rank, angle in enumerate(angles):
+            if rank:
+                normal = np.cos(planes[rank]) * normal + np.sin(planes[rank]) * np.cross(shaft, normal)
+            shaft = np.cos(angle) * shaft + np.sin(angle) * np.cross(normal, shaft)
+            if rank < 2:
+                total = total - in_space(nets[rank], shaft, normal)
+        expected = in_space(every[-1].driven, shaft, normal) + every[-1].driven_torque * shaft
+        np.testing.assert_allclose(total, expected, rtol=0.0, atol=1e-13)
+
+
+def in_space(couple: couples.Couple, shaft: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    return couple.normal * normal + couple.inplane * np.cross(shaft, normal)
+
+
+def test_bearing_forces_hold_the_couple() -> None:
+    normal, shaft = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0][:2]
+    couple = couples.Couple(np.array(3.0), np.array(-2.0))
+    force = in_space(couples.bearing_reactions(couple, 0.8), shaft, normal)
+    np.testing.assert_allclose(np.cross(0.8 * shaft, force), -in_space(couple, shaft, normal), rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_couples_at_almost_ninety_degrees_do_the_work_of_the_torques(carrier: couples.Carrier) -> None:
+    angle, x = np.radians(89.99), np.linspace(-4.0, 4.0, 101)
+    found = couples.couples(x, angle, 1.0, carrier)
+    assert np.all(np.isfinite(found.driving.size))
+    close(found.driven_torque * cross.speed_ratio(x, angle), found.driving_torque, 1e-14)
+    close(np.hypot(found.driving_torque, found.driving.size), np.hypot(found.driven_torque, found.driven.size))

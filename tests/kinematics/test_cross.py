@@ -1,0 +1,145 @@
+"""Cross joints against 40-digit reference values, three-dimensional geometry and their own Fourier series."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from torsion.kinematics import cross
+
+ORACLES = json.loads((Path(__file__).parent / "oracles.json").read_text())
+DEGREES = (3, 5, 8, 10, 15, 20, 30)
+
+
+def close(found: object, expected: object, relative: float = 1e-13) -> None:
+    np.testing.assert_allclose(
+        np.asarray(found, dtype=float), np.asarray(expected, dtype=float), rtol=relative, atol=0.0
+    )
+
+
+@pytest.mark.parametrize("degrees", DEGREES)
+def test_one_joint_agrees_with_the_reference_values(degrees: int) -> None:
+    expected = {key: float(value) for key, value in ORACLES[f"joint_{degrees}"].items()}
+    angle = np.radians(degrees)
+    least = cross.extremes(angle, "N")
+    close(cross.unevenness(angle), expected["q"])
+    close(cross.rapidity(angle), expected["rapidity"])
+    close(cross.fluctuation(angle), expected["fluct_index"])
+    close(cross.harmonics(angle, 3, "N").error, [expected["e2"], expected["e4"], expected["e6"]])
+    close(cross.torque_ratio_harmonics(angle, "N"), [expected["torque_ratio_mean_T2_T1"], expected["torque_ratio_2x"]])
+    close([least.ratio_least, least.ratio_greatest], [expected["i_min"], expected["i_max"]])
+    close(least.error, expected["max_e_rad"])
+    close(least.curvature, expected["max_d2out_din2"])
+    close(np.degrees(least.curvature_at), expected["at_input_angle_deg"])
+
+
+def test_angle_ratio_and_its_derivative_of_twenty_degrees_at_seven_tenths() -> None:
+    expected = ORACLES["joint_20_at_alpha_0.7rad_convN"]
+    joint = cross.transfer(0.7, np.radians(20.0), "N")
+    close(cross.driven_angle(0.7, np.radians(20.0), "N"), expected["beta_out"])
+    close([joint.ratio, joint.curvature], [expected["ratio"], expected["dratio"]])
+
+
+@pytest.mark.parametrize("convention", ["P", "N"])
+def test_driven_pin_is_square_to_driving_pin_and_driven_shaft(convention: cross.Convention) -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        normal, first = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]
+        angle, driving = rng.uniform(0.01, 1.5), rng.uniform(-20.0, 20.0)
+        second = np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
+        driven = cross.driven_angle(driving, angle, convention)
+        zeros = normal, np.cross(second, normal)
+        if convention == "P":
+            zeros = np.cross(first, normal), -normal
+        driving_pin = np.cos(driving) * zeros[0] + np.sin(driving) * np.cross(first, zeros[0])
+        driven_pin = np.cos(driven) * zeros[1] + np.sin(driven) * np.cross(second, zeros[1])
+        assert abs(driving_pin @ driven_pin) < 1e-14
+        assert abs(driven_pin @ second) < 1e-14
+
+
+def test_ratio_is_that_of_the_velocities_of_the_rigid_cross() -> None:
+    """No rate of cross and shafts about either pin but its own: the rates w1 d1 + u a = w2 d2 + v b in space."""
+    rng = np.random.default_rng(2)
+    for _ in range(300):
+        normal, first = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]
+        angle, driving = rng.uniform(0.01, 1.5), rng.uniform(-7.0, 7.0)
+        second = np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
+        pin = np.cos(driving) * normal + np.sin(driving) * np.cross(first, normal)
+        across = np.cross(second, pin)
+        speed, *_ = np.linalg.solve(np.stack((second, pin, across / np.linalg.norm(across)), axis=1), first)
+        close(cross.speed_ratio(driving, angle, "N"), speed, 3e-14)
+
+
+@pytest.mark.parametrize("convention", ["P", "N"])
+@pytest.mark.parametrize("angle", [0.05, 0.3, 0.8])
+def test_harmonics_sum_to_the_curves(angle: float, convention: cross.Convention) -> None:
+    x = np.linspace(-5.0, 5.0, 41)
+    series, rank = cross.harmonics(angle, 80, convention), 2.0 * np.arange(1, 81)[:, None]
+    curve = cross.transfer(x, angle, convention)
+    np.testing.assert_allclose(series.error @ np.sin(rank * x), curve.error, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(1.0 + series.ratio @ np.cos(rank * x), curve.ratio, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(series.curvature @ np.sin(rank * x), curve.curvature, rtol=0.0, atol=3e-14)
+    mean, second = cross.torque_ratio_harmonics(angle, convention)
+    close(cross.torque_ratio(x, angle, convention), mean + second * np.cos(2.0 * x), 1e-14)
+
+
+def test_complex_amplitude_is_the_sine_coefficient_turned_with_the_yoke() -> None:
+    angle, yoke, x = 0.6, 0.7, np.linspace(0.0, 3.0, 13)
+    amplitudes = np.array([cross.error_amplitude(angle, yoke, k) for k in range(1, 60)])
+    summed = (amplitudes @ np.exp(2j * np.arange(1, 60)[:, None] * x)).real
+    np.testing.assert_allclose(summed, cross.transmission_error(x + yoke, angle), rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("convention", ["P", "N"])
+@pytest.mark.parametrize("degrees", [1e-6, 1.0, 35.0, 80.0, 89.99])
+def test_nothing_exceeds_the_extremes_and_they_are_reached_where_they_stand(
+    degrees: float, convention: cross.Convention
+) -> None:
+    angle = np.radians(degrees)
+    most = cross.extremes(angle, convention)
+    x = np.concatenate([np.linspace(0.0, np.pi, 2001), most.curvature_at + np.linspace(-1e-3, 1e-3, 2001)])
+    curve = cross.transfer(x, angle, convention)
+    above = 1.0 + 1e-13
+    assert curve.error.max() <= most.error * above
+    assert curve.curvature.max() <= most.curvature * above
+    assert most.ratio_least / above <= curve.ratio.min() <= curve.ratio.max() <= most.ratio_greatest * above
+    close(cross.transmission_error(most.error_at, angle, convention), most.error)
+    close(
+        cross.transfer(most.curvature_at, angle, convention).curvature, most.curvature, 1e-10 if degrees > 89 else 1e-13
+    )
+    close(cross.speed_ratio(most.ratio_greatest_at, angle, convention), most.ratio_greatest)
+    close(cross.speed_ratio(most.ratio_least_at, angle, convention), most.ratio_least)
+    close(cross.transmission_error(np.pi - most.error_at, angle, convention), -most.error)
+
+
+def test_no_branch_is_jumped_at_almost_ninety_degrees_over_many_turns() -> None:
+    x = np.linspace(-40.0, 40.0, 200_001)
+    driven = cross.driven_angle(x, np.radians(89.99))
+    assert np.all(np.diff(driven) >= 0.0)
+    assert np.abs(driven - x).max() < np.pi / 2.0
+    np.testing.assert_allclose(
+        np.cos(driven) * np.sin(x), np.cos(np.radians(89.99)) * np.sin(driven) * np.cos(x), atol=1e-13
+    )
+
+
+def test_derivatives_are_those_of_the_angle() -> None:
+    """Against the derivative of the analytic continuation, exact to rounding: Im f(x + i h)/h."""
+    x, angle, step = np.linspace(0.0, 6.0, 25), 0.9, 1e-20
+    shifted = x + 1j * step
+    squared = np.sin(shifted) ** 2 + np.cos(angle) ** 2 * np.cos(shifted) ** 2
+    curve = cross.transfer(x, angle)
+    np.testing.assert_allclose(curve.curvature, (np.cos(angle) / squared).imag / step, rtol=0.0, atol=3e-15)
+    close(cross.driven_acceleration(x, angle, 3.0, 0.5), 9.0 * curve.curvature + 0.5 * curve.ratio, 1e-14)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "acceleration"), [(3.0, 9.87413904680), (5.0, 27.4509010319), (8.0, 70.4209476186)]
+)
+def test_liu_2023_accelerations_at_sixty_radians_a_second(degrees: float, acceleration: float) -> None:
+    close(3600.0 * cross.extremes(np.radians(degrees)).curvature, acceleration, 1e-11)
+
+
+def test_liu_2023_speeds_at_eight_degrees() -> None:
+    most = cross.extremes(np.radians(8.0))
+    close([60.0 * most.ratio_least, 60.0 * most.ratio_greatest], [59.4160841245, 60.5896543511], 1e-11)
