@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.response import Status, complex_compliance, status, tree_response
+from torsion.kernels.response import Status, complex_compliance, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree
 
 
@@ -190,3 +190,38 @@ def test_status_draws_its_lines_at_the_named_loss_and_at_no_digit_left():
     residual = np.array([0, np.nan, 0, 1e-6, 0, np.nan])
     assert status(amplification, residual).tolist() == [0, 0, 1, 1, 2, 2]
     assert status(np.ones(2), np.array([1e-7, 2.0])).tolist() == [1, 2]
+
+
+@pytest.mark.parametrize("distance", [1e-5, 1e-8])
+def test_amplification_sees_the_resonance_of_a_branch_in_which_nothing_acts(distance):
+    train = tree([-1, 0, 1], [0, 1e9, 1 / 120], [50, 2, 3])  # the branch alone is resonant at 10 rad/s
+    answer = tree_response(train, np.array([10.0 * (1 + distance)]), np.array([1.0, 0, 0]))
+    assert 0.1 < answer.amplification[0] * distance < 10
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_source_of_zero_at_every_frequency_is_no_source(seed):
+    train, w, hc, ground = random_damped_tree(seed)
+    force, twist = (np.zeros((train.size, w.size), dtype=complex) for _ in range(2))
+    force[[3, 7], 1:], force[7, 0], twist[5] = 1 + 2j, 1, 0.01
+    given = {"compliance": hc, "ground_damping": ground}
+    some = tree_response(train, w, force, twist=twist, **given)
+    tiny = [np.where(values == 0, 1e-200, values) for values in (force, twist)]
+    every = tree_response(train, w, tiny[0], twist=tiny[1], **given)
+    np.testing.assert_allclose(some.torque, every.torque, rtol=1e-12, atol=1e-180)
+    np.testing.assert_allclose(some.angle, every.angle, rtol=1e-12, atol=1e-180)
+    np.testing.assert_allclose(some.amplification, every.amplification, rtol=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_residual_sees_an_error_of_any_angle_and_of_any_torque(seed):
+    train, w, hc, ground = random_damped_tree(seed, size=40)
+    w = np.tile(w, 200)  # several blocks of stations
+    problem, force = pose(train, w, ground, np.tile(hc, 200)), np.ones(train.size)
+    answer = tree_response(train, w, force, compliance=np.tile(hc, 200), ground_damping=ground)
+    assert residual_of(problem, force, None, answer).max() < 1e-13
+    for part, first in ((answer.angle, 0), (answer.torque, 1)):
+        for station in range(first, train.size):
+            part[station] *= 1 + 1e-3
+            assert (residual_of(problem, force, None, answer) > 1e-6).any()
+            part[station] /= 1 + 1e-3

@@ -120,16 +120,12 @@ def _nodes(system: System, angle: FloatArray) -> IntArray:
     A held station has no sign: the shape starts there and does not cross it.
     """
     tree = system.folded.tree
-    size = np.abs(angle).max(axis=0, initial=0.0)
-    sign = np.where(np.abs(angle) > STANDS_STILL * size, np.sign(angle), 0.0)
-    changes = np.zeros(angle.shape[1], dtype=np.int64)
-    for station, parent in enumerate(tree.parent.tolist()):
-        if tree.held[station]:
-            sign[station] = 0.0
-        elif parent < 0:
-            sign[station] = np.where(sign[station] == 0.0, 1.0, sign[station])
-        else:
-            sign[station] = np.where(sign[station] == 0.0, sign[parent], sign[station])
-            if np.isfinite(tree.flexibility[station]):
-                changes += sign[station] * sign[parent] < 0.0
-    return changes
+    size = np.abs(angle)
+    sign = np.where(size > STANDS_STILL * size.max(axis=0, initial=0.0), np.sign(angle), 0.0)
+    sign[tree.held] = 0.0
+    for station in np.flatnonzero((sign == 0.0).any(axis=1) & ~tree.held).tolist():
+        inward = sign[tree.parent[station]] if tree.parent[station] >= 0 else 1.0
+        sign[station] = np.where(sign[station] == 0.0, inward, sign[station])
+    joined = (tree.parent >= 0) & np.isfinite(tree.flexibility)
+    crosses: IntArray = np.count_nonzero((sign * sign[tree.parent] < 0.0) & joined[:, None], axis=0)
+    return crosses

@@ -4,7 +4,6 @@ With theta = ratio * q an inertia becomes J ratio^2, a flexibility h/ratio^2 at 
 rigid gear a rigid span: products only, so nothing is lost. The softest spans that close a loop are left over.
 """
 
-from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -36,8 +35,12 @@ def fold(system: "System") -> Folded:
     ratio = system.span_ratio
     flexibility = system.flexibility / ratio**2
     ends = _split_held(system)
-    spanning = _spanning(flexibility, ends, len(system.stations) + len(ends.copies))
-    return _layout(system, flexibility, ends, spanning)
+    chosen = np.ones(len(flexibility), dtype=bool)
+    walk = _walk(system, ends, chosen)
+    if len(flexibility) > len(walk.order) - walk.parent.count(-1):
+        chosen = _spanning(flexibility, ends, len(walk.order))
+        walk = _walk(system, ends, chosen)
+    return _layout(system, flexibility, ends, chosen, walk)
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,8 @@ class _Ends:
 def _split_held(system: "System") -> _Ends:
     """A held station stays the root of its train once; every other held station becomes one leaf a span."""
     driving, driven = system.driving.copy(), system.driven.copy()
+    if not system.held.any():
+        return _Ends(driving, driven, ())
     copies: list[int] = []
     number = len(system.stations)
     group = _groups(number, driving, driven, system.held)
@@ -106,56 +111,66 @@ def _spanning(flexibility: FloatArray, ends: _Ends, number: int) -> BoolArray:
     return chosen
 
 
-def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray) -> Folded:
+def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, walk: "_Walk") -> Folded:
     """Number the tree from its roots outward."""
-    stations, copies = len(system.stations), np.array(ends.copies, dtype=np.int64)
-    number = stations + len(copies)
-    source = np.concatenate([np.arange(stations), copies]) if len(copies) else np.arange(stations)
-    held = system.held[source]
-    near: list[list[tuple[int, int]]] = [[] for _ in range(number)]
-    for span in np.flatnonzero(chosen).tolist():
-        a, b = int(ends.driving[span]), int(ends.driven[span])
-        near[a].append((b, span))
-        near[b].append((a, span))
-    order, parent, above = _walk(near, held, stations)
+    stations = len(system.stations)
+    order = np.array(walk.order, dtype=np.int64)
+    number = len(order)
     place = np.empty(number, dtype=np.int64)
     place[order] = np.arange(number)
-    rank = np.array([place[p] if p >= 0 else -1 for p in parent], dtype=np.int64)[order]
-    by_span = np.array(above, dtype=np.int64)[order]
-    has = by_span >= 0
-    tree_flexibility, viscous, loss = np.zeros(number), np.zeros(number), np.zeros(number)
-    ratio2 = system.span_ratio**2
-    tree_flexibility[has] = flexibility[by_span[has]]
-    viscous[has] = (system.viscous * ratio2)[by_span[has]]
-    loss[has] = system.loss_factor[by_span[has]]
+    parent, above = np.array(walk.parent, dtype=np.int64)[order], np.array(walk.above, dtype=np.int64)[order]
+    node = np.flatnonzero(above >= 0)
+    span, ratio2 = above[node], system.span_ratio**2
+    tree_flexibility, viscous, loss = np.zeros((3, number))
+    tree_flexibility[node] = flexibility[span]
+    viscous[node] = (system.viscous * ratio2)[span]
+    loss[node] = system.loss_factor[span]
     span_node = np.full(len(flexibility), -1, dtype=np.int64)
-    span_node[by_span[has]] = np.flatnonzero(has)
-    tree = Tree(rank, tree_flexibility, (system.inertia * system.speed_ratio**2)[source][order], held[order])
+    span_node[span] = node
+    copied = order >= stations
+    source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
+    inertia = (system.inertia * system.speed_ratio**2)[source]
+    tree = Tree(np.where(parent >= 0, place[parent], -1), tree_flexibility, inertia, system.held[source])
     _refuse_rigid_held(tree)
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
-    extra = np.flatnonzero(~chosen)
-    copy = np.arange(number)[order] >= stations
-    return Folded(tree, place[:stations], span_node, sign, extra, viscous, loss, copy)
+    return Folded(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
 
 
-def _walk(near: list[list[tuple[int, int]]], held: BoolArray, stations: int) -> tuple[IntArray, list[int], list[int]]:
-    """Breadth first from a held station, else from the first station, of every separate train."""
-    number = len(near)
-    parent, above, seen, order = [-1] * number, [-1] * number, [False] * number, []
-    starts = [s for s in range(stations) if held[s] and near[s]] + list(range(number))
-    for start in starts:
+@dataclass(frozen=True)
+class _Walk:
+    """A way from the roots over every station; -1 at a root."""
+
+    order: list[int]  # the stations and copies as they are met
+    parent: list[int]  # of each station
+    above: list[int]  # the span each station was reached by
+
+
+def _walk(system: "System", ends: _Ends, chosen: BoolArray) -> _Walk:
+    """Breadth first from a held station, else from the first station, of every separate train, over `chosen` spans."""
+    stations = len(system.stations)
+    number = stations + len(ends.copies)
+    near: list[list[tuple[int, int]]] = [[] for _ in range(number)]
+    for span, (a, b) in enumerate(zip(ends.driving.tolist(), ends.driven.tolist(), strict=True)):
+        if chosen[span]:
+            near[a].append((b, span))
+            near[b].append((a, span))
+    parent, above, order = [-1] * number, [-1] * number, list[int]()
+    seen = [False] * number
+    held = [s for s in np.flatnonzero(system.held).tolist() if near[s]]
+    for start in held + list(range(number)):
         if seen[start]:
             continue
         seen[start] = True
-        queue = deque([start])
-        while queue:
-            here = queue.popleft()
-            order.append(here)
+        met = len(order)
+        order.append(start)
+        while met < len(order):
+            here = order[met]
+            met += 1
             for there, span in near[here]:
                 if not seen[there]:
                     seen[there], parent[there], above[there] = True, here, span
-                    queue.append(there)
-    return np.array(order, dtype=np.int64), parent, above
+                    order.append(there)
+    return _Walk(order, parent, above)
 
 
 def _refuse_rigid_held(tree: Tree) -> None:

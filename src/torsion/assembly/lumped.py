@@ -1,6 +1,7 @@
 """Lumped assembly: every shaft as segments, half of a segment's inertia at each of its ends."""
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -81,7 +82,7 @@ def _stations(bar: Bar, number: int, stations: list[Station], inertia: list[floa
 def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a bar, by exact integrals."""
     edge = np.linspace(0.0, 1.0, number + 1)
-    x, weight = np.polynomial.legendre.leggauss(24)
+    x, weight = _gauss()
     at = edge[:-1, None] + (x + 1.0) / 2.0 / number
     outer = bar.outer[0] + (bar.outer[1] - bar.outer[0]) * at
     bore = bar.bore[0] + (bar.bore[1] - bar.bore[0]) * at
@@ -92,3 +93,10 @@ def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     flexibility = length * mean_flexibility / bar.shear_modulus
     half = bar.density * length * mean_inertia / 2.0
     return flexibility, np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half])
+
+
+@cache
+def _gauss() -> tuple[FloatArray, FloatArray]:
+    """Points in -1..1 and weights of a Gauss rule that is exact to rounding for every cone."""
+    x, weight = np.polynomial.legendre.leggauss(24)
+    return x, weight

@@ -43,7 +43,8 @@ class System:
     @cached_property
     def speed_ratio(self) -> FloatArray:
         """(stations,) speed of each station / reference speed."""
-        return np.array([float(station.ratio) for station in self.stations])
+        ratios = [station.ratio for station in self.stations]
+        return np.array([ratio.numerator / ratio.denominator for ratio in ratios])
 
     @cached_property
     def span_ratio(self) -> FloatArray:

@@ -10,6 +10,8 @@ from torsion.kernels.tree import BoolArray, FloatArray, Tree
 
 def needs_cutting(tree: Tree, known: Rigidity) -> bool:
     """Whether a station that is not itself held is fixed by rigid spans."""
+    if not tree.holds:
+        return False
     return bool(np.any(known.fixed & ~tree.held)) or bool(np.any(_inside(tree, known)))
 
 

@@ -17,11 +17,12 @@ from torsion.kernels.tree import FloatArray, IntArray, Tree
 _UNIT_ROUNDOFF = 2.0**-53
 # Roundings that a bound has to outweigh, one unit each, and one more for every child of the station they enter:
 _ROUNDINGS_OF_INERTIA = 5  # w^2, its margin, the product with J
-_ROUNDINGS_OF_FLEXIBILITY = 4  # z and 1/z, seen as an error of h, and the margin of h
+_ROUNDINGS_OF_FLEXIBILITY = 3  # z and 1/z, seen as an error of h
 _ROUNDINGS_OF_STIFFNESS = 6  # the same z and 1/z, h + 1/z, its reciprocal and its margin
 _STATIONS_FOR_LEVELS = 4  # average stations a level above which sweeping level by level is the faster (measured)
 _FREQUENCIES_FOR_LEVELS = 200  # beyond which one station is enough work for one numpy call (measured)
 _LARGEST_SWEEP = 2**21  # stations times frequencies held at once; 16 MB an array
+_ONE = np.ones(())
 _LEAST_BLOCK = 64  # frequencies in one sweep, however many stations
 
 
@@ -34,76 +35,123 @@ def count_below(tree: Tree, frequency: ArrayLike, *, bound: ArrayLike = 0) -> In
     each frequency (m,). Flexibilities must be finite.
     """
     w = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    lean = np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)
-    by_levels = tree.size > len(tree.levels) * _STATIONS_FOR_LEVELS and len(w) <= _FREQUENCIES_FOR_LEVELS
+    return _count(tree, w, _margins(tree, np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)))
+
+
+def count_bounds(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
+    """A count never less than the exact one at each of `low` (m,) rad/s, and one never more at each of `high` (m,)."""
+    number = len(low)
+    lean = np.ones(2 * number)
+    lean[number:] = -1.0
+    count = _count(tree, np.concatenate((low, high)), _margins(tree, lean))
+    return count[:number], count[number:]
+
+
+def _count(tree: Tree, w: FloatArray, margins: "_Margins | None") -> IntArray:
+    """Negative pivots z less negative pivots h + 1/z at each `w` (m,)."""
+    negative = _negative_by_stations
+    if tree.is_chain and margins is not None:
+        negative = _bound_in_chain
+    elif len(w) <= _FREQUENCIES_FOR_LEVELS and tree.size > (tree.depth + 1) * _STATIONS_FOR_LEVELS:
+        negative = _negative_by_levels
+    square = w * w if margins is None else w * w * margins.square
+    stiffness = None if margins is None else margins.stiffness
     block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
-    count = np.zeros(len(w), dtype=np.int64)
     with np.errstate(divide="ignore", over="ignore", under="ignore"):
-        for begin in range(0, len(w), block):
-            part = slice(begin, begin + block)
-            pivots = _pivots_by_levels if by_levels else _pivots_by_stations
-            station, span = pivots(tree, w[part], _margins(tree, lean[part]))
-            count[part] = np.count_nonzero(station < 0.0, axis=0) - np.count_nonzero(span < 0.0, axis=0)
-    return count
+        if len(w) <= block:
+            return negative(tree, square, stiffness)
+        parts = [slice(begin, begin + block) for begin in range(0, len(w), block)]
+        return np.concatenate(
+            [negative(tree, square[part], None if stiffness is None else stiffness[part]) for part in parts]
+        )
+
+
+def _negative(rows: FloatArray) -> IntArray:
+    """Number of negative values (m,) in `rows` (..., m)."""
+    number: IntArray = np.add.reduce(rows < 0.0, axis=tuple(range(rows.ndim - 1)), dtype=np.int64)
+    return number
 
 
 @dataclass(frozen=True)
 class _Margins:
-    """Factors (m,) by which a count is made a bound."""
+    """By how much, relatively, a count at each frequency (m,) is made a bound."""
 
-    inertia: FloatArray
-    flexibility: FloatArray
-    negative_stiffness: FloatArray
-    positive_stiffness: FloatArray
+    square: FloatArray  # 1 + that of the inertias and flexibilities, which the count knows by their product only
+    stiffness: FloatArray  # of what a span passes on; positive makes less of it
 
 
 def _margins(tree: Tree, lean: FloatArray) -> _Margins | None:
-    """Factors that outweigh every rounding in the direction `lean` (m,); None where no bound is asked for."""
+    """What outweighs every rounding in the direction `lean` (m,); None where no bound is asked for."""
     if not lean.any():
         return None
-    siblings = tree.most_children
-    stiffness = lean * ((_ROUNDINGS_OF_STIFFNESS + siblings) * _UNIT_ROUNDOFF)
-    return _Margins(
-        inertia=1.0 + lean * ((_ROUNDINGS_OF_INERTIA + siblings) * _UNIT_ROUNDOFF),
-        flexibility=1.0 + lean * (_ROUNDINGS_OF_FLEXIBILITY * _UNIT_ROUNDOFF),
-        negative_stiffness=1.0 + stiffness,
-        positive_stiffness=1.0 - stiffness,
-    )
+    square, stiffness = roundings(tree)
+    return _Margins(1.0 + lean * square, lean * stiffness)
 
 
-def _own(tree: Tree, w: FloatArray, margins: _Margins | None) -> FloatArray:
-    """Dynamic stiffness (stations, m) of each station alone; written as a difference, so that a zero is positive."""
-    square = w * w if margins is None else w * w * margins.inertia
-    return tree.rest_stiffness[:, None] - np.multiply.outer(tree.moving_inertia, square)
+def roundings(tree: Tree) -> tuple[float, float]:
+    """Relative margins of a bound: of the square of the frequency, and of the stiffness that a span passes on."""
+    siblings = 2 if tree.is_chain else tree.most_children
+    square = _ROUNDINGS_OF_INERTIA + siblings + _ROUNDINGS_OF_FLEXIBILITY
+    return square * _UNIT_ROUNDOFF, (_ROUNDINGS_OF_STIFFNESS + siblings) * _UNIT_ROUNDOFF
 
 
-def _pivots_by_stations(tree: Tree, w: FloatArray, margins: _Margins | None) -> tuple[FloatArray, FloatArray]:
-    """z (stations, m) and h + 1/z (stations, m; 1 at a root), one station after another."""
-    station, span = _own(tree, w, margins), np.ones((tree.size, len(w)))
-    flexibility = list(
-        tree.flexibility if margins is None else np.multiply.outer(tree.flexibility, margins.flexibility)
-    )
-    seen, pivot, passed, parents = list(station), list(span), np.empty(len(w)), tree.parent.tolist()
+def _pass(z: FloatArray, flexibility: FloatArray, margin: FloatArray | None, pivot: FloatArray) -> FloatArray:
+    """What a span passes on of `z` (m,), made less by the relative `margin` (m,); `pivot` (m,) becomes h + 1/z."""
+    np.reciprocal(z, pivot)
+    np.add(pivot, flexibility, pivot)
+    passed: FloatArray = np.reciprocal(pivot)
+    if margin is not None:
+        factor = np.sign(passed)
+        np.multiply(factor, margin, factor)
+        np.subtract(_ONE, factor, factor)
+        np.multiply(passed, factor, passed)
+    return passed
+
+
+def _negative_by_stations(tree: Tree, square: FloatArray, margin: FloatArray | None) -> IntArray:
+    """Negative z less negative h + 1/z at each `square` (m,) of a frequency, one station after another."""
+    station = tree.own_stiffness(square)
+    span = np.ones_like(station)
+    seen, pivot, flexibility, parents = list(station), list(span), tree.flexibilities, tree.parents
     for i in range(tree.size - 1, -1, -1):
         if parents[i] >= 0:
-            np.reciprocal(seen[i], out=pivot[i])
-            np.add(pivot[i], flexibility[i], out=pivot[i])
-            np.reciprocal(pivot[i], out=passed)
-            if margins is not None:
-                passed *= np.where(passed < 0.0, margins.negative_stiffness, margins.positive_stiffness)
-            np.add(seen[parents[i]], passed, out=seen[parents[i]])
-    return station, span
+            inward = seen[parents[i]]
+            np.add(inward, _pass(seen[i], flexibility[i], margin, pivot[i]), inward)
+    return _negative(station) - _negative(span)
 
 
-def _pivots_by_levels(tree: Tree, w: FloatArray, margins: _Margins | None) -> tuple[FloatArray, FloatArray]:
-    """Like `_pivots_by_stations`, all stations of equal distance from the root at once."""
-    station, span = _own(tree, w, margins), np.ones((tree.size, len(w)))
+def _bound_in_chain(tree: Tree, square: FloatArray, margin: FloatArray | None) -> IntArray:
+    """Like `_negative_by_stations`, from both ends of a chain to its middle, side by side: half as many operations.
+
+    Not for a plain count: its zero pivots, where a frequency is met exactly, would depend on where the sweep ends.
+    """
+    stations, columns = tree.size, len(square)
+    arm, first = (stations - 1) // 2, (stations - 1) % 2
+    own = tree.own_stiffness(square)
+    single = np.ones(columns)
+    if first:  # the near arm is longer by one station
+        own[1] += _pass(own[0], tree.flexibilities[1], margin, single)
+    station, span, spans = np.empty((3, arm, 2, columns))
+    station[:, 0], station[:, 1] = own[first : first + arm], own[: stations - 1 - arm : -1]
+    spans[:, 0] = tree.flexibility[first + 1 : first + 1 + arm, None]
+    spans[:, 1] = tree.flexibility[: stations - 1 - arm : -1, None]
+    both, passed = None if margin is None else np.stack((margin, margin)), np.zeros((2, columns))
+    for z, flexibility, pivot in zip(station, spans, span, strict=True):
+        np.add(z, passed, z)
+        passed = _pass(z, flexibility, both, pivot)
+    own[first + arm] += passed[0] + passed[1]
+    ends = own[:1] if first else own[:0]
+    middle = own[first + arm : first + arm + 1]
+    return _negative(station) + _negative(ends) + _negative(middle) - _negative(span) - (single < 0.0)
+
+
+def _negative_by_levels(tree: Tree, square: FloatArray, margin: FloatArray | None) -> IntArray:
+    """Like `_negative_by_stations`, all stations of equal distance from the root at once."""
+    station = tree.own_stiffness(square)
+    span = np.ones_like(station)
     for family in tree.families[:0:-1]:
-        h = tree.flexibility[family.stations, None]
-        pivot = (h if margins is None else h * margins.flexibility) + 1.0 / station[family.stations]
+        pivot = np.empty((len(family.stations), len(square)))
+        passed = _pass(station[family.stations], tree.flexibility[family.stations, None], margin, pivot)
         span[family.stations] = pivot
-        passed = 1.0 / pivot
-        if margins is not None:
-            passed *= np.where(passed < 0.0, margins.negative_stiffness, margins.positive_stiffness)
         station[family.parents] += np.add.reduceat(passed, family.first, axis=0)
-    return station, span
+    return _negative(station) - _negative(span)

@@ -13,27 +13,44 @@ from torsion.kernels.reduction import ReducedTrain
 from torsion.kernels.tree import FloatArray
 
 _BODIES_FOR_JACOBI = 30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
+_BODIES_FOR_SQUARE = 150  # above, the eigenvalues of the square take a third of the time of a decomposition (measured)
+_SPREAD = 1e6  # of singular values that a plain decomposition leaves right to about 1e-10
+_SPREAD_OF_SQUARE = 1e5  # whose squares are right to about 1e-5
 _BODIES_FOR_DENSE = 2000  # above, a dense decomposition is slower than counting
 
 
 def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
     """The elastic natural frequencies (elastic,) rad/s, ascending; None where the train is too large for this way.
 
-    To full accuracy for chains and for small trains, otherwise to about eps times the highest frequency.
+    To full accuracy for chains, and for small trains whose frequencies are far apart; otherwise to about eps times the
+    highest frequency, or so that Rayleigh's quotients are sure to correct them.
     """
     ends = _chain_grounds(train)
     if ends is not None:
         return _chain_values(train, *ends)[:elastic][::-1]
     if len(train.inertia) > _BODIES_FOR_DENSE:
         return None
-    tied = np.flatnonzero(train.ground)
-    if train.acyclic and len(train.stiffness) + len(tied) == elastic:
-        factor = incidence_factor(train)
-    else:
-        factor = star_mesh_factor(train.inertia, conductance(train), train.ground)[:, :elastic]
-    if len(train.inertia) <= _BODIES_FOR_JACOBI:
+    return _singular_values(_factor(train, elastic))
+
+
+def _factor(train: ReducedTrain, elastic: int) -> FloatArray:
+    """G (bodies, elastic) of a train of any shape."""
+    if train.acyclic and len(train.stiffness) + np.count_nonzero(train.ground) == elastic:
+        return incidence_factor(train)
+    return star_mesh_factor(train.inertia, conductance(train), train.ground)[:, :elastic]
+
+
+def _singular_values(factor: FloatArray) -> FloatArray:
+    """Singular values (columns,), ascending, by the cheapest way that is accurate enough for how far apart they are."""
+    size = np.linalg.norm(factor, axis=0)  # of the columns; singular values are at least as far apart
+    if len(factor) > _BODIES_FOR_SQUARE and size.min() * _SPREAD_OF_SQUARE > size.max():
+        square: FloatArray = np.linalg.eigvalsh(factor.T @ factor).astype(np.float64, copy=False)
+        if square[0] * _SPREAD_OF_SQUARE**2 > square[-1]:
+            return np.asarray(np.sqrt(square))
+    values: FloatArray = np.linalg.svd(factor, compute_uv=False)[::-1].astype(np.float64, copy=False)
+    if len(factor) <= _BODIES_FOR_JACOBI and not values[0] * _SPREAD > values[-1]:
         return jacobi_svd(factor)[1][::-1]
-    return np.asarray(np.linalg.svd(factor, compute_uv=False)[::-1], dtype=np.float64)
+    return values
 
 
 def incidence_factor(train: ReducedTrain) -> FloatArray:
@@ -82,14 +99,13 @@ def conductance(train: ReducedTrain) -> FloatArray:
 
 def _chain_grounds(train: ReducedTrain) -> tuple[float, float] | None:
     """Ties to ground of the first and the last body, if the train is a chain in its numbering tied at most at one."""
-    bodies = len(train.inertia)
-    along = np.arange(bodies - 1)
-    if not (np.array_equal(train.inner, along) and np.array_equal(train.outer, along + 1) and train.acyclic):
+    bodies, ground = len(train.inertia), train.ground.tolist()
+    along = list(range(bodies))
+    if not (train.acyclic and train.inner.tolist() == along[:-1] and train.outer.tolist() == along[1:]):
         return None
-    first, last = float(train.ground[0]), float(train.ground[-1])
-    if np.any(train.ground[1:-1] > 0.0) or (bodies > 1 and first > 0.0 and last > 0.0):
+    if any(ground[1:-1]) or (bodies > 1 and ground[0] > 0.0 and ground[-1] > 0.0):
         return None
-    return (0.0, last) if bodies == 1 else (first, last)
+    return (0.0, ground[0]) if bodies == 1 else (ground[0], ground[-1])
 
 
 def _chain_values(train: ReducedTrain, first: float, last: float) -> FloatArray:

@@ -7,7 +7,6 @@ its signature, and one that does not use 32-bit `int *` is not called: slower pu
 import ctypes
 from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -95,7 +94,7 @@ def jacobi_svd(matrix: FloatArray, *, vectors: bool = False) -> tuple[FloatArray
     length, info = ctypes.c_int(len(work)), ctypes.c_int(0)
     wanted = b"U" if vectors else b"N"
     dgesvj(
-        *(ctypes.c_char_p(b"G"), ctypes.c_char_p(wanted), ctypes.c_char_p(b"N")),
+        *(b"G", wanted, b"N"),
         *(ctypes.byref(m), ctypes.byref(n), _at(left), ctypes.byref(m), _at(values)),
         *(ctypes.byref(none), _at(right), ctypes.byref(one), _at(work), ctypes.byref(length), ctypes.byref(info)),
     )
@@ -119,8 +118,8 @@ def preconditioned_jacobi_svd(matrix: FloatArray, *, vectors: bool = False) -> t
     return (left[:, :columns] if vectors else left[:, :0]), values * (work[0] / work[1])
 
 
-def _at(array: FloatArray) -> Any:
+def _at(array: FloatArray) -> int:
     """Address of an array that LAPACK may write to."""
     if array.dtype != np.float64 or not (array.flags.c_contiguous or array.flags.f_contiguous):
         raise ValueError("LAPACK needs contiguous float64")
-    return array.ctypes.data_as(ctypes.c_void_p)
+    return array.ctypes.data

@@ -1,19 +1,22 @@
 """Natural frequencies and mode shapes of a tree, each frequency with a proven enclosure."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from torsion.errors import SolveError
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
-from torsion.kernels.enclosure import bisect, enclose
+from torsion.kernels.enclosure import bisect, enclose, expected_width
 from torsion.kernels.factors import start_frequencies
-from torsion.kernels.passes import free_shapes, stiffness_passes
+from torsion.kernels.passes import FreeShapes, free_shapes, stiffness_passes
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.tree import BoolArray, FloatArray, Tree
 
 _SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
+_LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
+_LEAST_COLUMNS = 64  # at once, however many stations
 _STEPS = 4  # Rayleigh quotients converge cubically; a start that needs more is bisected instead
 _TRUSTED = 0.1  # a relative change beyond which a Rayleigh step is taken to have left its mode
 _START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
@@ -51,12 +54,10 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
         none, empty = np.empty((tree.size, 0)), np.empty(0)
         return TreeModes(empty, empty, empty, none, none, len(known.free_roots), rigid_angle)
     frequency, shapes = _polish(solved, _start(tree, known, wanted))
-    frequency, lower, upper, wrong = _prove(tree, frequency, len(known.free_roots))
+    frequency, lower, upper, wrong = _prove(tree, frequency, len(known.free_roots), shapes.passed)
     if wrong.any():
-        shapes = _determined_shapes(solved, frequency)[:2]
-    angle, torque = _complete(solved, frequency, *shapes)
-    sign = shape_sign(angle)
-    angle, torque = angle * sign, torque * sign
+        shapes = _determined_shapes(solved, frequency)
+    angle, torque = _complete(solved, frequency, shapes)
     if solved is not tree:
         torque = with_reactions(tree, known, torque)
     return TreeModes(frequency, lower, upper, angle, torque, len(known.free_roots), rigid_angle)
@@ -64,6 +65,8 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
 
 def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
     """Angles (stations, rigid motions) rad, constant over each free part and mass-normalised."""
+    if tree.is_plain:
+        return np.full((tree.size, 1), 1.0 / math.sqrt(tree.inertia.sum()))
     part = known.component[:, None] == known.free_roots
     scaled: FloatArray = part / np.sqrt(tree.moving_inertia @ part)
     return scaled
@@ -78,37 +81,69 @@ def _start(tree: Tree, known: Rigidity, wanted: int) -> FloatArray:
     return start[:wanted]
 
 
-def _polish(tree: Tree, frequency: FloatArray) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
-    """Frequencies (m,) after Rayleigh steps, ascending, and the angles and torques (stations, m) that go with them."""
-    for _ in range(_STEPS):
-        angle, torque, correction = _determined_shapes(tree, frequency)
-        with np.errstate(invalid="ignore", over="ignore"):
-            change = correction / (frequency * (frequency + np.sqrt(frequency**2 + correction)))
-        change[~(np.abs(change) < _TRUSTED)] = 0.0
-        frequency = frequency * (1.0 + change)
-        if np.max(np.abs(change)) < _SETTLED:
+def _polish(tree: Tree, frequency: FloatArray) -> tuple[FloatArray, FreeShapes]:
+    """Frequencies (m,) after Rayleigh steps, ascending, and the shapes that go with them."""
+    shapes = _determined_shapes(tree, frequency)
+    change = _relative_change(frequency, shapes.correction)
+    frequency = frequency * (1.0 + change)
+    for _ in range(_STEPS - 1):
+        unsettled = np.abs(change) >= _SETTLED
+        if not unsettled.any():
             break
+        left = np.flatnonzero(unsettled)
+        again = _determined_shapes(tree, frequency[left])
+        shapes.put(left, again)
+        change = np.zeros(len(frequency))
+        change[left] = _relative_change(frequency[left], again.correction)
+        frequency *= 1.0 + change
+    if (frequency[1:] >= frequency[:-1]).all():
+        return frequency, shapes
     order = np.argsort(frequency, kind="stable")
-    return frequency[order], (angle[:, order], torque[:, order])
+    return frequency[order], shapes.take(order)
 
 
-def _determined_shapes(tree: Tree, frequency: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Like `free_shapes`; a column that is not finite, where a node falls on a station exactly, is found beside it."""
-    angle, torque, correction = free_shapes(tree, stiffness_passes(tree, frequency))
+def _relative_change(frequency: FloatArray, correction: FloatArray) -> FloatArray:
+    """Relative change (m,) of each frequency for a `correction` (m,) of its square; 0 where that leads elsewhere."""
+    share = correction / (frequency * frequency)
+    with np.errstate(invalid="ignore", over="ignore"):
+        change: FloatArray = share / (1.0 + np.sqrt(1.0 + share))
+    near = np.abs(change) < _TRUSTED
+    if not near.all():
+        change[~near] = 0.0
+    return change
+
+
+def _determined_shapes(tree: Tree, frequency: FloatArray) -> FreeShapes:
+    """The shapes at `frequency` (m,); one that is not finite, as a node falls on a station exactly, is found beside."""
+    shapes = _all_shapes(tree, frequency)
     for nudge in _NUDGES:
-        left = np.flatnonzero(~_finite(angle, torque))
-        if len(left) == 0:
+        finite = shapes.finite
+        if finite.all():
             break
-        beside = free_shapes(tree, stiffness_passes(tree, frequency[left] * (1.0 + nudge)))
-        angle[:, left], torque[:, left], _ = beside
-    return angle, torque, correction
+        left = np.flatnonzero(~finite)
+        shapes.put(left, _all_shapes(tree, frequency[left] * (1.0 + nudge)))
+    return shapes
 
 
-def _prove(tree: Tree, frequency: FloatArray, rigid: int) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+def _all_shapes(tree: Tree, frequency: FloatArray) -> FreeShapes:
+    """`free_shapes` of `stiffness_passes`, in blocks of columns, so that memory stays bounded."""
+    block = max(_LEAST_COLUMNS, _LARGEST_BLOCK // tree.size)
+    if len(frequency) <= block:
+        return free_shapes(tree, stiffness_passes(tree, frequency))
+    whole = FreeShapes.empty(tree.size, len(frequency))
+    for begin in range(0, len(frequency), block):
+        part = slice(begin, begin + block)
+        whole.put(part, free_shapes(tree, stiffness_passes(tree, frequency[part])))
+    return whole
+
+
+def _prove(
+    tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
     """Frequencies, bounds `lower` and `upper`, and which frequencies had to be found anew by bisection; all (m,)."""
-    lower, upper, proven = enclose(tree, frequency, rigid)
+    lower, upper, proven = enclose(tree, frequency, rigid, expected_width(tree, frequency, passed))
     wrong = ~proven
-    if wrong.any():
+    if not proven.all():
         frequency = frequency.copy()
         frequency[wrong] = bisect(tree, np.flatnonzero(wrong) + rigid, tolerance=_FULL_BISECTION)
         frequency.sort()
@@ -119,15 +154,17 @@ def _prove(tree: Tree, frequency: FloatArray, rigid: int) -> tuple[FloatArray, F
     return frequency, lower, upper, wrong
 
 
-def _complete(
-    tree: Tree, frequency: FloatArray, angle: FloatArray, torque: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """The shapes with those of repeated frequencies put in and those of close ones orthogonal."""
-    groups = repeated_groups(frequency, ~_finite(angle, torque))
+def _complete(tree: Tree, frequency: FloatArray, shapes: FreeShapes) -> tuple[FloatArray, FloatArray]:
+    """Angles and torques (stations, m) with those of repeated frequencies put in, those of close ones orthogonal."""
+    angle, torque = shapes.angle, shapes.torque
+    groups = repeated_groups(frequency, ~shapes.finite)
     if groups:
         columns = np.concatenate(groups)
         angle[:, columns], torque[:, columns] = repeated_shapes(tree, frequency, groups)
     orthogonalise(tree, frequency, angle, torque)
+    sign = shape_sign(angle)
+    angle *= sign
+    torque *= sign
     return angle, torque
 
 
@@ -137,8 +174,3 @@ def shape_sign(angle: FloatArray) -> FloatArray:
     first = np.argmax(size >= (1.0 - _EQUAL_SIZE) * size.max(axis=0), axis=0)
     sign: FloatArray = np.sign(angle[first, np.arange(angle.shape[1])])
     return sign
-
-
-def _finite(angle: FloatArray, torque: FloatArray) -> BoolArray:
-    """Whether each shape (m,) is finite throughout."""
-    return np.asarray(np.isfinite(angle).all(axis=0) & np.isfinite(torque).all(axis=0))

@@ -7,10 +7,12 @@ component keeps its own relative accuracy (the re-rooted, or twisted, factorisat
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.chain_passes import both_ways, spread
+from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
 
 @dataclass(frozen=True)
@@ -23,37 +25,104 @@ class Passes:
     inward: FloatArray  # zd: of all the rest, seen at the parent
     returned: FloatArray  # y: the same, seen through the span from the station
 
-    @property
+    @cached_property
     def total(self) -> FloatArray:
         """Dynamic stiffness of the whole train (stations, m), seen at each station; 0 at a natural frequency."""
         return self.outward + self.returned
 
+    @cached_property
+    def transmitted_outward(self) -> FloatArray:
+        """Angle of each station over that of its parent (stations, m), without sources outward."""
+        return _transmission(self.passed, self.outward)
+
+    @cached_property
+    def transmitted_inward(self) -> FloatArray:
+        """Angle of each parent over that of the station (stations, m), without sources inward."""
+        return _transmission(self.returned, self.inward)
+
 
 def stiffness_passes(tree: Tree, w: FloatArray) -> Passes:
     """The two passes at angular frequencies `w` (m,). Infinite values are meant: a held station, a node."""
-    own = tree.rest_stiffness[:, None] - np.multiply.outer(tree.moving_inertia, w * w)
+    own = tree.own_stiffness(w * w)
+    with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
+        return _passes_of_chain(tree, own) if tree.is_chain else _passes_of_tree(tree, own)
+
+
+def _passes_of_chain(tree: Tree, own: FloatArray) -> Passes:
+    columns = own.shape[1]
+    behind, through = both_ways(own, tree.flexibility)
+    passed, inward, returned = np.zeros((3, *own.shape))
+    passed[1:], returned[1:] = through[::-1, :columns], through[:, columns:]
+    inward[1:] = behind[:-1, columns:]
+    return Passes(own, behind[::-1, :columns], passed, inward, returned)
+
+
+def _passes_of_tree(tree: Tree, own: FloatArray) -> Passes:
     outward, (passed, inward, returned) = own.copy(), np.zeros((3, *own.shape))
-    h, parents = tree.flexibility.tolist(), tree.parent.tolist()
+    h, parents = tree.flexibilities, tree.parents
     base, z, zz, zd, y = list(own), list(outward), list(passed), list(inward), list(returned)
     add, reciprocal = np.add, np.reciprocal
+    for i in range(tree.size - 1, -1, -1):
+        parent = parents[i]
+        if parent >= 0:
+            through, there = zz[i], z[parent]
+            reciprocal(z[i], through)
+            add(through, h[i], through)
+            reciprocal(through, through)
+            add(there, through, there)
+    for i, children in enumerate(tree.children):
+        if len(children) == 1:
+            add(base[i], y[i], zd[children[0]])
+        elif children:
+            _share(base[i], y[i], children, zz, zd)
+        for child in children:
+            through = y[child]
+            reciprocal(zd[child], through)
+            add(through, h[child], through)
+            reciprocal(through, through)
+    return Passes(own, outward, passed, inward, returned)
+
+
+@dataclass(frozen=True)
+class Norton:
+    """The sources on both sides of every span; all (stations, m), N m."""
+
+    outward: FloatArray  # f: of the station and all outward of it
+    passed: FloatArray  # ff: the same, seen through the span from the parent
+    inward: FloatArray  # fd: of all the rest, seen at the parent
+    returned: FloatArray  # g: the same, seen through the span from the station
+
+
+def sources(tree: Tree, passes: Passes, torque: FloatArray) -> Norton:
+    """What `torque` (stations, m) N m at each station comes to on both sides of every span."""
+    outward, (passed, inward, returned) = torque.copy(), np.zeros((3, *torque.shape))
+    parents, own = tree.parents, list(torque)
+    f, ff, fd, g = list(outward), list(passed), list(inward), list(returned)
+    add, multiply = np.add, np.multiply
     with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
+        outer, inner = list(passes.transmitted_outward), list(passes.transmitted_inward)
         for i in range(tree.size - 1, -1, -1):
             parent = parents[i]
             if parent >= 0:
-                through = zz[i]
-                reciprocal(z[i], through)
-                add(through, h[i], through)
-                reciprocal(through, through)
-                add(z[parent], through, z[parent])
+                multiply(f[i], outer[i], ff[i])
+                add(f[parent], ff[i], f[parent])
         for i, children in enumerate(tree.children):
-            if children:
-                _share(base[i], y[i], children, zz, zd)
+            if len(children) == 1:
+                add(own[i], g[i], fd[children[0]])
+            elif children:
+                _share(own[i], g[i], children, ff, fd)
             for child in children:
-                through = y[child]
-                reciprocal(zd[child], through)
-                add(through, h[child], through)
-                reciprocal(through, through)
-    return Passes(own, outward, passed, inward, returned)
+                multiply(fd[child], inner[child], g[child])
+    return Norton(outward, passed, inward, returned)
+
+
+def forced_angles(tree: Tree, passes: Passes, norton: Norton) -> FloatArray:
+    """Angles (stations, m) rad under the sources `norton`."""
+    with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
+        angle: FloatArray = (norton.outward + norton.returned) / passes.total
+    if tree.holds:
+        angle[tree.held] = 0.0
+    return angle
 
 
 def forced(tree: Tree, passes: Passes, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -62,78 +131,115 @@ def forced(tree: Tree, passes: Passes, torque: FloatArray) -> tuple[FloatArray, 
     The torque in a span is the one it exerts on its outer station. Each side is a stiffness and a torque (Norton), and
     at either end of the span both sides meet: with ff, zz and fd, zd at the parent, t = (fd zz - ff zd) / (zz + zd).
     """
-    f, fd, g = torque.copy(), np.zeros_like(torque), np.zeros_like(torque)
+    norton = sources(tree, passes, torque)
+    f, ff, fd, g = norton.outward, norton.passed, norton.inward, norton.returned
     z, zz, zd, y = passes.outward, passes.passed, passes.inward, passes.returned
-    parents, ff, own = tree.parent.tolist(), np.zeros_like(torque), list(torque)
-    f_rows, fd_rows, ff_rows, g_rows = list(f), list(fd), list(ff), list(g)
     with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
-        outer, inner = _transmission(passes.passed, z), _transmission(passes.returned, zd)
-        for i in range(tree.size - 1, -1, -1):
-            if parents[i] >= 0:
-                np.multiply(f_rows[i], outer[i], out=ff_rows[i])
-                np.add(f_rows[parents[i]], ff_rows[i], out=f_rows[parents[i]])
-        for i, children in enumerate(tree.children):
-            if children:
-                _share(own[i], g_rows[i], children, ff_rows, fd_rows)
-                for child in children:
-                    np.multiply(fd_rows[child], inner[child], out=g_rows[child])
-        angle = (f + g) / passes.total
-        span = np.where(np.abs(zd) <= np.abs(z), (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / (z + y))
-    span[np.isinf(z) & np.isinf(zd)] = 0.0  # between two held stations
-    span[tree.parent < 0] = 0.0
-    return np.where(tree.held[:, None], 0.0, angle), span
+        at_parent, at_station = (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / passes.total
+        span = np.where(np.abs(zd) <= np.abs(z), at_parent, at_station)
+    if tree.holds:
+        span[np.isinf(z) & np.isinf(zd)] = 0.0  # between two held stations
+    span[tree.roots] = 0.0
+    return forced_angles(tree, passes, norton), span
 
 
-def free_shapes(tree: Tree, passes: Passes) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Angles and span torques (stations, m), mass-normalised, and the correction (m,) of w^2 by Rayleigh's quotient.
+@dataclass(frozen=True)
+class FreeShapes:
+    """Shapes (stations, m), mass-normalised, of the modes next to given frequencies."""
 
-    Each column starts at the station where the residual |Z| / J is least. A column comes out not finite where `w` is a
-    repeated frequency to the last digit: its shape is not determined by one station.
+    angle: FloatArray  # rad
+    torque: FloatArray  # N m
+    correction: FloatArray  # (m,) of w^2 by Rayleigh's quotient
+    passed: FloatArray  # (m,) sum over the spans of |torque| |angle at the parent|, N m
+
+    @classmethod
+    def empty(cls, stations: int, columns: int) -> "FreeShapes":
+        """Shapes yet to be put in."""
+        angle, torque = np.empty((2, stations, columns))
+        return cls(angle, torque, *np.empty((2, columns)))
+
+    @property
+    def finite(self) -> BoolArray:
+        """Whether each shape (m,) is finite throughout; the sum over its spans tells."""
+        return np.isfinite(self.passed)
+
+    def put(self, columns: IntArray | slice, shapes: "FreeShapes") -> None:
+        """Write `shapes` over those in `columns`."""
+        self.angle[:, columns], self.torque[:, columns] = shapes.angle, shapes.torque
+        self.correction[columns], self.passed[columns] = shapes.correction, shapes.passed
+
+    def take(self, columns: IntArray) -> "FreeShapes":
+        """The shapes in `columns`."""
+        return FreeShapes(
+            self.angle[:, columns], self.torque[:, columns], self.correction[columns], self.passed[columns]
+        )
+
+
+def free_shapes(tree: Tree, passes: Passes) -> FreeShapes:
+    """The shape at each frequency of `passes`, from the station where the residual |Z| / J is least.
+
+    A column comes out not finite where the frequency is a repeated one to the last digit: its shape is not determined
+    by one station.
     """
     total = passes.total
-    start = _least_residual(tree, total)
-    column = np.arange(total.shape[1])
-    angle = np.zeros_like(total)
-    angle[start, column] = 1.0
-    parents = tree.parent.tolist()
     with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
-        inner = _transmission(passes.returned, passes.inward)
-        outer = _transmission(passes.passed, passes.outward)
-        rows, factor, product = list(angle), list(inner), np.empty(total.shape[1])
-        multiply, add = np.multiply, np.add
-        for i in range(tree.size - 1, -1, -1):
-            if parents[i] >= 0:
-                multiply(rows[i], factor[i], product)
-                add(rows[parents[i]], product, rows[parents[i]])
-        start_is_outward = angle != 0.0
-        factor = list(np.where(start_is_outward, 0.0, outer))
-        for i, parent in enumerate(parents):
-            if parent >= 0:
-                multiply(rows[parent], factor[i], product)
-                add(rows[i], product, rows[i])
-        torque = np.where(start_is_outward, -passes.returned * angle, passes.passed * angle[tree.parent])
-        torque[tree.parent < 0] = 0.0
-        mass = np.einsum("i,ij,ij->j", tree.moving_inertia, angle, angle)
-        correction = total[start, column] / mass
+        start = _least_residual(tree, total)
+        inner, outer = passes.transmitted_inward, passes.transmitted_outward
+        angle, inward = spread(inner, outer, start) if tree.is_chain else _spread(tree, inner, outer, start)
+        at_parent = angle[tree.parent]
+        torque = np.where(inward != 0.0, -passes.returned * angle, passes.passed * at_parent)
+        torque[tree.roots] = 0.0
+        mass = tree.moving_inertia @ (angle * angle)
+        correction = total[start, np.arange(len(start))] / mass
+        np.multiply(at_parent, torque, at_parent)
+        passed = np.abs(at_parent, at_parent).sum(axis=0) / np.where(mass < np.inf, mass, np.nan)
         scale = 1.0 / np.sqrt(mass)
-        return angle * scale, torque * scale, correction
+        angle *= scale
+        torque *= scale
+    return FreeShapes(angle, torque, correction, passed)
+
+
+def _spread(tree: Tree, inner: FloatArray, outer: FloatArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Angles (stations, m) that are 1 at `start` (m,), and those of them at the start and inward of it, else 0."""
+    angle, product = np.zeros(outer.shape), np.empty(len(start))
+    angle[start, np.arange(len(start))] = 1.0
+    rows, factor = list(angle), list(inner)
+    multiply, add = np.multiply, np.add
+    for i, parent in zip(range(tree.size - 1, -1, -1), reversed(tree.parents), strict=True):
+        if parent >= 0:
+            multiply(rows[i], factor[i], product)
+            add(rows[parent], product, rows[parent])
+    inward = angle.copy()
+    factor = list(np.where(inward != 0.0, 0.0, outer))
+    for i, parent in enumerate(tree.parents):
+        if parent >= 0:
+            multiply(rows[parent], factor[i], product)
+            add(rows[i], product, rows[i])
+    return angle, inward
 
 
 def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
     """Station (m,) with inertia at which |Z| / J is least."""
-    carriers = np.flatnonzero(tree.moving_inertia > 0.0)
-    residual = np.abs(total[carriers]) / tree.moving_inertia[carriers, None]
-    residual[np.isnan(residual)] = np.inf
-    best: IntArray = carriers[np.argmin(residual, axis=0)]
-    return best
+    residual = np.abs(total)
+    residual /= tree.moving_inertia[:, None]  # infinite without inertia, or not a number
+    undetermined = np.isnan(residual)
+    if undetermined.any():
+        residual[undetermined] = np.inf
+    least: IntArray = residual.argmin(axis=0)
+    return least
 
 
 def _transmission(seen_through: FloatArray, stiffness: FloatArray) -> FloatArray:
     """Angle of the far end of a span over that of the near one, 1/(1 + h z) = zz/z.
 
     Taken from the rounded zz, which is what the next station has seen: at a node both are large by the same rounding.
+    Floating point exceptions are left to the caller's `np.errstate`.
     """
-    return np.where(stiffness == 0.0, 1.0, seen_through / stiffness)
+    ratio: FloatArray = seen_through / stiffness
+    soft = stiffness == 0.0
+    if soft.any():
+        ratio[soft] = 1.0
+    return ratio
 
 
 def _share(
@@ -144,13 +250,12 @@ def _share(
     out: list[FloatArray],
 ) -> None:
     """Write, for each child, `own` plus `inner` plus the terms of its brothers, by sums from the left and the right."""
-    first, *later = children
-    np.add(own, inner, out[first])
-    before = first
-    for child in later:
+    before = children[0]
+    np.add(own, inner, out[before])
+    for child in children[1:]:
         np.add(out[before], term[before], out[child])
         before = child
-    after = term[children[-1]]
-    for child in reversed(children[:-1]):
+    after = term[before]
+    for child in children[-2::-1]:
         np.add(out[child], after, out[child])
         after = after + term[child]

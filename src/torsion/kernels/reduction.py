@@ -36,20 +36,28 @@ class ReducedTrain:
 
 def rigidity(tree: Tree) -> Rigidity:
     """Rigid bodies, fixed stations and free parts of a tree."""
-    size, parents, rigid = tree.size, tree.parent.tolist(), (tree.flexibility == 0.0).tolist()
+    size, parents = tree.size, tree.parents
+    if tree.is_plain:
+        none = np.zeros(size, dtype=np.int64)
+        return Rigidity(np.arange(size), none.astype(np.bool_), none, none[:1], size - 1)
+    rigid = (tree.flexibility == 0.0).tolist()
     body, component = list(range(size)), list(range(size))
     for station, parent in enumerate(parents):
         if parent >= 0:
             component[station] = component[parent]
             if rigid[station]:
                 body[station] = body[parent]
-    bodies, components = np.array(body, dtype=np.int64), np.array(component, dtype=np.int64)
-    fixed = np.bincount(bodies, tree.held, minlength=size)[bodies] > 0
-    inertia = np.bincount(bodies, np.where(fixed, 0.0, tree.moving_inertia), minlength=size)
-    heavy = np.bincount(components, inertia, minlength=size) > 0
-    grounded = np.bincount(components, tree.held, minlength=size) > 0
-    free_roots = np.flatnonzero(heavy & ~grounded)
-    return Rigidity(bodies, fixed, components, free_roots, int(np.count_nonzero(inertia)) - len(free_roots))
+    fixed_bodies = {body[station] for station in np.flatnonzero(tree.held).tolist()} if tree.holds else set()
+    grounded = {component[station] for station in fixed_bodies}
+    heavy = {b for b, inertia in zip(body, tree.moving_inertia.tolist(), strict=True) if inertia > 0.0} - fixed_bodies
+    free_roots = sorted({component[b] for b in heavy} - grounded)
+    return Rigidity(
+        body=np.array(body, dtype=np.int64),
+        fixed=np.array([b in fixed_bodies for b in body], dtype=bool),
+        component=np.array(component, dtype=np.int64),
+        free_roots=np.array(free_roots, dtype=np.int64),
+        elastic=len(heavy) - len(free_roots),
+    )
 
 
 def reduce_tree(
@@ -59,24 +67,53 @@ def reduce_tree(
 
     `closing` gives the stations at both ends and the flexibility (loops,) rad/(N m), positive.
     """
-    total = np.bincount(known.body, tree.moving_inertia, minlength=tree.size).astype(np.float64)
-    heads = np.flatnonzero((known.body == np.arange(tree.size)) & ~known.fixed)
-    number = np.full(tree.size, -1, dtype=np.int64)
-    number[heads] = np.arange(len(heads))
-    spans = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0.0))
-    outer, inner, stiffness = spans, tree.parent[spans], 1.0 / tree.flexibility[spans]
+    if tree.is_plain and closing is None:
+        inner, outer = tree.parent[1:], known.body[1:]
+        return ReducedTrain(tree.inertia, inner, outer, 1.0 / tree.flexibility[1:], np.zeros(tree.size), True)
+    number, total = _bodies(tree, known)
+    joined = [(p, i, h) for i, (p, h) in enumerate(zip(tree.parents, tree.flexibility.tolist(), strict=True)) if p >= 0]
     if closing is not None:
-        inner, outer = np.append(inner, closing[0]), np.append(outer, closing[1])
-        stiffness = np.append(stiffness, 1.0 / closing[2])
-    outer, inner = number[known.body[outer]], number[known.body[inner]]
-    moving = (outer >= 0) & (inner >= 0) & (outer != inner)
-    ground = np.zeros(len(heads))
-    for tied, other in ((outer, inner), (inner, outer)):
-        to_ground = (tied >= 0) & (other < 0)
-        np.add.at(ground, tied[to_ground], stiffness[to_ground])
-    acyclic = closing is None
-    whole = ReducedTrain(total[heads], inner[moving], outer[moving], stiffness[moving], ground, acyclic)
-    return whole if np.all(whole.inertia > 0.0) else _without_massless(whole)
+        joined += zip(*(part.tolist() for part in closing), strict=True)
+    springs, ground = [], [0.0] * len(total)
+    for near, far, flexibility in joined:
+        one, other = number[near], number[far]
+        if flexibility > 0.0 and one != other:
+            if one >= 0 and other >= 0:
+                springs.append((one, other, 1.0 / flexibility))
+            else:
+                ground[max(one, other)] += 1.0 / flexibility
+    whole = _train(total, springs, ground, closing is None)
+    return whole if min(total, default=1.0) > 0.0 else _without_massless(whole)
+
+
+def _bodies(tree: Tree, known: Rigidity) -> tuple[list[int], list[float]]:
+    """Number of the moving body of each station, -1 where it is fixed, and the inertia of each body, kg m2."""
+    number, total = list[int](), list[float]()
+    inertias, fixed = tree.moving_inertia.tolist(), known.fixed.tolist()
+    for station, (body, inertia) in enumerate(zip(known.body.tolist(), inertias, strict=True)):
+        if fixed[station]:
+            number.append(-1)
+        elif body == station:
+            number.append(len(total))
+            total.append(inertia)
+        else:
+            number.append(number[body])
+            total[number[body]] += inertia
+    return number, total
+
+
+def _train(
+    inertia: list[float], springs: list[tuple[int, int, float]], ground: list[float], acyclic: bool
+) -> ReducedTrain:
+    inner, outer, stiffness = zip(*springs, strict=True) if springs else ((), (), ())
+    return ReducedTrain(
+        inertia=np.array(inertia, dtype=np.float64),
+        inner=np.array(inner, dtype=np.int64),
+        outer=np.array(outer, dtype=np.int64),
+        stiffness=np.array(stiffness, dtype=np.float64),
+        ground=np.array(ground, dtype=np.float64),
+        acyclic=acyclic,
+    )
 
 
 def _without_massless(train: ReducedTrain) -> ReducedTrain:
@@ -97,11 +134,4 @@ def _without_massless(train: ReducedTrain) -> ReducedTrain:
     kept = np.flatnonzero(train.inertia > 0.0)
     number = {body: position for position, body in enumerate(kept.tolist())}
     springs = sorted((number[a], number[b], k) for a in number for b, k in neighbours[a].items() if a < b)
-    return ReducedTrain(
-        inertia=train.inertia[kept],
-        inner=np.array([a for a, _, _ in springs], dtype=np.int64),
-        outer=np.array([b for _, b, _ in springs], dtype=np.int64),
-        stiffness=np.array([k for _, _, k in springs], dtype=np.float64),
-        ground=np.array(ground)[kept],
-        acyclic=acyclic,
-    )
+    return _train(train.inertia[kept].tolist(), springs, [ground[body] for body in number], acyclic)

@@ -1,5 +1,6 @@
 """Forced response of a tree at many frequencies, with full torques, a residual and an amplification of errors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -7,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.outward import Answer, Equations, solve
-from torsion.kernels.residual import equilibrium_residual
+from torsion.kernels.outward import Answer, Equations, solve, values_or_rows
+from torsion.kernels.residual import Amplitudes, equilibrium_residual
 from torsion.kernels.sweeps import EPS, Layout, layout
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
 
@@ -68,17 +69,15 @@ def tree_response(
     Raises ValueError for a shape that does not fit. Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
     problem = pose(tree, w, ground_damping, compliance)
-    force = np.asarray(force)
-    twist = None if twist is None else np.asarray(twist)
-    _check_shapes(tree.size, problem.w, {"force": force, "twist": twist})
+    acting = sources(problem, force, twist)
     result = blank_response(tree.size, problem.w.size)
     for part in _chunks(problem):
         block = result.part(part)
-        solve_part(problem, force, twist, part, block, check=check)
+        solve_part(problem, acting, part, block, check=check)
         lost = np.flatnonzero(np.isinf(block.amplification)) + part.start
         if lost.size:
             block = blank_response(tree.size, lost.size)
-            solve_part(problem, force, twist, lost, block, check=check, guard=True)
+            solve_part(problem, acting, lost, block, check=check, guard=True)
             result.store(block, lost)
     return result
 
@@ -123,8 +122,44 @@ class Problem:
     plan: Layout
     inertia: FloatArray  # (stations,) kg m2
     damping: FloatArray  # (stations,) or (stations, frequencies) N m s/rad to ground
+    damped: list[int]  # stations with such damping
     compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
     w: FloatArray  # (frequencies,) rad/s
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What acts: rows or numbers, None for a station on which nothing does at any frequency."""
+
+    force: list[Any]  # N m
+    twist: list[Any]  # rad
+
+    def part(self, part: Part) -> tuple[list[Any], list[Any]]:
+        """Force and twist at some frequencies."""
+        force, twist = (
+            [row[part] if isinstance(row, np.ndarray) else row for row in rows] for rows in (self.force, self.twist)
+        )
+        return force, twist
+
+
+def sources(problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None) -> Sources:
+    """Forces and twists by station; raises ValueError for a shape that does not fit."""
+    given = {"force": np.asarray(force), "twist": np.zeros(problem.plan.size) if twist is None else np.asarray(twist)}
+    _check_shapes(problem.plan.size, problem.w, given)
+    return Sources(*(_acting(values) for values in given.values()))
+
+
+def _acting(values: NDArray[Any]) -> list[Any]:
+    rows = values_or_rows(values)
+    acts = _any_in_rows(values)
+    return [row if act else None for row, act in zip(rows, acts, strict=True)]
+
+
+def _any_in_rows(values: NDArray[Any]) -> list[bool]:
+    """Whether any value of each station differs from zero."""
+    if values.ndim == 1:
+        return list((values != 0).tolist())
+    return [row.size > 0 and bool(row[0] != 0 or row.any()) for row in values]
 
 
 def pose(tree: Tree, w: FloatArray, ground_damping: FloatArray | None, compliance: NDArray[Any] | None) -> Problem:
@@ -135,56 +170,58 @@ def pose(tree: Tree, w: FloatArray, ground_damping: FloatArray | None, complianc
     if w.ndim != 1:
         raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
     _check_shapes(tree.size, w, {"compliance": hc, "ground_damping": damping})
-    return Problem(layout(tree, hc), tree.moving_inertia, damping, hc, w)
+    damped = np.flatnonzero(_any_in_rows(damping)).tolist()
+    return Problem(layout(tree, hc), tree.moving_inertia, damping, damped, hc, w)
 
 
 def solve_part(
-    problem: Problem,
-    force: NDArray[Any],
-    twist: NDArray[Any] | None,
-    part: Part,
-    block: TreeResponse,
-    *,
-    check: bool,
-    guard: bool = False,
+    problem: Problem, acting: Sources, part: Part, block: TreeResponse, *, check: bool, guard: bool = False
 ) -> None:
-    """Fill `block` with the response at the frequencies of `part`."""
-    turn = None if twist is None else _columns(twist, part)
-    own, hc = _own_stiffness(problem, part), _columns(problem.compliance, part)
-    given = Equations(own, list(hc), list(_columns(force, part)), None if turn is None else list(turn))
-    if check:
-        block.amplification[:] = 0
-    rows = Answer(list(block.angle), list(block.torque), block.amplification if check else None)
+    """Fill `block` with the response at the frequencies of `part`.
+
+    Amplification is 1 + 2 sum |own receptance| over the stations: twice the relative change of the determinant of the
+    dynamic stiffness under relative changes of every inertia and damper to ground. In a mode the springs hold as much
+    energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
+    """
+    given = Equations(_own_stiffness(problem, part), _columns(problem.compliance, part), *acting.part(part))
+    columns = block.angle.shape[1]
+    sensitivity = np.zeros(columns * given.own.itemsize // 8) if check else None
     with np.errstate(all="ignore"):
-        solve(problem.plan, given, rows, guard)
-        total = block.angle.sum(axis=0) + block.torque.sum(axis=0)
-        if check:
-            block.residual[:] = equilibrium_residual(problem.plan, given, rows)
-    block.amplification[~np.isfinite(total)] = np.inf
-    block.amplification[np.isnan(block.amplification) & check] = np.inf
+        solve(problem.plan, given, Answer(block.angle, block.torque, sensitivity), guard)
+        if sensitivity is None:
+            lost = ~np.isfinite(block.angle.sum(axis=0) + block.torque.sum(axis=0))
+        else:
+            found = Amplitudes(block.angle, block.torque, np.abs(block.angle), np.abs(block.torque))
+            block.residual[:] = equilibrium_residual(problem.plan, given, found)
+            block.amplification[:] = 1 + 2 * sensitivity.reshape(columns, -1).sum(axis=1)
+            lost = ~np.isfinite(found.angle_size.sum(axis=0) + found.torque_size.sum(axis=0) + block.amplification)
+    block.amplification[lost] = np.inf
 
 
 def residual_of(
     problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None, response: TreeResponse
 ) -> FloatArray:
     """Worst relative residual of any equation, (frequencies,), of a response found in any way."""
-    own, hc = _own_stiffness(problem, slice(None)), list(problem.compliance)
-    given = Equations(own, hc, list(force), None if twist is None else list(twist))
+    everything = slice(None)
+    acting = sources(problem, force, twist).part(everything)
+    given = Equations(_own_stiffness(problem, everything), problem.compliance, *acting)
     with np.errstate(all="ignore"):
-        return equilibrium_residual(problem.plan, given, Answer(list(response.angle), list(response.torque), None))
+        sizes = np.abs(response.angle), np.abs(response.torque)
+        return equilibrium_residual(problem.plan, given, Amplitudes(response.angle, response.torque, *sizes))
 
 
-def _own_stiffness(problem: Problem, part: Part) -> list[Any]:
+def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
-    w = problem.w[part]
+    w, inertia = problem.w[part], problem.inertia[:, None]
     square = -w * w
-    if problem.damping.any() or np.iscomplexobj(problem.compliance):
-        square = square.astype(np.complex128)
-    rows: list[Any] = [square * inertia for inertia in problem.inertia]
+    if not problem.damped and not np.iscomplexobj(problem.compliance):
+        return inertia * square
+    own = np.empty((problem.plan.size, w.size), dtype=np.complex128)
+    np.multiply(inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64))
     damping = _columns(problem.damping, part)
-    for station in np.flatnonzero(damping if damping.ndim == 1 else damping.any(axis=1)):
-        rows[station].imag = w * damping[station]
-    return rows
+    for station in problem.damped:
+        own[station].imag = w * damping[station]
+    return own
 
 
 def blank_response(stations: int, frequencies: int, closing: int = 0) -> TreeResponse:
@@ -194,16 +231,16 @@ def blank_response(stations: int, frequencies: int, closing: int = 0) -> TreeRes
     return TreeResponse(angle, torque, residual, amplification, np.zeros((closing, frequencies), dtype=np.complex128))
 
 
-def _check_shapes(stations: int, w: FloatArray, arrays: dict[str, NDArray[Any] | None]) -> None:
+def _check_shapes(stations: int, w: FloatArray, arrays: Mapping[str, NDArray[Any]]) -> None:
     allowed = ((stations,), (stations, w.size))
     for name, values in arrays.items():
-        if values is not None and values.shape not in allowed:
+        if values.shape not in allowed:
             raise ValueError(f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}")
 
 
 def _chunks(problem: Problem) -> list[slice]:
     """The frequencies in pieces whose rows stay in the cache."""
-    length = int(np.clip(CHUNK_VALUES // problem.plan.size, SHORTEST_CHUNK, LONGEST_CHUNK))
+    length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // problem.plan.size, LONGEST_CHUNK))
     return [slice(start, start + length) for start in range(0, problem.w.size, length)]
 
 

@@ -41,8 +41,9 @@ class Branches:
 
     stiffness: Rows  # z, N m/rad: station i with all that hangs on it
     stiffness_through: Rows  # z/(1 + hc z): the same felt by the parent through span i
-    source: Rows  # f, N m
-    source_through: Rows  # (f - z twist)/(1 + hc z)
+    source: Rows  # f, N m; None where nothing acts
+    source_through: Rows  # (f - z twist)/(1 + hc z); None where nothing acts
+    transfer: Rows  # 1/(1 + hc z); kept where nothing acts in the branch, or its parent is prescribed
 
 
 def layout(tree: Tree, compliance: NDArray[Any]) -> Layout:
@@ -79,13 +80,15 @@ def branches(
     force: Sequence[Any],
     twist: Sequence[Any] | None = None,
     guard: bool = False,
+    room: tuple[Rows, Rows] | None = None,
 ) -> Branches:
-    """Dynamic stiffness and sources of all branches, leaves first.
+    """Dynamic stiffness and sources of all branches, leaves first; a force or twist that is None does not act.
 
     `guard` replaces a denominator that is exactly zero (a branch in resonance with its root end held, such as a
     vibration absorber in tune) by eps, which is a relative change of that one flexibility by eps.
+    `room`: rows of the right type that stiffness and source of every station but a root may be put in.
     """
-    found = Branches(*([None] * plan.size for _ in range(4)))
+    found = Branches(*([None] * plan.size for _ in range(5)))
     for station in range(plan.size - 1, -1, -1):
         q = None if twist is None else twist[station]
         hc = compliance[station]
@@ -93,19 +96,30 @@ def branches(
         if plan.held[station]:
             if inner:
                 found.stiffness_through[station] = 1 / hc
-                found.source_through[station] = 0.0 if q is None else -q / hc
+                found.source_through[station] = None if q is None else -q / hc
             continue
         z, f = own[station], force[station]
+        z_row, f_row = (None, None) if room is None or not inner else (room[0][station], room[1][station])
         for child in plan.children[station]:
-            z = z + found.stiffness_through[child]
-            f = f + found.source_through[child]
+            z = np.add(z, found.stiffness_through[child], out=z_row)
+            f = total(f, found.source_through[child], f_row)
         _drop_if_alone(plan.children[station], found)
         found.stiffness[station], found.source[station] = z, f
         if inner:
             factor = inverse_sum(hc * z, guard)
             found.stiffness_through[station] = z * factor
-            found.source_through[station] = (f if q is None else f - z * q) * factor
+            pushed = total(f, None if q is None else -q * z)
+            found.source_through[station] = None if pushed is None else pushed * factor
+            if pushed is None or plan.prescribed[plan.parent[station]]:
+                found.transfer[station] = factor
     return found
+
+
+def total(one: Any, other: Any, out: Row | None = None) -> Any:
+    """Sum of two sources, each of which may be None: nothing acts. `out` may be used for it."""
+    if one is None or other is None:
+        return other if one is None else one
+    return np.add(one, other, out=out)
 
 
 def _drop_if_alone(children: tuple[int, ...], found: Branches) -> None:
@@ -127,7 +141,7 @@ def guarded_sum(product: Row, guard: bool) -> Row:
     return product
 
 
-def share(children: tuple[int, ...], through: Rows, outward: Rows, remainder: Row) -> None:
+def share(children: Sequence[int], through: Rows, outward: Rows, remainder: Any, add: Any = np.add) -> None:
     """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
     if len(children) == 1:
         outward[children[0]] = remainder
@@ -135,9 +149,9 @@ def share(children: tuple[int, ...], through: Rows, outward: Rows, remainder: Ro
     before = remainder
     for child in children:
         outward[child] = before
-        before = before + through[child]
-    after: Row | None = None
+        before = add(before, through[child])
+    after: Any = None
     for child in reversed(children):
         if after is not None:
-            outward[child] = outward[child] + after
-        after = through[child] if after is None else after + through[child]
+            outward[child] = add(outward[child], after)
+        after = through[child] if after is None else add(after, through[child])

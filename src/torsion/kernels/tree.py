@@ -40,24 +40,48 @@ class Tree:
         return len(self.parent)
 
     @cached_property
+    def parents(self) -> list[int]:
+        """`parent` as a list, which plain loops read faster."""
+        return list(self.parent.tolist())
+
+    @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
         """The stations whose parent each station is."""
         lists: list[list[int]] = [[] for _ in range(self.size)]
-        for station, parent in enumerate(self.parent.tolist()):
+        for station, parent in enumerate(self.parents):
             if parent >= 0:
                 lists[parent].append(station)
-        return tuple(tuple(row) for row in lists)
+        return tuple(map(tuple, lists))
+
+    @cached_property
+    def roots(self) -> list[int]:
+        """The stations without a parent."""
+        return [station for station, parent in enumerate(self.parents) if parent < 0]
+
+    @cached_property
+    def flexibilities(self) -> list[FloatArray]:
+        """`flexibility` as arrays of one value without axes, which numpy adds to a row faster than a float."""
+        return [self.flexibility[station, ...] for station in range(self.size)]
 
     @cached_property
     def levels(self) -> tuple[IntArray, ...]:
         """Stations of equal distance from their root, nearest first."""
-        depth = np.zeros(self.size, dtype=np.int64)
-        for station, parent in enumerate(self.parent.tolist()):
-            if parent >= 0:
-                depth[station] = depth[parent] + 1
-        order = np.argsort(depth, kind="stable")
-        edges = np.flatnonzero(np.diff(depth[order])) + 1
-        return tuple(np.split(order, edges))
+        levels: list[list[int]] = [[] for _ in range(self.depth + 1)]
+        for station, depth in enumerate(self._depths):
+            levels[depth].append(station)
+        return tuple(np.array(level, dtype=np.int64) for level in levels)
+
+    @cached_property
+    def depth(self) -> int:
+        """The most spans between a station and its root; -1 without stations."""
+        return self.size - 1 if self.is_chain else max(self._depths, default=-1)
+
+    @cached_property
+    def _depths(self) -> list[int]:
+        depths: list[int] = []
+        for parent in self.parents:
+            depths.append(depths[parent] + 1 if parent >= 0 else 0)
+        return depths
 
     @cached_property
     def families(self) -> tuple[Family, ...]:
@@ -67,22 +91,39 @@ class Tree:
     @cached_property
     def most_children(self) -> int:
         """The largest number of spans outward of one station."""
-        return max((len(row) for row in self.children), default=0)
+        return max(map(len, self.children), default=0)
 
     @cached_property
     def moving_inertia(self) -> FloatArray:
         """Inertia (stations,) kg m2, 0 where held."""
-        return np.where(self.held, 0.0, self.inertia)
+        return np.where(self.held, 0.0, self.inertia) if self.holds else self.inertia
 
     @cached_property
-    def rest_stiffness(self) -> FloatArray:
-        """Own stiffness (stations,) N m/rad against the ground: infinite where held, else 0."""
-        return np.where(self.held, np.inf, 0.0)
+    def holds(self) -> bool:
+        """Any station is held."""
+        return bool(self.held.any())
+
+    def own_stiffness(self, square: FloatArray) -> FloatArray:
+        """Dynamic stiffness (stations, m) N m/rad of each station alone at `square` (m,) of the angular frequency.
+
+        Infinite where held; written as a difference, so that a zero is positive.
+        """
+        own: FloatArray = np.multiply.outer(self.moving_inertia, square)
+        np.subtract(0.0, own, out=own)
+        if self.holds:
+            own[self.held] = np.inf
+        return own
 
     @cached_property
     def is_chain(self) -> bool:
         """Every span joins a station to the one numbered before it, from a single root."""
-        return bool(np.array_equal(self.parent, np.arange(-1, self.size - 1)))
+        return self.parents == list(range(-1, self.size - 1))
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """One root, no rigid span, and every station moves and has inertia."""
+        rigid, roots = self.size - int(np.count_nonzero(self.flexibility[1:])), self.parents.count(-1)
+        return rigid == roots == 1 and not self.holds and bool(self.inertia.min() > 0.0)
 
 
 def _family(level: IntArray, parent: IntArray) -> Family:

@@ -1,0 +1,71 @@
+"""The quick ways to the modes of a tree lead to the same modes: by the size, the shape and the start."""
+
+import numpy as np
+import pytest
+
+from torsion.kernels.enclosure import enclose, expected_width
+from torsion.kernels.factors import start_frequencies
+from torsion.kernels.modes import tree_modes
+from torsion.kernels.passes import free_shapes, stiffness_passes
+from torsion.kernels.reduction import reduce_tree, rigidity
+from torsion.kernels.tree import Tree
+
+
+@pytest.mark.parametrize("shape", ["branched", "bushy"])
+def test_eigenvalues_of_the_square_are_only_a_start(shape, monkeypatch):
+    rng = np.random.default_rng(26)
+    reach = {"branched": 3, "bushy": 25}[shape]
+    parent = [-1] + [int(rng.integers(max(0, i - reach), i)) for i in range(1, 25)]
+    tree = Tree(np.array(parent), 10 ** -rng.uniform(3, 6, 25), 10 ** rng.uniform(-1, 1, 25), np.zeros(25, bool))
+    right = tree_modes(tree)
+    monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_SQUARE", 0)
+    found = tree_modes(tree)
+    np.testing.assert_allclose(found.frequency, right.frequency, rtol=1e-15)
+    np.testing.assert_allclose(found.angle, right.angle, rtol=1e-11)
+    np.testing.assert_allclose(found.torque, right.torque, rtol=1e-11)
+
+
+@pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])
+def test_shapes_found_in_blocks_are_those_found_at_once(random_tree, monkeypatch, shape):
+    tree = random_tree(27, size=20, shape=shape)
+    right = tree_modes(tree)
+    monkeypatch.setattr("torsion.kernels.modes._LARGEST_BLOCK", 0)
+    monkeypatch.setattr("torsion.kernels.modes._LEAST_COLUMNS", 7)
+    found = tree_modes(tree)
+    np.testing.assert_allclose(found.frequency, right.frequency, rtol=1e-15)
+    np.testing.assert_allclose(found.torque, right.torque, rtol=1e-14)
+
+
+@pytest.mark.parametrize("held", ["none", "root", "leaves"])
+def test_a_chain_has_the_modes_of_the_same_train_hung_from_its_middle(random_tree, held):
+    tree = random_tree(28, size=11, shape="chain", held=held)
+    order = [5, 4, 6, 3, 7, 2, 8, 1, 9, 0, 10]
+    parent = [-1, 0, 0, *range(1, 9)]
+    soft = [0.0, *(tree.flexibility[max(i, order[p])] for i, p in zip(order[1:], parent[1:], strict=True))]
+    hung = Tree(np.array(parent), np.array(soft), tree.inertia[order], tree.held[order])
+    chain, other = tree_modes(tree), tree_modes(hung)
+    np.testing.assert_allclose(chain.frequency, other.frequency, rtol=1e-15)
+    np.testing.assert_allclose(np.abs(chain.angle[order]), np.abs(other.angle), rtol=1e-11)
+    np.testing.assert_allclose(np.abs(chain.torque[6:]), np.abs(other.torque[[2, 4, 6, 8, 10]]), rtol=1e-11)
+
+
+@pytest.mark.parametrize("shape", ["chain", "branched"])
+def test_most_frequencies_are_enclosed_by_the_first_width_tried(random_tree, shape):
+    tree = random_tree(29, size=60, shape=shape)
+    modes = tree_modes(tree)
+    width = expected_width(tree, modes.frequency, free_shapes(tree, stiffness_passes(tree, modes.frequency)).passed)
+    lower, upper, proven = enclose(tree, modes.frequency, 1, width)
+    assert proven.all()
+    assert np.mean((upper - lower) / modes.frequency < 2.1 * width) > 0.9
+
+
+@pytest.mark.parametrize(("for_square", "for_jacobi"), [(0, 0), (99, 99), (99, 0)])
+@pytest.mark.parametrize("parent", [range(-1, 11), [-1, 0, 0, 1, 1, 2, 3, 3, 5, 5, 8, 8]])
+def test_the_start_is_near_every_frequency_so_that_no_proof_has_to_mend_it(parent, for_square, for_jacobi, monkeypatch):
+    monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_SQUARE", for_square)
+    monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_JACOBI", for_jacobi)
+    rng = np.random.default_rng(30)
+    tree = Tree(np.array(parent), 10 ** -rng.uniform(3, 6, 12), 10 ** rng.uniform(-1, 1, 12), np.zeros(12, bool))
+    known = rigidity(tree)
+    start = start_frequencies(reduce_tree(tree, known), known.elastic)
+    np.testing.assert_allclose(start, tree_modes(tree).frequency, rtol=1e-11)
