@@ -68,6 +68,43 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
 
 
 @app.command()
+def joint(
+    file: File,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the joints as JSON and write nothing.")] = False,
+    turns: Annotated[int | None, typer.Option("--turns", min=1, max=100, help="Turns of the driving shaft.")] = None,
+) -> None:
+    """Print the universal joints of a scene and write joints.html, joints.json and joints.csv.
+
+    A scene of joints alone is enough: no inertia, speed or torque is needed. Exit status as of `solve`.
+    """
+    try:
+        findings = _joint(file, out, as_json=json, turns=turns)
+    except InputError as error:
+        _stop(str(error), BAD_INPUT)
+    except SolveError as error:
+        _stop(f"{file}: {error}", REFUSED)
+    raise typer.Exit(FAILED_CHECK if any(check.verdict == "fail" for check in findings.checks) else SOLVED)
+
+
+def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) -> "Findings":
+    from torsion import job
+
+    findings = job.joint(file, turns=turns)
+    if as_json:
+        from torsion.report.json import joint_text
+
+        typer.echo(joint_text(findings), nl=False)
+    else:
+        from torsion.report.joint_text import show_joints
+
+        folder = job.folder_of(file, out)
+        job.write_joints(findings, folder)
+        show_joints(findings, folder)
+    return findings
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of the file, by which an editor completes and checks it."""
     import json

@@ -26,6 +26,7 @@ from torsion.study import Study
 if TYPE_CHECKING:
     from torsion.analyses.critical import CriticalSpeed
     from torsion.analyses.damped import DampedModes
+    from torsion.analyses.joints import Joints
     from torsion.analyses.response import FrequencyResponse, Response
     from torsion.analyses.steady import Steady
     from torsion.analyses.synthesis import Synthesis
@@ -49,6 +50,7 @@ class Findings:
     response: "Response | None" = None
     synthesis: "Synthesis | None" = None
     sweep: "FrequencyResponse | None" = None
+    joints: "Joints | None" = None
     checks: "tuple[Check, ...]" = ()
 
 
@@ -74,9 +76,10 @@ def _run(study: Study, progress: Progress) -> Findings:
     sweep = _sweep(study, system, found, damped, log)
     steady = _steady(study, system, log)
     critical = _critical(study, system, found, log)
-    checks = _checks(study, system, found, steady, response, synthesis, log)
+    joints = _joints(study, steady, log)
+    checks = _checks(study, system, (found, steady, response, synthesis, joints), log)
     plan = Plan(tuple(log.lines), tuple(log.left_out), _versions())
-    return Findings(study, system, plan, found, damped, steady, critical, response, synthesis, sweep, checks)
+    return Findings(study, system, plan, found, damped, steady, critical, response, synthesis, sweep, joints, checks)
 
 
 def _system_and_modes(study: Study, log: Log) -> tuple[System, Modes | None]:
@@ -221,13 +224,25 @@ def _critical(study: Study, system: System, found: Modes | None, log: Log) -> "t
     return critical_speeds(found, lines, study.operation)
 
 
+def _joints(study: Study, steady: "Steady | None", log: Log) -> "Joints | None":
+    asked = study.analyses.get("joints")
+    if asked is None and all(part.component.keyword != "joint" for part in study.train.parts):
+        return None
+    from torsion.analyses.joints import Asked, joints
+
+    with log.step("universal joints", "the train has joints" if asked is None else "asked") as step:
+        found = joints(study.train, study.operation, asked if isinstance(asked, Asked) else None, steady)
+        step.method = "exact kinematics of rigid shafts, each line as one joint"
+        step.size = f"{len(found.joints)} joints on {len(found.lines)} lines, {found.angle.size} angles"
+    for remark in found.remarks:
+        log.without("universal joints, in part", remark)
+    return found
+
+
 def _checks(
     study: Study,
     system: System,
-    found: Modes | None,
-    steady: "Steady | None",
-    response: "Response | None",
-    synthesis: "Synthesis | None",
+    results: "tuple[Modes | None, Steady | None, Response | None, Synthesis | None, Joints | None]",
     log: Log,
 ) -> "tuple[Check, ...]":
     if not study.rules:
@@ -237,7 +252,7 @@ def _checks(
     from torsion.rules.evidence import Evidence
 
     with log.step("rules", "the file names them") as step:
-        checks = verdicts(Evidence(study, system, found, steady, response, synthesis))
+        checks = verdicts(Evidence(study, system, *results))
         step.method = ", ".join(name for name, _ in study.rules)
         step.size = f"{len(checks)} checks"
     for what, why in not_judged(study):

@@ -1,7 +1,7 @@
 """A file to its findings and its report: what the command does."""
 
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,11 @@ import numpy as np
 
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings, run
-from torsion.schema.read import read
+from torsion.schema.read import located, read
+
+JOINT_RULES = ("universal-joints",)
+REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
+ELSEWHERE = ("natural frequencies", "damped modes", "response over speed", "critical speeds", "mean torque", "rules")
 
 
 def solve(
@@ -41,8 +45,42 @@ def write(findings: Findings, folder: Path, *, pdf: bool = False) -> list[Path]:
     try:
         return write_report(findings, folder, pdf=pdf)
     except OSError as error:
-        message = f"the report cannot be written to {folder}: {error.strerror or error}"
-        raise InputError([Fault((), message)], f"{message} (choose another folder with -o)") from None
+        raise _unwritable(folder, error) from None
+
+
+def _unwritable(folder: Path, error: OSError) -> InputError:
+    message = f"the report cannot be written to {folder}: {error.strerror or error}"
+    return InputError([Fault((), message)], f"{message} (choose another folder with -o)")
+
+
+def joint(file: str | Path, *, turns: int | None = None) -> Findings:
+    """Read a scene and compute its joints alone, with the rules that judge them; nothing is written.
+
+    `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
+    """
+    from torsion.analyses.joints import Asked
+
+    study = read(file)
+    if all(part.component.keyword != "joint" for part in study.train.parts):
+        fault = Fault(("train",), "the train has no joint", "`torsion joint` tells of joints; use `torsion solve`")
+        raise located(InputError([fault]), study)
+    settings = study.analyses.get("joints") or Asked()
+    if turns is not None:
+        settings = settings.model_copy(update={"turns": turns})
+    rules = tuple((name, asked) for name, asked in study.rules if name in JOINT_RULES)
+    findings = run(replace(study, analyses={"joints": settings}, rules=rules))
+    mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
+    return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine)))
+
+
+def write_joints(findings: Findings, folder: Path) -> list[Path]:
+    """Write joints.html, joints.json and joints.csv; raises InputError where the folder cannot be written."""
+    from torsion.report.joint_pages import write_joints as write_pages
+
+    try:
+        return write_pages(findings, folder)
+    except OSError as error:
+        raise _unwritable(folder, error) from None
 
 
 def write_matrices(findings: Findings, file: Path) -> None:

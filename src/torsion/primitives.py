@@ -67,6 +67,7 @@ class Constraint:
     ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
     flexibility: float = 0.0  # rad/(N m) at the driving station's speed (a mesh stiffness); 0 is rigid
     error: tuple[tuple[int, complex], ...] = ()  # (order, rad)
+    after: int | None = None  # of a joint: the part of the joint before it on the same shaft line
 
 
 @dataclass(frozen=True, slots=True)

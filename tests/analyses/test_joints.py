@@ -207,3 +207,62 @@ def test_error_estimate_covers_the_error_against_harmonic_balance(build, phase, 
         study, system = build(line, operation=Operation(rated=rated, load="constant"))
         estimate = response(study, system, speeds=np.array([turns])).joint_error[0, 0]
         assert true_error < estimate < 40.0 * true_error
+
+
+def _tripod_amplitude(angle: float, radius: float, arm: float, phase: float) -> complex:
+    """E sin 3(x + phase) with E of Chang and Li, eq. 1, the first arm in the plane of the shafts at angle zero."""
+    bend = math.radians(angle)
+    size = radius / (2.0 * arm) * math.tan(bend / 2.0) ** 2 * math.tan(bend)
+    return -1j * size * np.exp(3j * math.radians(phase))
+
+
+def test_order_3_of_a_prescribed_tripod_shaft_and_inertia_is_exact(build):
+    """K 5000, C 2, J 0.5, d 1.5 behind a tripod of 20 degrees: E (K + i w C)/(K - w^2 J + i w (C + d)), w = 3 speed."""
+    line = [
+        Disc(held=True), Joint(kind="tripod", angle="20 deg", phase="17 deg", radius=0.03, arm=0.6),
+        Coupling(name="shaft", stiffness=5000.0, viscous=2.0), Disc(inertia=0.5, damping=1.5),
+    ]  # fmt: skip
+    study, system = build(line)
+    speeds = np.array([20.0, 33.3, 40.0])
+    found = response(study, system, speeds=speeds)
+    rows, w = _rows(found, speeds), 3.0 * speeds
+    error = _tripod_amplitude(20.0, 0.03, 0.6, 17.0)
+    angle = error * (5000.0 + 2j * w) / (5000.0 - 0.5 * w**2 + 3.5j * w)
+    assert [line.order for line in found.lines] == [Fraction(3)]
+    assert found.angle[rows, 0, -1] == pytest.approx(angle, rel=1e-12)
+    shaft = [span.name for span in system.spans].index("shaft")
+    assert found.torque[rows, 0, shaft] == pytest.approx((5000.0 + 2j * w) * (error - angle), rel=1e-12)
+
+
+@pytest.mark.parametrize("ahead", [0, 1])
+def test_mean_torque_alternates_three_times_a_turn_at_a_tripod(build, dense, operation, ahead):
+    """T_driving = T_driven (1 + e'), e' = 3i e: dense solution with the torque jump of order 3."""
+    joint = Joint(kind="tripod", angle="25 deg", phase="20 deg", radius=0.03, arm=0.6)
+    line = [Motor(inertia=2.0), Coupling(stiffness=2e4, viscous=2.0)]
+    line += [Gear(ratio=2), joint] if ahead else [joint, Gear(ratio=2)]
+    line += [Coupling(stiffness=5e4), Propeller(inertia=0.8, damping=3.0)]
+    study, system = build(line, operation=operation(20.0, 90.0, 5, rated=(60.0, 30e3)))
+    speed = np.array([60.0])
+    known = steady_if_known(study, system, speed)
+    (one,) = excitations(system)
+    (bent,) = one.errors
+    ground = ground_damping(system, speed, known)
+    found = answer(system, float(one.line.order) * speed, sources(system, one, speed, known), ground)
+    ratio = 2.0 if ahead else 1.0
+    error = _tripod_amplitude(25.0, 0.03, 0.6, 20.0) * np.exp(3j * -500.0 / 2e4 / ratio)
+    force = np.zeros(len(system.stations), dtype=complex)
+    force[system.spans[bent.span].driving] = -500.0 * ratio * 3j * error
+    angle, torque = dense(system, 180.0 / ratio, force, ground[:, 0], {bent.span: error})
+    assert one.line.order == Fraction(3) / int(ratio)
+    assert found.angle[0] == pytest.approx(angle, rel=1e-11)
+    assert found.torque[0] == pytest.approx(torque, rel=1e-10)
+
+
+def test_tripod_and_cross_are_two_lines_and_a_twin_none(build, operation):
+    line = [Disc(inertia=2.0), Joint(kind="tripod", angle="9 deg", radius=0.03, arm=0.6), Coupling(stiffness=1e4),
+            Joint(angle="4 deg"), Joint(kind="tripod", bearing="twin", angle="9 deg", radius=0.03, arm=0.6),
+            Coupling(stiffness=1e4), Disc(inertia=1.0, damping=1.0)]  # fmt: skip
+    study, system = build(line, operation=operation(20.0, 90.0, 5))
+    assert [(line.order, line.sources) for line in response(study, system).lines] == [
+        (Fraction(2), ("joint-2",)), (Fraction(3), ("joint-1",)),
+    ]  # fmt: skip

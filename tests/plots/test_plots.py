@@ -12,6 +12,7 @@ from torsion.report.figures import PLOTS, svg
 SPEED = np.linspace(300.0, 1800.0, 61)
 BUMP = 100.0 / (1.0 + ((SPEED - 900.0) / 60.0) ** 2)
 BAD = np.abs(SPEED - 1500.0) < 1.0
+TURN, RAD = np.linspace(0.0, 360.0, 361), np.pi / 180.0
 OVER_SPEED: dict[str, Any] = {"speed": SPEED, "bad": BAD, "rated": 1500.0, "barred": ((800.0, 1000.0),)}
 VALUES: dict[str, dict[str, Any]] = {
     "sketch": {
@@ -44,6 +45,17 @@ VALUES: dict[str, dict[str, Any]] = {
     "frequency": {
         "frequency": SPEED, "lines": [("<disc>", BUMP)], "bad": BAD, "quantity": "torque amplitude, N m",
         "natural": [900.0],
+    },
+    "joint turn": {
+        "angle": TURN, "quantity": "angle of the shaft before joint-1, deg",
+        "panels": [
+            ("angle error, deg", 57.3, [("behind <a> & $b$", np.sin(2 * RAD * TURN)), ("behind joint-2", 0 * TURN)]),
+            ("speed, rpm", 1500.0, [("behind <a> & $b$", 1500 + np.cos(2 * RAD * TURN)), ("behind joint-2", TURN)]),
+        ],
+    },
+    "joint index": {
+        "values": TURN, "index": 5 + 4 * np.cos(2 * RAD * TURN), "quantity": "phase of <a> & $b$, deg",
+        "present": (10.0, 9.0), "best": (90.0, 1.0),
     },
 }  # fmt: skip
 

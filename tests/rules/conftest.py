@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from torsion.analyses.joints import joints
 from torsion.analyses.response import Line, Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.assembly import assemble
@@ -77,6 +78,8 @@ def evidence() -> Callable[..., Evidence]:
         size = np.abs(torque)
         together = Synthesis(size, np.abs(steady) + size, size / math.sqrt(2), size, Fraction(1))
         still = Steady(speed, steady.T, stations, stations, "by hand")
-        return Evidence(study, system, steady=still, response=response, synthesis=together)
+        bent = any(part.component.keyword == "joint" for part in study.train.parts)
+        found = joints(study.train, study.operation) if bent else None
+        return Evidence(study, system, steady=still, response=response, synthesis=together, joints=found)
 
     return make

@@ -11,6 +11,7 @@ PARTS = [
     ("coupling", {"name": "rubber", "stiffness": 2e4, "psi": 1.0, "vibratory_torque": 50.0}),
     ("gear", {"name": "gearbox", "ratio": 2}),
     ("shaft", {"name": "line", "length": 1.0, "diameter": 0.1, "role": "intermediate"}),
+    ("joint", {"angle": "2 deg"}),
     ("propeller", {"inertia": 2.0}),
 ]
 
@@ -25,7 +26,7 @@ def test_every_rule_has_settings_with_defaults(name) -> None:
 @pytest.mark.parametrize("name", RULES)
 def test_every_rule_needs_analyses_and_finds_nothing_missing_in_a_whole_file(study, name) -> None:
     scene = study(PARTS, [(name, settings(name)())])
-    assert needed(scene) <= {"modes", "steady", "response"}
+    assert needed(scene) <= {"modes", "steady", "response", "joints"}
     assert lacking(scene) == []
     assert all(len(line) == 2 for line in not_judged(scene))
 

@@ -3,7 +3,8 @@
 ANALYSES = {  # name: class of its settings
     "modes": "torsion.analyses.modes:Asked",
     "response": "torsion.analyses.response:Asked",
+    "joints": "torsion.analyses.joints:Asked",
 }
-UNBUILT = ("joints", "stability", "transient", "check", "sweep", "fem")  # of the format, but not built yet
+UNBUILT = ("stability", "transient", "check", "sweep", "fem")  # of the format, but not built yet
 MODELS = ("lumped",)
 UNBUILT_MODELS = ("fem", "exact")

@@ -4,50 +4,114 @@ import math
 from dataclasses import replace
 from typing import ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import model_validator
 
 from torsion import fields
 from torsion.components.base import Component
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Lowering
+from torsion.errors import SolveError
 from torsion.fields import given, refuse, required
-from torsion.kinematics.cross import error_amplitude
+from torsion.kinematics import cross, tripod
 from torsion.primitives import Constraint, Inertia
+
+OF_A_TRIPOD = ("radius", "arm", "bearing")
 
 
 class Joint(Component):
-    """A cross (Cardan, Hooke) joint."""
+    """A universal joint: a cross (Cardan, Hooke) joint, a tripod joint, or any joint of constant velocity."""
 
     keyword: ClassVar[str] = "joint"
     sort: ClassVar[Literal["point", "link", "none"]] = "link"
-    unbuilt: ClassVar[tuple[str, ...]] = ("radius", "arm", "bearing")
 
-    kind: Literal["cross", "tripod", "cv"] = given("cross; tripod and cv are not built yet", "cross")
+    kind: Literal["cross", "tripod", "cv"] = given(
+        "cross (order 2), tripod (order 3), or cv: constant velocity", "cross"
+    )
     angle: fields.JointAngle = required("angle between the two shafts")
     plane: fields.Angle | None = given(
-        "from the plane of the previous joint to this one's, about the shaft between them"
+        "from the plane of the previous joint to this one's, about the shaft between them (default: 0 deg)"
     )
-    phase: fields.Angle = given(
-        "from the previous joint's driven yoke to this driving yoke; of a first joint, from the plane of its shafts",
-        0.0,
-    )  # fmt: skip
+    phase: fields.Angle | None = given(
+        "from the previous joint's driven yoke to this driving yoke; of a first joint, from the plane of its shafts "
+        "(default: 0 deg)"
+    )
     inertia: Pair | None = given("[driving, driven] yokes")
+    radius: fields.Length | None = given("of a tripod: from the driving shaft's axis to its three bearings' lines")
+    arm: fields.Length | None = given("of a tripod: from the joint to the point about which its driven shaft pivots")
+    bearing: Literal["single", "twin"] | None = given(
+        "of a tripod: single (default) moves the end of its driven shaft, twin is of constant velocity"
+    )
 
     @model_validator(mode="after")
-    def _is_built(self) -> Self:
-        if self.kind != "cross":
-            raise refuse(f"a joint of kind {self.kind} is part of the format but not built yet", "kind: cross", "kind")
+    def _kind_has_its_keys(self) -> Self:
+        if self.kind != "tripod":
+            for key in OF_A_TRIPOD:
+                if getattr(self, key) is not None:
+                    raise refuse(f"a joint of kind {self.kind} has no `{key}`", "leave it out, or `kind: tripod`", key)
+            return self
+        missing = [key for key in ("radius", "arm") if getattr(self, key) is None]
+        if missing:
+            raise refuse(f"a tripod needs `{missing[0]}`", "for example `radius: 30 mm, arm: 600 mm`")
+        if self.bearing != "twin" and not self._can_turn():
+            hint = "make the angle or the radius smaller, or the arm longer"
+            raise refuse("the end of this tripod's driven shaft finds no way around", hint, "angle")
         return self
+
+    @property
+    def order(self) -> int:
+        """Order of its transmission error over its driving shaft; 0 of a joint of constant velocity."""
+        return {"cross": 2, "tripod": 0 if self.bearing == "twin" else 3, "cv": 0}[self.kind]
+
+    def driving_yoke(self, driven_before: float | None) -> float:
+        """rad from its plane to its driving yoke (of a tripod: its first arm) when the train's angle is zero."""
+        phase = self.phase or 0.0
+        return phase if driven_before is None else driven_before + phase - (self.plane or 0.0)
+
+    def driven_yoke(self, driving: float) -> float:
+        """rad from its plane to its driven yoke at angle zero, but for its error.
+
+        The yokes of a cross stand square to each other; behind a tripod or a cv joint the arm (or a mark) that stood
+        with the driving side's is counted from, so nothing is added.
+        """
+        return driving + math.pi / 2 if self.kind == "cross" else driving
+
+    def error(self, yoke: float) -> tuple[tuple[int, complex], ...]:
+        """(order, rad) of the transmission error over the driving shaft's angle, to first order."""
+        if self.angle == 0 or self.order == 0:
+            return ()
+        if self.kind == "cross":
+            return ((2, cross.error_amplitude(self.angle, yoke)),)
+        spider = yoke + math.pi / 2  # counted from the normal of the plane, as the theory of the tripod does
+        return ((3, tripod.error_amplitude(self.angle, spider, self.radius or 0.0, self.arm or 1.0)),)
 
     def lower(self, build: Lowering) -> None:
         before = build.at.yoke
-        if before is None and self.plane is not None:
-            hint = "leave `plane` out; the first joint (also behind a gear) defines the plane"
-            build.fault("`plane` counts from a previous joint, and there is none on this shaft", hint, "plane")
-        yoke = self.phase if before is None else before + math.pi / 2 + self.phase - (self.plane or 0.0)
+        if before is None:
+            self._refuse_on_a_first_joint(build)
+        after = None if before is None else build.at.joint
+        yoke = self.driving_yoke(before)
         driving, driven = build.link()
-        build.at = replace(build.at, yoke=yoke)
+        build.at = replace(build.at, yoke=self.driven_yoke(yoke), joint=build.part)
         at_driving, at_driven = self.inertia or (0.0, 0.0)
         build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
-        error = ((2, error_amplitude(self.angle, yoke)),) if self.angle > 0 else ()
-        build.add(Constraint(build.name, build.part, driving, driven, error=error))
+        build.add(Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after))
+
+    def _refuse_on_a_first_joint(self, build: Lowering) -> None:
+        """No joint stands before this one on its shaft line."""
+        if self.plane is not None:
+            hint = "leave `plane` out; the first joint (also behind a gear) defines the plane"
+            build.fault("`plane` counts from a previous joint, and there is none on this shaft", hint, "plane")
+        if self.phase is not None and build.at.depth > 0:
+            hint = "leave `phase` out; it counts from a joint before this one, or on the main line from the plane"
+            build.fault("`phase` on a first joint of a branch has nothing to count from", hint, "phase")
+
+    def _can_turn(self) -> bool:
+        """The end of a single-bearing tripod's driven shaft finds a position all around a third of a turn."""
+        try:
+            tripod.exact_motion(
+                np.linspace(0.0, 2.0 * math.pi / 3.0, 25), self.angle, self.radius or 0.0, self.arm or 1.0
+            )
+        except SolveError:
+            return False
+        return True

@@ -32,7 +32,8 @@ class Arrival:
     ratio: Fraction = Fraction(1)
     sense: int = 1
     referred: Fraction = Fraction(1)  # figures that follow are given at this multiple of their own speed
-    yoke: float | None = None  # rad from its plane of the last joint's driving yoke at angle zero
+    yoke: float | None = None  # rad from its plane of the last joint's driven yoke at angle zero; None behind a gear
+    joint: int | None = None  # part of that joint
     depth: int = 0
 
 

@@ -13,6 +13,8 @@ PLOTS = {
     "stress": "torsion.plots.stress:stress",
     "gear": "torsion.plots.gear:gear",
     "frequency": "torsion.plots.frequency:frequency",
+    "joint turn": "torsion.plots.joint_turn:joint_turn",
+    "joint index": "torsion.plots.joint_index:joint_index",
 }
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import torsion
 from torsion.findings import Findings
+from torsion.report.json_joints import joints
 from torsion.report.json_numbers import exact, finite, numbers
 from torsion.report.json_response import frequency_response, response, synthesis
 
@@ -41,6 +42,7 @@ def results(findings: Findings) -> dict[str, Any]:
         "response": response(findings),
         "synthesis": synthesis(findings),
         "frequency_response": frequency_response(findings),
+        "joints": joints(findings.joints),
         "checks": [_check(check) for check in findings.checks],
         "plan": _plan(findings),
     }
@@ -48,7 +50,17 @@ def results(findings: Findings) -> dict[str, Any]:
 
 def text(findings: Findings) -> str:
     """The results as JSON text, one line for each top-level key."""
-    rows = [f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}" for key, value in results(findings).items()]
+    return _lines(results(findings))
+
+
+def joint_text(findings: Findings) -> str:
+    """The joints alone as JSON text, under the keys that they have among the results."""
+    alone = ("format", "program", "legend", "scene", "joints", "checks", "plan")
+    return _lines({key: value for key, value in results(findings).items() if key in alone})
+
+
+def _lines(values: dict[str, Any]) -> str:
+    rows = [f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}" for key, value in values.items()]
     return "{\n" + ",\n".join(rows) + "\n}\n"
 
 

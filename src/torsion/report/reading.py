@@ -18,7 +18,7 @@ Band = tuple[float, float]
 def evidence(findings: Findings) -> Evidence:
     """The findings as a rule reads them."""
     f = findings
-    return Evidence(f.study, f.system, f.modes, f.steady, f.response, f.synthesis)
+    return Evidence(f.study, f.system, f.modes, f.steady, f.response, f.synthesis, f.joints)
 
 
 def over_speed(findings: Findings) -> Response:

@@ -3,6 +3,8 @@
 import os
 import shutil
 import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from datetime import date
 from pathlib import Path
 
@@ -19,17 +21,31 @@ def write(findings: Findings, folder: str | Path, *, pdf: bool = False, today: d
     from torsion.report.html import html
     from torsion.report.json import text
 
-    target = Path(folder)
-    target.mkdir(parents=True, exist_ok=True)
-    made = document(findings, today or date.today())
-    workshop = Path(tempfile.mkdtemp(prefix=".report-", dir=target))
-    try:
+    target, made = Path(folder), document(findings, today or date.today())
+    with _workshop(target) as workshop:
         finished = [_file(workshop / "results.json", text(findings)), _file(workshop / "report.html", html(made))]
         if pdf:
             from torsion.report.pdf import write_pdf
 
             finished.append(write_pdf(made, workshop))
         return [_placed(path, target / path.name) for path in finished]
+
+
+def write_texts(texts: Mapping[str, str], folder: str | Path) -> list[Path]:
+    """Write texts under their names into the folder, all or none; raises OSError where it cannot be written."""
+    target = Path(folder)
+    with _workshop(target) as workshop:
+        finished = [_file(workshop / name, content) for name, content in texts.items()]
+        return [_placed(path, target / path.name) for path in finished]
+
+
+@contextmanager
+def _workshop(target: Path) -> Iterator[Path]:
+    """A folder inside the target, which is made where it is not there; taken away afterwards."""
+    target.mkdir(parents=True, exist_ok=True)
+    workshop = Path(tempfile.mkdtemp(prefix=".report-", dir=target))
+    try:
+        yield workshop
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
 

@@ -15,6 +15,7 @@ RULES = {
     "iacs-m68": "torsion.rules.m68:Asked",
     "coupling-maker": "torsion.rules.coupling:Asked",
     "gear-hammer": "torsion.rules.gear:Asked",
+    "universal-joints": "torsion.rules.universal_joints:Asked",
 }
 
 

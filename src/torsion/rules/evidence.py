@@ -15,6 +15,7 @@ from torsion.kernels.tree import FloatArray, IntArray
 from torsion.study import Operation, Study
 
 if TYPE_CHECKING:
+    from torsion.analyses.joints_found import Joints
     from torsion.analyses.modes import Modes
     from torsion.analyses.response import Response, Synthesis
     from torsion.analyses.steady import Steady
@@ -31,6 +32,7 @@ class Evidence:
     steady: "Steady | None" = None
     response: "Response | None" = None
     synthesis: "Synthesis | None" = None
+    joints: "Joints | None" = None
 
     def vibration(self) -> "tuple[Response, Synthesis]":
         """The response over speed and its synthesis; raises ValueError where they were not computed."""

@@ -15,7 +15,17 @@ _LISTS = {"motor": "ripple", "propeller": "excitation"}  # keys of components th
 
 def study_faults(study: Study) -> list[Fault]:
     """Faults between sections: speeds, frequencies, mean torque and what the rules need."""
-    return [*_response_faults(study), *lacking(study)]
+    return [*_response_faults(study), *_joint_faults(study), *lacking(study)]
+
+
+def _joint_faults(study: Study) -> list[Fault]:
+    """Joints that the settings of `joints` name, and any joint at all."""
+    asked = study.analyses.get("joints")
+    if asked is None:
+        return []
+    from torsion.analyses.joints import Asked, settings_faults
+
+    return settings_faults(study.train, asked) if isinstance(asked, Asked) else []
 
 
 def _response_faults(study: Study) -> Iterator[Fault]:

@@ -28,7 +28,8 @@ EXAMPLES = {
     "coupling": "- coupling: {stiffness: 40 kN*m/rad, inertia: [0.9, 0.6], psi: 0.9, vibratory_torque: 1.2 kN*m}",
     "gear": "- gear: {teeth: [31, 93], inertia: [0.25, 14], branches: [{teeth: 62, train: [disc: {inertia: 2}]}]}",
     "branch": "- branch: {train: [coupling: {stiffness: 20 kN*m/rad}, disc: {inertia: 1}]}",
-    "joint": "- joint: {angle: 5 deg, phase: 90 deg}",
+    "joint": "- joint: {angle: 5 deg, phase: 90 deg}\n"
+    "- joint: {kind: tripod, angle: 10 deg, radius: 30 mm, arm: 600 mm}",
 }
 NOTES = {  # what the keys of a kind need of each other
     "disc": "Give `inertia`, or `held: true`.",
@@ -41,7 +42,10 @@ NOTES = {  # what the keys of a kind need of each other
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "
     "where the gear has `teeth`.",
     "joint": "`plane` and `phase` count from the joint before it on the same shaft line. Behind a gear a joint is "
-    "again the first, and has no `plane`.",
+    "again the first, and has no `plane`; on a branch a first joint has no `phase` either. A cross joint excites at "
+    "order 2 of its driving shaft, a tripod at order 3. A tripod needs `radius` and `arm`; its yoke is its first arm, "
+    "counted from the plane on the outer side of the bend. Between the yokes of a cross joint lie 90 degrees; behind a "
+    "tripod or a cv joint nothing is added: two equal cross joints with a cv joint between them still cancel.",
 }
 
 

@@ -19,8 +19,8 @@ def chapter(findings: Findings) -> list[Block]:
     if train.torques:
         blocks.append(_torques(findings))
     if angled:
-        names = ", ".join(mesh.name for mesh in angled)
-        blocks.append(Paragraph(f"Joints that excite by their angle, at order 2 of their driving shaft: {names}."))
+        names = ", ".join(f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled)
+        blocks.append(Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}."))
     if findings.response is not None and findings.response.lines:
         blocks.append(_lines(findings))
     return blocks

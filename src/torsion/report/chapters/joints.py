@@ -1,130 +1,103 @@
-"""Chapter: universal joints: angles, planes, phases and how they excite."""
+"""Chapter: universal joints: angles, planes and phases, what they do together, their couples and how they excite."""
 
-import cmath
-import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.components.lowering import Part
 from torsion.findings import Findings
-from torsion.primitives import Constraint
-from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
-from torsion.report.numbers import NONE, RPM, degrees, number, order, rpm, scale
-from torsion.report.reading import joint_model, largest, over_speed, rated
+from torsion.report import joint_figures, joint_tables
+from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table
+from torsion.report.chapters import verdict
+from torsion.report.numbers import number, order, rpm
+from torsion.report.reading import joint_model, largest, over_speed
 
-RATED = Column("Driven acceleration at rated speed", "rad/s²"), Column("Speed × angle", "deg/min")
+if TYPE_CHECKING:
+    from torsion.analyses.joints import JointFound, Joints
+
+AXES = (
+    "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "
+    "normal n of the joint's plane, and about the axis in that plane that is square to the shaft."
+)
 MODEL = (
-    "Cross joints are taken to first order: of the transmission error the order 2 of the driving shaft, as an imposed "
-    "twist, together with the alternating part of the mean torque it transmits; q = tan²(β/2) is the amplitude of the "
-    "error. Order 4 and above are not printed from this model, which is wrong for them at leading order."
+    "In the response joints are taken to first order: of the transmission error the order 2 of the driving shaft "
+    "(order 3 of a tripod with a single bearing), as an imposed twist, together with the alternating part of the mean "
+    "torque it transmits. Higher orders are not printed from this model, which is wrong for them at leading order."
 )
 
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing without joints."""
-    meshes = {mesh.part: mesh for mesh in findings.study.train.constraints}
-    found = [(k, p) for k, p in enumerate(findings.study.train.parts) if p.component.keyword == "joint" and k in meshes]
-    if not found:
+    found = findings.joints
+    if found is None or not found.joints:
         return []
-    joints = [(part, meshes[index]) for index, part in found]
-    blocks: list[Block] = [Heading("Universal joints"), _geometry(joints), _unevenness(findings, joints)]
-    blocks.extend(_resulting(findings, joints))
-    if findings.response is not None and findings.response.lines and any(mesh.error for _, mesh in joints):
-        blocks.append(_response(findings, found))
-        blocks.append(Paragraph(f"{MODEL} {joint_model(findings)}"))
+    blocks: list[Block] = [Heading("Universal joints"), joint_tables.geometry(found), joint_tables.alone(found)]
+    blocks += [*_together(found), *_couples(found), *_best(found), *_response(findings, found)]
+    if found.remarks:
+        blocks += [Heading("What could not be said of the joints", 2), Points(found.remarks)]
     return blocks
 
 
-def _geometry(joints: list[tuple[Part, Constraint]]) -> Table:
-    columns = (
-        Column("Joint", align="left"), Column("Kind", align="left"), Column("Angle β", "deg"),
-        Column("Plane to the previous joint's", "deg"), Column("Phase of the yokes", "deg"),
-        Column("q = tan²(β/2)", "rad"),
-        Column("Speed ratio, smallest"), Column("Largest"),
-    )  # fmt: skip
-    rows = []
-    for part, _ in joints:
-        joint = part.component
-        bend, plane = float(getattr(joint, "angle", 0.0)), getattr(joint, "plane", None)
-        rows.append((
-            part.name, str(getattr(joint, "kind", "cross")), degrees(bend), NONE if plane is None else degrees(plane),
-            degrees(float(getattr(joint, "phase", 0.0))), number(math.tan(bend / 2) ** 2),
-            number(math.cos(bend), 6), number(1 / math.cos(bend), 6),
-        ))  # fmt: skip
-    return Table(columns, tuple(rows), "Angles of the joints")
-
-
-def _unevenness(findings: Findings, joints: list[tuple[Part, Constraint]]) -> Table:
-    speed = rated(findings)
-    columns = [
-        Column("Joint", align="left"), Column("Order, own shaft"), Column("Order, reference"),
-        Column("Error amplitude", "rad"),
-        Column("Phase", "deg"), Column("tan β sin β"),
-        *(RATED if speed else ()),
-    ]  # fmt: skip
-    rows = []
-    for part, mesh in joints:
-        bend = float(getattr(part.component, "angle", 0.0))
-        for harmonic, amplitude in mesh.error or ((2, 0j),):
-            own = [] if speed is None else _motion(speed * float(part.ratio), bend, harmonic, abs(amplitude))
-            rows.append((
-                part.name, str(harmonic), order(harmonic * part.ratio), number(abs(amplitude)),
-                degrees(cmath.phase(amplitude)) if amplitude else NONE, number(math.tan(bend) * math.sin(bend)), *own,
-            ))  # fmt: skip
-    return Table(tuple(columns), tuple(rows), "Transmission error of each joint by itself")
-
-
-def _motion(speed: float, bend: float, harmonic: int, amplitude: float) -> list[str]:
-    """Amplitude of the driven shaft's acceleration, and speed times angle as joint makers count it."""
-    return [number((harmonic * speed) ** 2 * amplitude), number(speed * RPM * math.degrees(bend))]
-
-
-def _resulting(findings: Findings, joints: list[tuple[Part, Constraint]]) -> list[Block]:
-    """The order-2 phasors of joints of one speed on one line added up, when everything between them is rigid."""
-    groups: dict[tuple[str, ...], list[Constraint]] = {}
-    for part, mesh in joints:
-        if mesh.error:
-            groups.setdefault((str(part.ratio), str(part.path[:-2])), []).append(mesh)
-    rows = []
-    for meshes in groups.values():
-        if len(meshes) > 1:
-            total = abs(sum(mesh.error[0][1] for mesh in meshes))
-            rest = 0.0 if total < 1e-12 * max(abs(mesh.error[0][1]) for mesh in meshes) else total
-            names = ", ".join(mesh.name for mesh in meshes)
-            rows.append((names, number(rest), degrees(2 * math.atan(math.sqrt(rest)))))
-    if not rows:
+def summary(findings: Findings) -> list[Block]:
+    """The joints in short, for a report of them alone: each line as one, what is gained, and the verdict."""
+    found = findings.joints
+    if found is None:
         return []
-    columns = (Column("Joints", align="left"), Column("Resulting amplitude", "rad"), Column("Resulting angle", "deg"))
-    caption = "Joints of one shaft line together, as if everything between them were rigid"
-    return [Table(columns, tuple(rows), caption)]
+    items = [sentence for line in found.lines for sentence in joint_tables.in_short(found, line)]
+    judged = verdict.conclusion(findings) if findings.checks else []
+    return [Heading("Summary"), Points(tuple(items)), *judged]
 
 
-def _response(findings: Findings, joints: list[tuple[int, Part]]) -> Table:
-    response, system = over_speed(findings), findings.system
+def _together(found: "Joints") -> list[Block]:
+    """The lines as one, their speeds and accelerations, and the motion over the turn."""
+    blocks: list[Block] = [Heading("Joints together", 2), joint_tables.lines(found)]
+    moving = joint_tables.at_speed(found)
+    if moving is not None:
+        blocks.append(moving)
+    return [*blocks, *(joint_figures.motion(found, k) for k in range(len(found.lines)))]
+
+
+def _couples(found: "Joints") -> list[Block]:
+    """Nothing where no torque is known."""
+    table = joint_tables.couples(found)
+    if table is None:
+        return []
+    drawn: list[Figure | None] = [joint_figures.couples(found, k) for k in range(len(found.joints))]
+    return [Heading("Secondary couples", 2), Paragraph(AXES), table, *(figure for figure in drawn if figure)]
+
+
+def _best(found: "Joints") -> list[Block]:
+    """Nothing where no best choice was asked for."""
+    blocks: list[Block] = []
+    for k, line in enumerate(found.lines):
+        figure = joint_figures.index(found, k)
+        blocks += [*joint_tables.optimum(found, line), *([figure] if figure else [])]
+    return [Heading("The best choice", 2), *blocks] if blocks else []
+
+
+def _response(findings: Findings, found: "Joints") -> list[Block]:
+    """How the train answers to each joint's order; nothing without a response or without a joint that excites."""
+    exciting = [joint for joint in found.joints if joint.order and joint.amplitude]
+    if findings.response is None or not findings.response.lines or not exciting:
+        return []
     columns = (
         Column("Joint", align="left"), Column("Line"), Column("Largest torque through the joint", "N m"),
-        Column("At speed", "rpm"),
-        Column("Estimated model error there", "%"),
+        Column("At speed", "rpm"), Column("Estimated model error there", "%"),
     )  # fmt: skip
-    rows = []
-    for index, part in joints:
-        spans = [k for k, span in enumerate(system.spans) if span.part == index]
-        wanted = 2 * part.ratio
-        for number_of_line, line in enumerate(response.lines):
-            if line.order != wanted:
-                continue
-            size = np.abs(response.torque[:, number_of_line, spans]).max(axis=1)
-            at = largest(np.where(response.status[:, number_of_line] == 0, size, np.nan))
-            if at is not None:
-                unit = scale("N m", [])
-                error = number(100 * float(response.joint_error[at, number_of_line]), 2)
-                rows.append(
-                    (
-                        part.name,
-                        f"order {order(wanted)}",
-                        unit.text(float(size[at])),
-                        rpm(float(response.speed[at])),
-                        error,
-                    )
-                )
-    return Table(columns, tuple(rows), "Order 2 of each joint's shaft: response of the train")
+    rows = [row for joint in exciting for row in _answers(findings, joint)]
+    table = Table(columns, tuple(rows), "The order of each joint's shaft: response of the train")
+    return [Heading("Excitation of the train", 2), table, Paragraph(f"{MODEL} {joint_model(findings)}".strip())]
+
+
+def _answers(findings: Findings, joint: "JointFound") -> list[tuple[str, ...]]:
+    """The largest torque in the joint's spans at every line of its order."""
+    response, wanted = over_speed(findings), joint.order * joint.ratio
+    spans = [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
+    rows: list[tuple[str, ...]] = []
+    for place, line in enumerate(response.lines):
+        size = np.abs(response.torque[:, place, spans]).max(axis=1)
+        at = largest(np.where(response.status[:, place] == 0, size, np.nan))
+        if line.order == wanted and at is not None:
+            error = number(100 * float(response.joint_error[at, place]), 2)
+            rows.append((joint.name, f"order {order(wanted)}", number(float(size[at])), rpm(float(response.speed[at])),
+                         error))  # fmt: skip
+    return rows

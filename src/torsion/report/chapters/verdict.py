@@ -50,7 +50,7 @@ def _row(check: Check) -> tuple[str, ...]:
     limit = "none" if np.isnan(check.limit) else sign + given(check.limit)
     value = "no finite value" if np.isinf(check.value) else number(check.value)
     what = f"{check.what} ({check.rule}, {check.clause})"
-    unit = check.unit.replace("mm2", "mm²")
+    unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
     verdict = check.verdict.upper() + ("" if _is_kept(check) or check.verdict == "fail" else ", not kept")
     return what, check.where, value, limit, unit, rpm(check.speed), order(check.order), verdict
 

@@ -1,0 +1,133 @@
+"""Rule `universal-joints`: makers' limits of non-uniformity, accelerations, speed times angle, and tube speed."""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated
+
+from torsion.analyses.joints_found import JointFound, Joints, LineFound
+from torsion.errors import Fault
+from torsion.fields import Declared, Number, Quantity, given
+from torsion.rules.check import Check
+from torsion.rules.evidence import Evidence, parts_of_kind, rule_path
+from torsion.rules.joint_tubes import Tube, tubes
+from torsion.rules.judgement import EDITION
+from torsion.study import Study
+
+RULE = "universal-joints"
+ELBE = 0.0027  # tan b sin b of 3 degrees, the usual limit of the resulting angle (Elbe)
+SPICER_TORSIONAL, SPICER_INERTIAL = 300.0, 1000.0  # rad/s2 (Spicer)
+SHARE_OF_CRITICAL = 0.65  # usual 0.65 to 0.8
+RPM = 30.0 / math.pi
+Acceleration = Annotated[float, Quantity("rad/s**2", above=0)]
+
+
+class Asked(Declared):
+    """Settings of `universal-joints`."""
+
+    unevenness: Number = given("greatest tan b sin b of the resulting angle b of a line (Elbe: 3 degrees)", ELBE)
+    torsional: Acceleration = given("greatest acceleration behind all joints of a line (Spicer)", SPICER_TORSIONAL)
+    inertial: Acceleration = given("greatest acceleration of a shaft between joints (Spicer)", SPICER_INERTIAL)
+    speed_angle: Number | None = given(
+        "greatest speed times angle of a joint, rpm times degrees (makers: 17000 to 27000 by size; default: not judged)"
+    )
+    critical_share: Annotated[float, Quantity("1", above=0, at_most=1)] = given(
+        "greatest speed of a tube between two joints / its critical bending speed (usual: 0.65 to 0.8)",
+        SHARE_OF_CRITICAL,
+    )
+
+
+def needs(asked: Asked) -> tuple[str, ...]:
+    """The analyses that the rule reads."""
+    return ("joints",)
+
+
+def faults(study: Study, asked: Asked) -> list[Fault]:
+    """What the file lacks for this rule."""
+    if not any(parts_of_kind(study, "joint")):
+        return [Fault(rule_path(study, asked), f"{RULE} finds no joint in the train", "leave the rule out")]
+    if _speed(study) is None:
+        hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
+        return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
+    return []
+
+
+def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
+    """What it does not judge, and why."""
+    found = [(f"{RULE}: bending of {tube.name}", tube.lacks) for tube in tubes(study.train) if tube.lacks]
+    if asked.speed_angle is None:
+        found.append((f"{RULE}: speed times angle", "`speed_angle` gives no limit; it depends on the joint's size"))
+    return tuple(found)
+
+
+def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
+    """Every line of joints, every shaft between joints and, where asked, every joint, at the highest speed."""
+    found, speed = evidence.joints, _speed(evidence.study)
+    if found is None or speed is None:
+        raise ValueError("a rule about joints needs them and a speed")
+    checks = [line for one in found.lines for line in _line(found, one, asked, speed)]
+    checks += _between(found, asked, speed)
+    if asked.speed_angle is not None:
+        checks += [_speed_angle(joint, asked.speed_angle, speed) for joint in found.joints]
+    checks += [_bending(tube, asked.critical_share, speed) for tube in tubes(evidence.study.train) if not tube.lacks]
+    return tuple(checks)
+
+
+def _line(found: Joints, line: LineFound, asked: Asked, speed: float) -> Iterator[Check]:
+    """Non-uniformity of the whole line, and what it does to the driven inertia."""
+    joints = [found.joints[k] for k in line.joints]
+    where = ", ".join(joint.name for joint in joints)
+    bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
+    limit = "limit after Elbe, 3 deg in round figures" if asked.unevenness == ELBE else "setting `unevenness`"
+    yield _verdict("U", where, "non-uniformity tan b sin b", line.index, asked.unevenness, "1", None, bend, limit)
+    value = joints[-1].steepest * (speed * float(joints[0].ratio)) ** 2
+    limit = "limit after Spicer" if asked.torsional == SPICER_TORSIONAL else "setting `torsional`"
+    what = "acceleration of the driven side by all joints"
+    yield _verdict("torsional", where, what, value, asked.torsional, "rad/s2", speed, limit)
+
+
+def _between(found: Joints, asked: Asked, speed: float) -> list[Check]:
+    """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
+    limit = "limit after Spicer" if asked.inertial == SPICER_INERTIAL else "setting `inertial`"
+    checks: dict[int, Check] = {}
+    for line in found.lines:
+        first = speed * float(found.joints[line.joints[0]].ratio)
+        for position in line.joints[:-1]:
+            joint = found.joints[position]
+            what, value = "acceleration of the shaft behind it", joint.steepest * first**2
+            checks[position] = _verdict(
+                "inertial", joint.name, what, value, asked.inertial, "rad/s2", speed, limit, "driven from its first end"
+            )
+    return list(checks.values())
+
+
+def _speed_angle(joint: JointFound, limit: float, speed: float) -> Check:
+    """Speed times angle of one joint, as its maker counts it."""
+    value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
+    return _verdict("n b", joint.name, "speed times angle", value, limit, "deg/min", speed, "setting `speed_angle`")
+
+
+def _bending(tube: Tube, share: float, speed: float) -> Check:
+    """Speed of a tube against a share of its critical bending speed."""
+    own, critical = speed * float(tube.ratio) * RPM, tube.critical * RPM
+    twice = "passes it within the speeds" if 2.0 * own >= critical else "stays below it"
+    return _verdict(
+        "n_crit", tube.name, "speed of the tube", own, share * critical, "rpm", speed,
+        f"{share:.3g} x critical bending speed {critical:.5g} rpm (simply supported at the joints)",
+        f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}", EDITION,
+    )  # fmt: skip
+
+
+def _verdict(
+    clause: str, where: str, what: str, value: float, limit: float, unit: str, speed: float | None, *notes: str
+) -> Check:
+    words = "; ".join(note for note in notes if note)
+    verdict = "pass" if value <= limit else "fail"
+    return Check(RULE, clause, where, what, value, limit, unit, verdict, speed=speed, note=words)  # type: ignore[arg-type]
+
+
+def _speed(study: Study) -> float | None:
+    """The highest speed of the range, else the rated one, rad/s of the reference."""
+    speeds, rated = study.operation.speeds, study.operation.rated
+    if speeds is not None:
+        return speeds.last
+    return None if rated is None else rated.speed
