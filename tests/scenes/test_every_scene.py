@@ -63,6 +63,9 @@ def test_scene_is_valid_against_the_json_schema(scene: str, validator) -> None:
 @every_scene
 def test_every_frequency_is_certified_and_inside_its_bounds(scene: str, solved) -> None:
     modes = solved(scene).modes
+    if modes is None:
+        assert not np.any(solved(scene).system.inertia > 0), "joints alone"
+        return
     assert modes.certified
     assert modes.frequency.size > 0
     assert np.all((modes.lower <= modes.frequency) & (modes.frequency <= modes.upper))
@@ -74,7 +77,12 @@ def test_every_frequency_is_certified_and_inside_its_bounds(scene: str, solved) 
 @every_scene
 def test_the_table_of_scenes_says_what_is_computed(scene: str, solved) -> None:
     row = re.search(rf"^\| `{scene}` \|.*\| (.*) (\S+) \|$", TABLE, re.MULTILINE)
-    for text, value in zip(row[1].split(", "), solved(scene).modes.frequency / HERTZ[row[2]], strict=False):
+    found = solved(scene)
+    if row[2] == "deg":
+        values = np.degrees([line.resultant for line in found.joints.lines])
+    else:
+        values = found.modes.frequency / HERTZ[row[2]]
+    for text, value in zip(row[1].split(", "), values, strict=False):
         assert abs(value - float(text)) <= 0.5000001 * 10.0 ** -len(text.partition(".")[2])
 
 

@@ -1,0 +1,27 @@
+"""The papers' scenes, solved by the program, as they stand or with a few words changed."""
+
+from pathlib import Path
+
+import torsion
+from torsion.analyses.joints import Joints
+from torsion.findings import Findings
+
+SCENES = Path(__file__).parents[2] / "shafting_specs" / "papers"
+
+
+def solved(name: str, *changes: tuple[str, str]) -> Findings:
+    """What the program finds of a scene; each change replaces words that must stand in the file."""
+    text = (SCENES / f"{name}.yaml").read_text(encoding="utf-8")
+    for old, new in changes:
+        if old not in text:
+            raise ValueError(f"{name}.yaml says no '{old}'")
+        text = text.replace(old, new)
+    return torsion.run(torsion.parse(text))
+
+
+def joints(name: str, *changes: tuple[str, str]) -> Joints:
+    """The joints of a scene."""
+    found = solved(name, *changes).joints
+    if found is None:
+        raise ValueError(f"{name}.yaml has no joint")
+    return found
