@@ -10,11 +10,13 @@ import numpy as np
 from benchmarks.cases import Case, folded
 from benchmarks.scenes import scene
 from torsion.kernels.chain import chain_frequencies
+from torsion.kernels.jacobi import plain_modes
 from torsion.kernels.modes import tree_modes
 from torsion.kernels.response import complex_compliance, tree_response
 from torsion.kernels.tree import Tree
 
 NAME = "torsion"
+FEW = 20  # lowest modes, which is what an engineer asks of a large train
 
 
 def tree(case: Case) -> Tree:
@@ -28,9 +30,14 @@ def tree(case: Case) -> Tree:
     )
 
 
-def modes(bare: Tree) -> Any:
-    """All frequencies with shapes, torques and certificate; the tree is new, so nothing is kept from the last call."""
-    return tree_modes(replace(bare))
+def modes(bare: Tree, count: int | None = None) -> Any:
+    """Frequencies with shapes, torques and certificate; the tree is new, so nothing is kept from the last call."""
+    return tree_modes(replace(bare), count)
+
+
+def plain(bare: Tree) -> Any:
+    """All frequencies with shapes and torques, no certificate."""
+    return plain_modes(replace(bare))
 
 
 def frequencies_of_chain(case: Case) -> Callable[[], np.ndarray]:
@@ -68,8 +75,8 @@ def read(case: Case, folder: Path) -> Any:
     return torsion.read(str(scene(case, folder)))
 
 
-def whole_call(study: Any) -> Any:
-    """What a user calls for all modes of a train: assembly, and modes with shapes and certificate."""
+def whole_call(study: Any, count: int | None = None) -> Any:
+    """What a user calls for modes of a train: assembly, and modes with shapes and certificate."""
     import torsion
 
-    return torsion.modes(torsion.assemble(study.train, model="lumped"), count=None)
+    return torsion.modes(torsion.assemble(study.train, model="lumped"), count=count)

@@ -5,7 +5,19 @@ from collections.abc import Sequence
 
 from benchmarks import references
 from benchmarks.comparison import Error, Row
-from benchmarks.frequency_rows import ASSEMBLY, CHAIN, DAMPED, KERNEL, MODAL, PUBLIC, ROTOR, UNDAMPED
+from benchmarks.frequency_rows import (
+    ASSEMBLY,
+    CHAIN,
+    DAMPED,
+    KERNEL,
+    LOWEST,
+    MODAL,
+    PLAIN,
+    PUBLIC,
+    PUBLIC_LOWEST,
+    ROTOR,
+    UNDAMPED,
+)  # fmt: skip
 from benchmarks.response_rows import ANGLE, RECEPTANCE, TORQUE, UNCHECKED
 from benchmarks.response_rows import KERNEL as RESPONSE
 from benchmarks.timing import Timing
@@ -15,8 +27,9 @@ CHAIN_TARGET = {10: 30, 100: 100, 1000: 1000}
 TREE_TARGET = {10: 5, 100: 5, 1000: 50}
 WHOLE_TARGET = {10: 1, 100: 5, 1000: 50}
 RESPONSE_TARGET = {10: 80, 100: 150, 1000: 3000}
-FREQUENCY_HEAD = ["question", "case", "n", "against the analysis", "against assembly and analysis", "meant", "verdict"]
-RESPONSE_HEAD = ["question", "case", "n", "against vibratory_torque", "and ss_response", "meant", "verdict"]
+TREE_QUESTIONS = {"all, no certificate": PLAIN, "all, certified": KERNEL, "lowest 20, certified": LOWEST}
+FREQUENCY_PEERS = ("undamped_modal_analysis", "Assembly + undamped_modal_analysis", "Assembly + modal_analysis")
+RESPONSE_PEERS = ("vibratory_torque", "vibratory_torque + ss_response")
 
 HOW = """\
 The trains are random from a fixed seed and the same for all: free chains of discs and couplings, and free trees with
@@ -35,9 +48,11 @@ some are missing, each reference is compared with the nearest that was found.
 """
 RATIOS_NOTE = """\
 Chain frequencies and trees with vectors: kernel, from the lists of inertias and stiffnesses, against
-`undamped_modal_analysis` of matrices assembled beforehand, and against that with `Assembly`, which openTorsion needs to
-begin from the same lists. Whole call: `torsion.assemble` and `torsion.modes` with shapes and certificate, against
-`Assembly` and `undamped_modal_analysis`.
+`undamped_modal_analysis` of matrices assembled beforehand; then with `Assembly`, which openTorsion needs to begin from
+the same lists; then against `Assembly` and `modal_analysis`, the analysis that its manual begins with. Whole call:
+`torsion.assemble` and `torsion.modes` with shapes and certificate, against the last two. The peers always find all
+modes; where torsion finds the lowest 20 alone, the line says so. `plain_modes` is one decomposition without
+certificate. A verdict that does not hold for all columns names those it holds for.
 """
 RESPONSE_NOTE = """\
 Errors: over the largest torque of the same frequency / each torque over its own. Times in ns per station and frequency.
@@ -67,8 +82,9 @@ def page(frequencies: Sequence[Row], responses: Sequence[Row], about: list[str],
 
 
 def _frequency_parts(rows: Sequence[Row]) -> list[str]:
-    names = (CHAIN, KERNEL, PUBLIC, UNDAMPED, DAMPED, MODAL)
-    timed = (CHAIN, KERNEL, PUBLIC, ASSEMBLY, UNDAMPED, DAMPED, ROTOR, MODAL)
+    own = (CHAIN, PLAIN, KERNEL, LOWEST, PUBLIC, PUBLIC_LOWEST)
+    names = (*own, UNDAMPED, DAMPED, MODAL)
+    timed = (*own, ASSEMBLY, UNDAMPED, DAMPED, ROTOR, MODAL)
     errors = [
         [row.case, str(row.size), str(row.referenced), str(row.enclosed)] + [_worst(row, name) for name in names]
         for row in rows
@@ -81,7 +97,7 @@ def _frequency_parts(rows: Sequence[Row]) -> list[str]:
         "## Natural frequencies: time",
         _table(["case", "n", *timed], times),
         "## Natural frequencies: times faster than openTorsion",
-        _table(FREQUENCY_HEAD, _frequency_ratios(rows)),
+        _table(_ratio_head(FREQUENCY_PEERS), _frequency_ratios(rows)),
         RATIOS_NOTE,
     ]
 
@@ -99,21 +115,33 @@ def _response_parts(rows: Sequence[Row]) -> list[str]:
         _table(head, table),
         RESPONSE_NOTE,
         "## Steady response: times faster than openTorsion",
-        _table(RESPONSE_HEAD, _response_ratios(rows)),
+        _table(_ratio_head(RESPONSE_PEERS), _response_ratios(rows)),
         ANSWERS_NOTE,
     ]
+
+
+def _ratio_head(peers: Sequence[str]) -> list[str]:
+    return ["question", "case", "n", *(f"({place}) {name}" for place, name in enumerate(peers, 1)), "meant", "verdict"]
 
 
 def _frequency_ratios(rows: Sequence[Row]) -> list[list[str]]:
     kernels, wholes = [], []
     for row in rows:
-        analysis = row.times.get(UNDAMPED)
-        total = _together(analysis, row.times.get(ASSEMBLY))
-        wholes.append(_ratio("whole call", row, row.times.get(PUBLIC), None, total, WHOLE_TARGET))
+        analysis, assembly = row.times.get(UNDAMPED), row.times.get(ASSEMBLY)
+        totals = (_together(analysis, assembly), _together(row.times.get(DAMPED), assembly))
+        peers = (analysis, *totals)
+        wholes.append(_ratio("whole call, all modes", row, row.times.get(PUBLIC), (None, *totals), WHOLE_TARGET))
+        if PUBLIC_LOWEST in row.times:
+            own = row.times[PUBLIC_LOWEST]
+            wholes.append(_ratio("whole call, lowest 20", row, own, (None, *totals), WHOLE_TARGET))
         if CHAIN in row.errors:
-            kernels.append(_ratio("chain frequencies", row, row.times.get(CHAIN), analysis, total, CHAIN_TARGET))
+            kernels.append(_ratio("chain frequencies", row, row.times.get(CHAIN), peers, CHAIN_TARGET))
         else:
-            kernels.append(_ratio("tree with vectors", row, row.times.get(KERNEL), analysis, total, TREE_TARGET))
+            kernels += [
+                _ratio(f"tree with vectors, {what}", row, row.times[name], peers, TREE_TARGET)
+                for what, name in TREE_QUESTIONS.items()
+                if name in row.times
+            ]
     return kernels + wholes
 
 
@@ -121,9 +149,9 @@ def _response_ratios(rows: Sequence[Row]) -> list[list[str]]:
     table = []
     for row in rows:
         torque = row.times.get(TORQUE)
-        total = _together(torque, row.times.get(ANGLE))
+        peers = (torque, _together(torque, row.times.get(ANGLE)))
         for question, name in (("response", RESPONSE), ("response, no residual", UNCHECKED)):
-            table.append(_ratio(question, row, row.times.get(name), torque, total, RESPONSE_TARGET))
+            table.append(_ratio(question, row, row.times.get(name), peers, RESPONSE_TARGET))
     return table
 
 
@@ -132,26 +160,27 @@ def _together(first: Timing | None, second: Timing | None) -> Timing | None:
 
 
 def _ratio(
-    question: str, row: Row, own: Timing | None, part: Timing | None, total: Timing | None, targets: dict[int, int]
+    question: str, row: Row, own: Timing | None, peers: Sequence[Timing | None], targets: dict[int, int]
 ) -> list[str]:
-    """One line: the peer's part that answers the question, and all that it needs for the same answers."""
+    """One line: how many times as fast as each of the peer's calls, and whether that is what was meant."""
     target = targets[row.size]
     case = row.case + (f", {row.asked} frequencies" if row.asked else "")
     head = [question, case, str(row.size)]
-    if own is None or total is None:
-        return [*head, "-", "-", f">= {target}", "not measured"]
-    ratios = [f"{_figures(t.best / own.best)} / {_figures(t.median / own.median)}" if t else "-" for t in (part, total)]
-    if (part or total).best / own.best >= target:
+    if own is None:
+        return [*head, *("-" for _ in peers), f">= {target}", "not measured"]
+    ratios = [f"{_figures(t.best / own.best)} / {_figures(t.median / own.median)}" if t else "-" for t in peers]
+    holds = {place: t.best / own.best >= target for place, t in enumerate(peers, 1) if t}
+    met = [str(place) for place, good in holds.items() if good]
+    verdict = f"met against ({') and ('.join(met)}) alone" if met else "MISSED"
+    if len(met) == len(holds):
         verdict = "met"
-    else:
-        verdict = "met by the second alone" if total.best / own.best >= target else "MISSED"
     return [*head, *ratios, f">= {target}", verdict]
 
 
 def _misses(frequencies: Sequence[Row], responses: Sequence[Row]) -> str:
     lines = [
-        f"- {question}, {case}, n = {size}: {part}; {total}; meant {meant}: {verdict}"
-        for question, case, size, part, total, meant, verdict in (
+        f"- {question}, {case}, n = {size}: {'; '.join(ratios)}; meant {meant}: {verdict}"
+        for question, case, size, *ratios, meant, verdict in (
             *_frequency_ratios(frequencies),
             *_response_ratios(responses),
         )

@@ -69,3 +69,11 @@ def test_the_start_is_near_every_frequency_so_that_no_proof_has_to_mend_it(paren
     known = rigidity(tree)
     start = start_frequencies(reduce_tree(tree, known), known.elastic)
     np.testing.assert_allclose(start, tree_modes(tree).frequency, rtol=1e-11)
+
+
+def test_the_few_lowest_modes_of_a_large_tree_are_the_first_of_all(random_tree):
+    tree = random_tree(30, size=320, shape="branched")
+    few, every = tree_modes(tree, 5), tree_modes(tree)
+    np.testing.assert_allclose(few.frequency, every.frequency[:5], rtol=1e-15)
+    np.testing.assert_allclose(few.angle, every.angle[:, :5], rtol=1e-9)
+    assert few.certified

@@ -122,7 +122,7 @@ def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], asked: Asked) 
         names = ", ".join(every[k].name for k in line.joints)
         if has_third_order(every, line.joints):
             found.append(f"{names}: the resulting angle and the optimum are of the cross joints alone; "
-                         "speeds hold the tripods")  # fmt: skip
+                         "speeds include the tripods")  # fmt: skip
         if asked.optimise and line.optimum is None:
             found.append(f"{names}: no {asked.optimise} of a cross joint is free to be chosen on this line")
     return found

@@ -20,6 +20,8 @@ _LEAST_COLUMNS = 64  # at once, however many stations
 _STEPS = 4  # Rayleigh quotients converge cubically; a start that needs more is bisected instead
 _TRUSTED = 0.1  # a relative change beyond which a Rayleigh step is taken to have left its mode
 _START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
+_STATIONS_FOR_COUNTS = 300  # from which the few lowest modes of a branched tree are sooner found by counts (measured)
+_FEW = 0.05  # of all modes
 _FULL_BISECTION = 2.0**-52
 _NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
 _EQUAL_SIZE = 1e-6  # relative; components that near count as equal when the sign of a shape is chosen
@@ -74,7 +76,8 @@ def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
 
 def _start(tree: Tree, known: Rigidity, wanted: int) -> FloatArray:
     """Frequencies (wanted,) rad/s to begin with, ascending."""
-    start = start_frequencies(reduce_tree(tree, known), known.elastic)
+    is_few = not tree.is_chain and tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
+    start = None if is_few else start_frequencies(reduce_tree(tree, known), known.elastic)
     if start is None or not np.all(start > 0.0):
         modes = len(known.free_roots) + np.arange(wanted)
         return bisect(tree, modes, tolerance=_START_BISECTION)
