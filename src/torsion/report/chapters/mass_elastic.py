@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from torsion.asked import has_inertia
 from torsion.findings import Findings
 from torsion.kernels.sections import section_modulus
 from torsion.primitives import Bar
@@ -18,15 +19,24 @@ def chapter(findings: Findings) -> list[Block]:
         Heading("Mass-elastic system"),
         Paragraph(
             "Own: at the component's own speed. Referred: to the speed of the reference component, that is J i² and "
-            "k i² with i the speed ratio of the table. A shaft's distributed inertia is lumped at the ends of its "
-            "segments."
+            f"k i² with i the speed ratio of the table. {_distributed(findings)}"
         ),
-        _inertias(findings),
+        *([_inertias(findings)] if has_inertia(findings.system) else []),
         _springs(findings),
     ]
     if findings.study.train.bars:
         blocks.append(_shafts(findings))
     return blocks
+
+
+def _distributed(findings: Findings) -> str:
+    """Where the tables put the inertia of the shafts, in a sentence."""
+    if findings.system.bars is None:
+        return "A shaft's distributed inertia is lumped at the ends of its segments."
+    return (
+        "A shaft's inertia is distributed along it; of each of its pieces these tables show half at either end, and "
+        "the static flexibility."
+    )
 
 
 def _source(findings: Findings, part: int) -> str:
@@ -105,9 +115,13 @@ def _shafts(findings: Findings) -> Table:
     columns = (
         Column("Shaft", align="left"), Column("d", "mm"), Column("d_{i}", "mm"), Column("Length", "mm"),
         Column("W_{p}", "mm³"), Column("J of the shaft", "kg m²"), Column("Material", align="left"),
-        Column("G", "GPa"), Column("ρ", "kg/m³"), Column("Segments"), Column("Source", align="left"),
+        Column("G", "GPa"), Column("ρ", "kg/m³"), Column(_pieces(findings)), Column("Source", align="left"),
     )  # fmt: skip
     return Table(columns, tuple(rows), "Dimensions of the shafts (of a cone, the smallest W_{p})")
+
+
+def _pieces(findings: Findings) -> str:
+    return {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")
 
 
 def _diameters(ends: tuple[float, float]) -> str:
