@@ -24,7 +24,7 @@ DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
-    "meshio": ("assembly/",),
+    "meshio": ("assembly/section_mesh.py", "report/vtu.py"),
     "matplotlib": ("plots/",),
     "jinja2": ("report/",),
     "typst": ("report/",),

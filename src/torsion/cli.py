@@ -31,14 +31,19 @@ def solve(
     json: Annotated[bool, typer.Option("--json", help="Print the results as JSON and write nothing.")] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     matrices: Annotated[Path | None, typer.Option("--matrices", help="Write J, K and C to this .npz file.")] = None,
+    vtu: Annotated[
+        bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
+    ] = False,
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
     Exit status: 0 solved and every check passes, 1 solved and a check fails, 2 the input is at fault, 3 no answer to
     the promised accuracy.
     """
+    if json and vtu:
+        _stop("--json writes no file and --vtu writes one; give one of them", BAD_INPUT)
     try:
-        findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices)
+        findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices, vtu=vtu)
     except InputError as error:
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
@@ -46,7 +51,7 @@ def solve(
     raise typer.Exit(FAILED_CHECK if any(check.verdict == "fail" for check in findings.checks) else SOLVED)
 
 
-def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None) -> "Findings":
+def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool) -> "Findings":
     from torsion import job
 
     if as_json:
@@ -60,7 +65,7 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
         from torsion.report.text import progress, show
 
         with progress() as report_progress:
-            findings = job.solve(file, out, pdf=pdf, progress=report_progress)
+            findings = job.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
         show(findings, job.folder_of(file, out))
     if matrices is not None:
         job.write_matrices(findings, matrices)

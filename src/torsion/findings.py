@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.modes import Modes, modes
+from torsion.analyses.division import assembled, divided_modes, told_division, told_method, told_model
+from torsion.analyses.modes import Modes
 from torsion.asked import (
     has_inertia,
     highest_excited,
@@ -17,7 +18,6 @@ from torsion.asked import (
     no_response,
     operating_speed,
 )
-from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.plan import Log, Plan
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from torsion.rules.check import Check
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
-ROUNDS = 6  # of dividing the shafts more finely until the highest frequency asked for stays put
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ def _run(study: Study, progress: Progress) -> Findings:
     critical = _critical(study, system, found, log)
     joints = _joints(study, steady, log)
     checks = _checks(study, system, (found, steady, response, synthesis, joints), log)
-    plan = Plan(tuple(log.lines), tuple(log.left_out), _versions())
+    plan = Plan(tuple(log.lines), tuple(log.left_out), _versions(system))
     return Findings(study, system, plan, found, damped, steady, critical, response, synthesis, sweep, joints, checks)
 
 
@@ -86,11 +85,11 @@ def _system_and_modes(study: Study, log: Log) -> tuple[System, Modes | None]:
     """The train divided finely enough for the highest frequency asked for, and its modes if they are asked."""
     asked = modes_asked(study)
     with log.step("assembly", "everything stands on it") as step:
-        system = assemble(study.train, study.model)
+        system = assembled(study)
         highest = highest_excited(study, system)
         if highest:
-            system = assemble(study.train, study.model, frequency=highest)
-        step.method = f"{study.model}, kept in factors"
+            system = assembled(study, highest)
+        step.method = told_model(system)
         step.size = _size(system)
     if not has_inertia(system):
         log.without("natural frequencies", "no component has an inertia")
@@ -99,27 +98,14 @@ def _system_and_modes(study: Study, log: Log) -> tuple[System, Modes | None]:
         log.without("natural frequencies", "`analyses` does not name modes")
         return system, None
     with log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
-        found = modes(system, asked.count)
-        for _ in range(ROUNDS):
-            top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
-            finer = assemble(study.train, study.model, frequency=top)
-            if finer.segments == system.segments:
-                break
-            system = finer
-            found = modes(system, asked.count)
-        step.method = "tree elimination in mixed form, certified by Sturm counts"
-        step.size = f"{found.frequency.size} of {_size(system)}; {_segments(system)}"
+        system, found = divided_modes(study, system, highest, asked.count)
+        step.method = told_method(system, found)
+        step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
     return system, found
 
 
 def _size(system: System) -> str:
     return f"{len(system.stations)} stations, {len(system.spans)} spans"
-
-
-def _segments(system: System) -> str:
-    if not system.segments:
-        return "no distributed shaft"
-    return "segments: " + ", ".join(f"{name} {number}" for name, number in system.segments.items())
 
 
 def _damped(study: Study, system: System, log: Log) -> "DampedModes | None":
@@ -128,6 +114,9 @@ def _damped(study: Study, system: System, log: Log) -> "DampedModes | None":
         return None
     if asked.damped is False or not system.damps:
         log.without("damped modes", "`damped: false`" if asked.damped is False else "nothing in the train damps")
+        return None
+    if system.bars is not None:
+        log.without("damped modes", f"they are built for `model: lumped`; the response of {system.model} is damped")
         return None
     if system.folded.extra.size:
         log.without("damped modes", "the train has closed loops; its response is damped all the same")
@@ -260,9 +249,11 @@ def _checks(
     return checks
 
 
-def _versions() -> dict[str, str]:
+def _versions(system: System) -> dict[str, str]:
     from torsion import __version__
 
-    names = ("numpy", "scipy", "pydantic", "PyYAML")
+    names = ["numpy", "scipy", "pydantic", "PyYAML"]
+    if system.bars is not None and system.bars.degree:
+        names.append("scikit-fem")
     python = ".".join(str(part) for part in sys.version_info[:3])
     return {"torsion": __version__, "Python": python, **{name: metadata.version(name) for name in names}}

@@ -21,15 +21,16 @@ def solve(
     out: str | Path | None = None,
     *,
     pdf: bool = False,
+    vtu: bool = False,
     progress: Callable[[str, float], None] | None = None,
 ) -> Findings:
     """Read, solve and judge a scene; write its report into `out` (default: reports/<scene>/ beside where you stand).
 
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
-    report stays whole then.
+    report stays whole then. With `vtu` the mode shapes are written too, as a surface, and pictured.
     """
     findings = run(read(file), progress=progress)
-    write(findings, folder_of(file, out), pdf=pdf)
+    write(findings, folder_of(file, out), pdf=pdf, vtu=vtu)
     return findings
 
 
@@ -38,14 +39,16 @@ def folder_of(file: str | Path, out: str | Path | None) -> Path:
     return Path(out) if out is not None else Path("reports") / Path(file).stem
 
 
-def write(findings: Findings, folder: Path, *, pdf: bool = False) -> list[Path]:
-    """Write report and results; raises InputError where the folder cannot be written."""
+def write(findings: Findings, folder: Path, *, pdf: bool = False, vtu: bool = False) -> list[Path]:
+    """Write report and results; raises InputError where the folder cannot be written or `vtu` has no mode to draw."""
     from torsion.report.write import write as write_report
 
     try:
-        return write_report(findings, folder, pdf=pdf)
+        return write_report(findings, folder, pdf=pdf, vtu=vtu)
     except OSError as error:
         raise _unwritable(folder, error) from None
+    except InputError as error:
+        raise located(error, findings.study) from None
 
 
 def _unwritable(folder: Path, error: OSError) -> InputError:

@@ -37,8 +37,29 @@ class Spring:
 
 
 @dataclass(frozen=True, slots=True)
+class SectionMesh:
+    """A cross-section as a file of triangles, yet to be solved."""
+
+    file: str
+    scale: float = 1.0  # m of one unit of the mesh
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Constants of a cross-section of any outline."""
+
+    torsion_constant: float  # m4; stiffness of a length 1 = shear modulus * torsion constant
+    polar_moment: float  # m4, about the axis of the shaft; inertia of a length 1 = density * polar moment
+    stress_modulus: float  # m3, torque / largest shear stress; NaN where there is no largest one
+
+
+@dataclass(frozen=True, slots=True)
 class Bar:
-    """A shaft with distributed inertia, uniform or conical, from the driving to the driven station."""
+    """A shaft with distributed inertia, from the driving to the driven station: uniform, conical or of any section.
+
+    A section yet to be solved has no diameters (NaN). One that is solved has the diameter of the circle with its polar
+    moment, and the shear modulus that gives that circle its stiffness: so every model of a shaft takes it as it is.
+    """
 
     name: str
     part: int
@@ -51,6 +72,7 @@ class Bar:
     density: float  # kg/m3
     loss_factor: float = 0.0
     segments: int | None = None  # None: as many as the highest frequency asked for needs
+    section: SectionMesh | Section | None = None  # None: round, by its diameters
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,6 +76,17 @@ class Operation(Declared):
     )
 
 
+class FiniteElements(Declared):
+    """How the model `fem` divides every shaft."""
+
+    degree: Annotated[int, Field(ge=1, le=10)] | None = given(
+        "degree of the elements (default: 4, or what the number of elements needs)"
+    )
+    elements: Annotated[int, Field(ge=1, le=20_000)] | None = given(
+        "elements of every shaft (default: as many as needed)"
+    )
+
+
 @dataclass(frozen=True)
 class Study:
     """A scene: everything that a file says."""
@@ -85,6 +96,7 @@ class Study:
     description: str = ""
     operation: Operation = field(default_factory=Operation)
     model: Literal["lumped", "fem", "exact"] = "lumped"
+    fem: FiniteElements = field(default_factory=FiniteElements)
     analyses: Mapping[str, Declared] = field(default_factory=dict)  # settings of every analysis that is named
     rules: tuple[tuple[str, Declared], ...] = ()  # (rule, its settings)
     file: str = ""

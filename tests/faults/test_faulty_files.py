@@ -58,7 +58,7 @@ def test_all_faults_of_a_file_are_told_at_once_in_the_order_of_the_file():
     changes = [("name: A train", "nam: A train"), ("density: 7850 kg/m**3", "density: 7850 kg"), ("at: wheel", "at: 3"),
                ("speed: 1500 rpm", "speed: 25 Hz"), ("psi: 0.8", "psi: -1"), ("joint: {angle: 5 deg}", "jiont: {}"),
                ("inertia: 0.7", "inertia: x"), ("blades: 4", "blades: 4.5"), ("stiffness: 1e5", "stiffness: 0"),
-               ("model: lumped", "model: exact"), ("count: 6", "count: six"), ("limit: 0.35", "limt: 0.35"),
+               ("model: lumped", "model: exat"), ("count: 6", "count: six"), ("limit: 0.35", "limt: 0.35"),
                ("name: tube", "name: drive")]  # fmt: skip
     text = GOOD
     for good, bad in changes:

@@ -57,6 +57,12 @@ VALUES: dict[str, dict[str, Any]] = {
         "values": TURN, "index": 5 + 4 * np.cos(2 * RAD * TURN), "quantity": "phase of <a> & $b$, deg",
         "present": (10.0, 9.0), "best": (90.0, 1.0),
     },
+    "twisted shaft": {
+        "x": np.array([0.0, 0, 1, 1]), "radius": np.array([0.0, 0.2, 0.1, 0]), "place": np.zeros((4, 2)),
+        "turn": np.array([0.0, 0, 0.5, 0.5]), "angle": np.array([0.0, 0, 1, 1]), "strip": np.array([0, 1, 2]),
+        "body": np.zeros(3, dtype=np.int64), "labels": [((0.5, 0.0, 0.0), 0.3, "1 <shaft> & $x$")],
+        "ties": [((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))],
+    },
 }  # fmt: skip
 
 

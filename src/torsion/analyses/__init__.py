@@ -5,6 +5,5 @@ ANALYSES = {  # name: class of its settings
     "response": "torsion.analyses.response:Asked",
     "joints": "torsion.analyses.joints:Asked",
 }
-UNBUILT = ("stability", "transient", "check", "sweep", "fem")  # of the format, but not built yet
-MODELS = ("lumped",)
-UNBUILT_MODELS = ("fem", "exact")
+UNBUILT = ("stability", "transient", "check", "sweep")  # of the format, but not built yet
+MODELS = ("lumped", "fem", "exact")

@@ -31,10 +31,14 @@ class DampedModes:
 def damped(system: System, *, speed: float, steady: Steady | None = None, count: int | None = 6) -> DampedModes:
     """The lowest `count` oscillating modes (None: all) at a reference speed (rad/s); `steady` holds that speed.
 
-    Raises SolveError for a train with closed loops, InputError where a damping needs a mean torque that is not known.
+    Raises SolveError for a train with closed loops or shafts of distributed inertia, InputError where a damping needs a
+    mean torque that is not known.
     """
     from torsion.kernels.damped import damped_modes
 
+    if system.bars is not None:
+        message = f"damped modes of the model {system.model} are not built"
+        raise SolveError(f"{message}; use the lumped model, the response is right with all of them")
     folded = system.folded
     if folded.extra.size:
         message = "damped modes of a train with closed loops are not built"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes, is_elastic, modes
+from torsion.analyses.modes import Modes, modes, undamped_tree
 from torsion.assembly.system import System
 from torsion.kernels.counts import count_below
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
@@ -58,6 +58,10 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     if known is not None and known.frequency.size and 2.0 * math.pi * known.frequency[-1] > highest:
         return known
     folded = system.folded
+    if system.folded_bars is not None:
+        from torsion.analyses.bars import reach
+
+        return modes(system, max(reach(undamped_tree(folded), system.folded_bars, highest).count, 1))
     if folded.extra.size or np.isinf(folded.tree.flexibility).any():
         return modes(system, None)
     below = int(count_below(folded.tree, np.array([highest * (1.0 + 1e-9)]))[0])
@@ -65,13 +69,10 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
 
 
 def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArray:
-    """(modes,) loss in the spans: (sum c twist^2 + sum eta h torque^2 / w) / (2 w), shapes of generalised inertia 1."""
-    springs = is_elastic(system)
-    flexibility = np.where(springs, system.flexibility, 0.0)
+    """(modes,) loss in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2, generalised inertia 1."""
     q = found.shape / system.speed_ratio[:, None]
     twist = (q[system.driving] - q[system.driven]) * system.span_ratio[:, None]
-    hysteretic = (system.loss_factor * flexibility) @ found.torque**2
-    return np.asarray((system.viscous @ twist**2 + hysteretic / w) / (2.0 * w))
+    return np.asarray((system.viscous @ twist**2 / w + system.loss_factor @ found.elastic) / 2.0)
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.analyses.modes import STANDS_STILL, Modes
 from torsion.assembly.system import System
-from torsion.kernels.tree import FloatArray, IntArray
+from torsion.kernels.tree import FloatArray, IntArray, Tree
+
+if TYPE_CHECKING:
+    from torsion.kernels.bars import Bars
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,7 @@ class HolzerTable:
     referred_inertia: FloatArray  # (rows,) kg m2
     angle: FloatArray  # (rows,) at reference speed; the first row is 1, or the largest where the first stands still
     inertia_torque: FloatArray  # (rows,) N m per radian of the scale: omega^2 J angle
-    torque: FloatArray  # (rows,) N m in the span, from inward to outward
+    torque: FloatArray  # (rows,) N m that twists the span, from inward to outward
     flexibility: FloatArray  # (rows,) rad/(N m) of the span, referred
     twist: FloatArray  # (rows,) rad: flexibility * torque
 
@@ -34,7 +38,9 @@ class HolzerTable:
 def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     """The table of one mode (counted from 0) of a train without loops; spans that close loops have no row.
 
-    Nothing is summed up along the train, as Holzer's own recurrence does, so no error grows along it.
+    Nothing is summed up along the train, as Holzer's own recurrence does, so no error grows along it. A piece of a
+    shaft with distributed inertia stands in it as what it is at the frequency of the mode: a spring between two
+    inertias at its ends (of the exact model h = L/(G I) sin(mu)/mu, J = rho I L/2 tan(mu/2)/(mu/2), mu = omega L/c).
     """
     folded = system.folded
     nodes = np.array(_outward(folded.tree.children, folded.tree.parent.tolist()), dtype=np.int64)
@@ -49,19 +55,33 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     angle = np.where(folded.is_held_copy, 0.0, modes.shape[station, mode] / ratio)
     scale = _scale(angle[rows])
     omega = 2.0 * math.pi * modes.frequency[mode]
-    own = np.where(folded.tree.held, np.inf, system.inertia[station])
-    moving = np.where(folded.tree.held, 0.0, folded.tree.inertia)
     torque = np.zeros(folded.tree.size)
     has = span >= 0
     torque[has] = (modes.torque[:, mode] * system.span_ratio)[span[has]] * folded.sign[span[has]]
-    flexibility = folded.tree.flexibility
+    inertia, flexibility = folded.tree.inertia, folded.tree.flexibility
+    if system.folded_bars is not None:
+        inertia, flexibility = _stiffened(folded.tree, system.folded_bars, omega)
+        node = system.folded_bars.node
+        torque[node] = (angle[folded.tree.parent] - angle)[node] / flexibility[node]
+    own = np.where(folded.tree.held, np.inf, inertia / ratio**2)
+    moving = np.where(folded.tree.held, 0.0, inertia)
     twist = np.where(np.isfinite(flexibility), flexibility, 0.0) * torque
     before = np.where(folded.tree.parent >= 0, place[folded.tree.parent], -1)
     return HolzerTable(
-        float(modes.frequency[mode]), station[rows], before[rows], span[rows], own[rows], folded.tree.inertia[rows],
+        float(modes.frequency[mode]), station[rows], before[rows], span[rows], own[rows], inertia[rows],
         (angle / scale)[rows], (omega**2 * moving * angle / scale)[rows], (torque / scale)[rows],
         flexibility[rows], (twist / scale)[rows],
     )  # fmt: skip
+
+
+def _stiffened(tree: Tree, bars: "Bars", omega: float) -> tuple[FloatArray, FloatArray]:
+    """Inertia (tree stations,) kg m2 and flexibility (tree stations,) rad/(N m) with the bars as they are at omega."""
+    inertia, flexibility = tree.inertia.copy(), tree.flexibility.copy()
+    across, inner, outer = bars.at(np.array([omega**2]))
+    flexibility[bars.node] = across[:, 0]
+    np.add.at(inertia, bars.node, outer[:, 0])
+    np.add.at(inertia, tree.parent[bars.node], inner[:, 0])
+    return inertia, flexibility
 
 
 def _outward(children: tuple[tuple[int, ...], ...], parents: list[int]) -> list[int]:

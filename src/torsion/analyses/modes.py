@@ -8,11 +8,13 @@ import numpy as np
 from pydantic import Field
 
 from torsion.assembly.folding import Folded
-from torsion.assembly.system import System
+from torsion.assembly.system import BarSpans, System
 from torsion.fields import Declared, given
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
+    from torsion.kernels.bar_modes import BarModes
+    from torsion.kernels.bars import Bars
     from torsion.kernels.modes import TreeModes
 
 STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
@@ -36,17 +38,37 @@ class Modes:
     upper: FloatArray  # (modes,) Hz
     rigid: int  # rigid motions, frequency exactly 0
     certified: bool
-    kinetic: FloatArray  # (stations, modes) share of the kinetic energy
+    kinetic: FloatArray  # (stations, modes) share of the kinetic energy; of a distributed span half at either end
     elastic: FloatArray  # (spans, modes) share of the elastic energy
     nodes: np.ndarray  # (modes,) int: sign changes of the shape over elastic spans
+
+    @property
+    def enclosure(self) -> FloatArray:
+        """(modes, 2) Hz: lower and upper bound of each frequency."""
+        return np.stack([self.lower, self.upper], axis=1)
 
 
 def modes(system: System, count: int | None = 6) -> Modes:
     """The lowest `count` elastic modes (None: all). Raises SolveError for a frequency that cannot be proven."""
+    if system.bars is not None and system.folded_bars is not None:
+        return _modes_with_bars(system, system.bars, system.folded_bars, count)
     closing = closing_spans(system)
     found = _referred_modes(system, closing, count)
     torque = span_torques(system, found.torque, closing, found.loop_torque)
-    return _modes(system, found, torque)
+    flexibility = np.where(is_elastic(system), system.flexibility, 0.0)
+    return _modes(system, found, torque, _kinetic(system, found.angle), flexibility[:, None] * torque**2)
+
+
+def _modes_with_bars(system: System, spans: BarSpans, bars: "Bars", count: int | None) -> Modes:
+    """The modes of a train some of whose spans have distributed inertia."""
+    from torsion.analyses.bars import referred_modes
+
+    found = referred_modes(undamped_tree(system.folded), bars, count)
+    kinetic = _kinetic(system, found.angle)
+    for end in (0, 1):
+        np.add.at(kinetic, spans.ends[:, end], found.bar_kinetic / 2.0)
+    torque = bar_torques(system, found.torque, found.torque_outer)
+    return _modes(system, found, torque, kinetic, found.elastic[system.folded.span])
 
 
 def _referred_modes(system: System, closing: IntArray, count: int | None) -> "TreeModes":
@@ -92,20 +114,37 @@ def span_torques(system: System, torque: np.ndarray, closing: IntArray, closing_
     return np.asarray(told / system.span_ratio[:, None])
 
 
-def _modes(system: System, found: "TreeModes", torque: FloatArray) -> Modes:
-    """The modes at own speeds, with their energies."""
+def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
+    """(spans, columns) N m at each driving station, from torques (tree stations, columns) at both ends of spans."""
     folded = system.folded
-    angle = found.angle[folded.node]
-    shape = angle * system.speed_ratio[:, None]
-    inertia = np.where(system.held, 0.0, system.inertia)
-    springs = is_elastic(system)
-    energy = np.where(springs, system.flexibility, 0.0)[:, None] * torque**2
-    kinetic = inertia[:, None] * shape**2
+    at_driving = torque_outer.copy()
+    from_parent = folded.span[folded.sign > 0]
+    at_driving[from_parent] = torque[from_parent]
+    none = np.empty(0, dtype=np.int64)
+    return span_torques(system, at_driving, none, np.empty((0, torque.shape[1])))
+
+
+def _modes(
+    system: System, found: "TreeModes | BarModes", torque: FloatArray, kinetic: FloatArray, elastic: FloatArray
+) -> Modes:
+    """The modes at own speeds; kinetic (stations, modes) and elastic (spans, modes) energy in any units."""
     hertz = 1.0 / (2.0 * math.pi)
     return Modes(
-        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
-        kinetic / kinetic.sum(axis=0), energy / energy.sum(axis=0), _nodes(system, found.angle),
+        found.frequency * hertz, _shape(system, found.angle), torque, found.lower * hertz, found.upper * hertz,
+        found.rigid, found.certified, kinetic / kinetic.sum(axis=0), elastic / elastic.sum(axis=0),
+        _nodes(system, found.angle),
     )  # fmt: skip
+
+
+def _shape(system: System, angle: FloatArray) -> FloatArray:
+    """(stations, modes) rad at own speed."""
+    return np.asarray(angle[system.folded.node] * system.speed_ratio[:, None])
+
+
+def _kinetic(system: System, angle: FloatArray) -> FloatArray:
+    """(stations, modes) twice the kinetic energy / w^2 of what is lumped at each station."""
+    inertia = np.where(system.held, 0.0, system.lumped_inertia)
+    return np.asarray(inertia[:, None] * _shape(system, angle) ** 2)
 
 
 def is_elastic(system: System) -> BoolArray:

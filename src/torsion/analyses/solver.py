@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.analyses.excitation import Sources
-from torsion.analyses.modes import span_torques
+from torsion.analyses.modes import bar_torques, span_torques
 from torsion.analyses.steady import Steady
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
@@ -33,11 +33,19 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
     ground = np.zeros((tree.size, len(w)))
     ground[folded.node] = damping * (system.speed_ratio**2)[:, None]
     compliance = complex_compliance(tree.flexibility, folded.viscous, folded.loss_factor, w)
-    if closing.size:
+    if system.folded_bars is not None:
+        loss = folded.loss_factor[system.folded_bars.node]
+        found = tree_response(
+            tree, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance,
+            bars=system.folded_bars, bar_loss=loss,
+        )  # fmt: skip
+        torque = bar_torques(system, found.torque, found.torque_outer)
+    elif closing.size:
         found = _with_loops(system, tree, closing, w, sources, ground, compliance)
+        torque = span_torques(system, found.torque, closing, found.closing_torque)
     else:
         found = tree_response(tree, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance)
-    torque = span_torques(system, found.torque, closing, found.closing_torque)
+        torque = span_torques(system, found.torque, closing, found.closing_torque)
     angle = found.angle[folded.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
 

@@ -129,7 +129,7 @@ def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: Bool
     span_node[span] = node
     copied = order >= stations
     source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
-    inertia = (system.inertia * system.speed_ratio**2)[source]
+    inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
     tree = Tree(np.where(parent >= 0, place[parent], -1), tree_flexibility, inertia, system.held[source])
     _refuse_rigid_held(tree)
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.assembly.system import System
+from torsion.assembly.system import BarSpans, System
+from torsion.errors import Fault, InputError
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 
@@ -13,6 +14,7 @@ class Matrices:
     """J q'' + C q' + (K + i H) q = basis' T over the free angles q, each referred to the reference speed.
 
     Rigid spans and gears are condensed: stations that turn together share one free angle. Held stations have none.
+    The unknowns inside finite elements (coefficients of their inner functions) stand behind the free angles.
     """
 
     inertia: FloatArray  # (free, free) kg m2
@@ -28,18 +30,23 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     """The matrices of a system; `ground_damping` (stations,) N m s/rad, default the part that does not depend on speed.
 
     Their stiffness is a sum of stiffnesses, and so loses the soft springs beside a stiff one; that is why this is a
-    view and not what the analyses use.
+    view and not what the analyses use. Raises InputError for the exact model, which has none.
     """
+    if system.bars is not None and system.bars.degree == 0:
+        message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
+        raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
     group = _joined(system)
     fixed = np.isin(group, group[system.held])
     free = np.unique(group[~fixed])
     basis = np.where((group[:, None] == free) & ~fixed[:, None], system.speed_ratio[:, None], 0.0)
-    inertia = np.where(system.held, 0.0, system.inertia)
+    inertia = np.where(system.held, 0.0, system.lumped_inertia)
     ground = _constant_damping(system) if ground_damping is None else ground_damping
     across = _twist(system, basis)
     springs = (system.flexibility > 0) & np.isfinite(system.flexibility)
+    if system.bars is not None:
+        springs[system.bars.span] = False
     stiffness = np.divide(1.0, system.flexibility, out=np.zeros(len(system.spans)), where=springs)
-    return Matrices(
+    view = Matrices(
         inertia=(basis.T * inertia) @ basis,
         stiffness=(across.T * stiffness) @ across,
         damping=(across.T * system.viscous) @ across + (basis.T * ground) @ basis,
@@ -48,6 +55,31 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
         names=tuple(system.stations[int(np.flatnonzero(group == one)[0])].name for one in free),
         stations=tuple(station.name for station in system.stations),
     )
+    return view if system.bars is None else _with_elements(system, system.bars, view)
+
+
+def _with_elements(system: System, bars: BarSpans, view: Matrices) -> Matrices:
+    """The matrices with the finite elements put in; the unknowns inside of them come behind the free angles."""
+    if bars.stiffness is None or bars.inertia is None:
+        return view
+    inner = bars.degree - 1
+    free, number = len(view.names), len(bars.span)
+    size = free + number * inner
+    given = view.inertia, view.stiffness, view.damping, view.loss
+    inertia, stiffness, damping, loss = (np.pad(matrix, (0, size - free)) for matrix in given)
+    names = list(view.names)
+    for place, span in enumerate(bars.span.tolist()):
+        own = free + place * inner + np.arange(inner)
+        angles = np.zeros((bars.degree + 1, size))
+        angles[0, :free], angles[1, :free] = view.basis[system.driving[span]], view.basis[system.driven[span]]
+        angles[np.arange(2, bars.degree + 1), own] = system.span_ratio[span]
+        stiff = angles.T @ bars.stiffness[place] @ angles
+        stiffness += stiff
+        loss += system.loss_factor[span] * stiff
+        inertia += angles.T @ bars.inertia[place] @ angles
+        names += [f"{system.spans[span].name} inner {k + 1}" for k in range(inner)]
+    basis = np.hstack([view.basis, np.zeros((len(view.basis), number * inner))])
+    return Matrices(inertia, stiffness, damping, loss, basis, tuple(names), view.stations)
 
 
 def _constant_damping(system: System) -> FloatArray:

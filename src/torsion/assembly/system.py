@@ -3,13 +3,18 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.assembly.folding import Folded, fold
+from torsion.kernels.sections import polar_area_moment
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
-from torsion.primitives import Damper, Station
+from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train
+
+if TYPE_CHECKING:
+    from torsion.kernels.bars import Bars
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +30,44 @@ class Span:
 
 
 @dataclass(frozen=True)
+class Piece:
+    """A stretch of a shaft: the one of the given position among so many of equal length."""
+
+    bar: Bar
+    position: int
+    number: int
+
+    @property
+    def length(self) -> float:
+        """m."""
+        return self.bar.length / self.number
+
+    def polar_area_moment(self, x: FloatArray) -> FloatArray:
+        """I_p in m4 at `x`, from 0 at the driving to 1 at the driven end of the piece."""
+        at = (self.position + x) / self.number
+        outer, bore = self.bar.outer, self.bar.bore
+        return polar_area_moment(outer[0] + (outer[1] - outer[0]) * at, bore[0] + (bore[1] - bore[0]) * at)
+
+
+@dataclass(frozen=True)
+class BarSpans:
+    """The spans with distributed inertia, of the models `fem` and `exact`; pieces of uniform shafts come first.
+
+    Such a span has two torques. The one told is that at its driving station; the one at the driven end of the whole
+    shaft is that of the massless rigid span `<shaft>, driven end`.
+    """
+
+    span: IntArray  # (bars,) position of the span
+    lumped: FloatArray  # (stations,) kg m2 at own speed, without the inertia of the bars
+    ends: IntArray  # (bars, 2) stations at which half the inertia of each bar is told: driving and driven
+    pieces: tuple[Piece, ...]  # (bars,)
+    stiffness: FloatArray | None = None  # (bars, degree + 1, degree + 1) N m/rad of a finite element, own speed
+    inertia: FloatArray | None = None  # (bars, degree + 1, degree + 1) kg m2; first the driving, then the driven end
+    degree: int = 0  # of the finite elements; 0 for the exact model
+    error: float = 0.0  # estimated, relative, of a shaft's highest frequency asked for
+
+
+@dataclass(frozen=True)
 class System:
     """A train assembled. Twist of a span = driving angle - driven angle / its ratio; its torque is positive when the
     driving side pushes the driven one, and is told at the driving station's speed."""
@@ -33,12 +76,13 @@ class System:
     model: str
     stations: tuple[Station, ...]
     spans: tuple[Span, ...]
-    inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where held
+    inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where held; half of each piece of a shaft included
     flexibility: FloatArray  # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only
     viscous: FloatArray  # (spans,) N m s/rad
     loss_factor: FloatArray  # (spans,)
     dampers: tuple[Damper, ...]
-    segments: dict[str, int]  # of every bar, by name
+    segments: dict[str, int]  # of every bar, by name: segments, elements or pieces
+    bars: BarSpans | None = None  # of the models `fem` and `exact`, where a shaft has inertia
 
     @cached_property
     def speed_ratio(self) -> FloatArray:
@@ -70,6 +114,21 @@ class System:
     def folded(self) -> Folded:
         """The train referred to one speed, as a tree (and the spans that close loops)."""
         return fold(self)
+
+    @cached_property
+    def lumped_inertia(self) -> FloatArray:
+        """(stations,) kg m2 at own speed, without that of spans with distributed inertia; infinite where held."""
+        return self.inertia if self.bars is None else self.bars.lumped
+
+    @cached_property
+    def folded_bars(self) -> "Bars | None":
+        """The spans with distributed inertia, on the tree; None in the lumped model."""
+        if self.bars is None:
+            return None
+        from torsion.assembly.bar_laws import folded_bars
+
+        span, folded = self.bars.span, self.folded
+        return folded_bars(self.bars, folded.span[span], self.span_ratio[span], folded.sign[span] < 0)
 
     @cached_property
     def damps(self) -> bool:

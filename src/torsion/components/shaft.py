@@ -1,12 +1,14 @@
-"""A shaft: distributed inertia and stiffness from its dimensions and material, uniform or conical."""
+"""A shaft: distributed inertia and stiffness from its dimensions and material; uniform, conical or of any section."""
 
+import math
 from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from torsion import fields
 from torsion.components.base import Component
 from torsion.components.lowering import Lowering
+from torsion.components.section import MeshedSection
 from torsion.fields import OneOrMany, given, refuse, required
 from torsion.primitives import Bar
 
@@ -17,23 +19,40 @@ Feature = Literal[
 
 
 class Shaft(Component):
-    """A uniform or conical shaft, solid or hollow."""
+    """A uniform or conical shaft, solid or hollow, or one of any cross-section."""
 
     keyword: ClassVar[str] = "shaft"
     sort: ClassVar[Literal["point", "link", "none"]] = "link"
-    unbuilt: ClassVar[tuple[str, ...]] = ("section", "support")
+    unbuilt: ClassVar[tuple[str, ...]] = ("support",)
 
     length: fields.Length = required("length")
-    diameter: Annotated[tuple[fields.Length, ...], OneOrMany] = required("outer diameter, or [from, to] of a cone")
+    diameter: Annotated[tuple[fields.Length, ...], OneOrMany] = given("outer diameter, or [from, to] of a cone", ())
     bore: Annotated[tuple[fields.Bore, ...], OneOrMany] = given("bore, or [from, to] of a conical bore", (0.0,))
+    section: MeshedSection | None = given(
+        "cross-section by mesh, in place of `diameter` and `bore`", validate_default=True
+    )
     material: str = given("name of one of `materials`", "steel")
     segments: Annotated[int, Field(ge=1, le=100_000)] | None = given("lumped segments (default: as many as needed)")
     loss_factor: fields.Share | None = given("loss factor (default: the material's)")
     role: Literal["intermediate", "thrust", "propeller"] | None = given("what the class rules call this shaft")
     features: Annotated[tuple[Feature, ...], OneOrMany] = given("details that the rules reduce the limit for", ())
 
+    @field_validator("section")
+    @classmethod
+    def _stands_alone(cls, section: MeshedSection | None, known: ValidationInfo) -> MeshedSection | None:
+        """Of `diameter` and `section` one is there; as a check of a field it is told beside the faults of others."""
+        if section is None and known.data.get("diameter") == ():
+            raise refuse("`diameter` is missing", "outer diameter in m, or `section: {mesh: file.msh}`")
+        if section is not None and known.data.get("diameter"):
+            raise refuse("a shaft with a `section` has no `diameter`", "the mesh says the dimensions; remove one")
+        return section
+
     @model_validator(mode="after")
     def _has_a_wall(self) -> Self:
+        if self.section is not None:
+            if "bore" in self.model_fields_set:
+                raise refuse("a shaft with a `section` has no `bore`", "the mesh says the dimensions", "bore")
+            return self
         for key in ("diameter", "bore"):
             if len(getattr(self, key)) not in (1, 2):
                 raise refuse(f"`{key}` is one value or [from, to]", key=key)
@@ -47,10 +66,14 @@ class Shaft(Component):
         material = build.material(self.material)
         if material is None:
             return
+        section = None if self.section is None else self.section.lowered()
+        unknown = (math.nan, math.nan)
         build.add(
             Bar(
                 build.name, build.part, driving, driven,
-                length=self.length, outer=_ends(self.diameter), bore=_ends(self.bore),
+                length=self.length, section=section,
+                outer=_ends(self.diameter) if section is None else unknown,
+                bore=_ends(self.bore) if section is None else unknown,
                 shear_modulus=material.shear_modulus, density=material.density,
                 loss_factor=material.loss_factor if self.loss_factor is None else self.loss_factor,
                 segments=self.segments,

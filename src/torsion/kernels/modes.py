@@ -1,6 +1,7 @@
 """Natural frequencies and mode shapes of a tree, each frequency with a proven enclosure."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +10,7 @@ from torsion.errors import SolveError
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.enclosure import bisect, enclose, expected_width
 from torsion.kernels.factors import start_frequencies
+from torsion.kernels.long_chain_modes import long_chain_modes
 from torsion.kernels.passes import FreeShapes, free_shapes, stiffness_passes
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
@@ -23,6 +25,8 @@ _START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
 _STATIONS_FOR_COUNTS = 300  # from which the few lowest modes of a branched tree are sooner found by counts (measured)
 _FEW = 0.05  # of all modes
 _FULL_BISECTION = 2.0**-52
+_LONG = 2000  # stations in a row from which few modes are faster found one by one (measured)
+_STATIONS_A_MODE = 64  # at least, for that to be the faster (measured)
 _NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
 _EQUAL_SIZE = 1e-6  # relative; components that near count as equal when the sign of a shape is chosen
 
@@ -42,12 +46,19 @@ class TreeModes:
     loop_torque: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (loops, m) N m, on the second station
 
 
-def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
+def tree_modes(
+    tree: Tree, count: int | None = None, *, progress: Callable[[int, int], None] | None = None
+) -> TreeModes:
     """The lowest `count` elastic modes of a tree, or all.
 
+    Few modes of a long row of stations are found one by one, and `progress` is told how many of how many are done.
     Frequencies closer than 1e-13 (relative) count as repeated: their shapes are one orthogonal set of many. Raises
     SolveError for a frequency that cannot be proven. Flexibilities must be finite, inertias not negative.
     """
+    if count is not None and tree.size >= _LONG and 0 < count * _STATIONS_A_MODE <= tree.size:
+        long = _of_long_chain(tree, count, progress)
+        if long is not None:
+            return long
     known = rigidity(tree)
     wanted = known.elastic if count is None else min(count, known.elastic)
     rigid_angle = rigid_shapes(tree, known)
@@ -63,6 +74,18 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     if solved is not tree:
         torque = with_reactions(tree, known, torque)
     return TreeModes(frequency, lower, upper, angle, torque, len(known.free_roots), rigid_angle)
+
+
+def _of_long_chain(tree: Tree, count: int, progress: Callable[[int, int], None] | None) -> TreeModes | None:
+    """The modes by the passes of one chain; None where the tree is none, or is better solved as any tree."""
+    found = long_chain_modes(tree, count, progress=progress)
+    if found is None:
+        return None
+    sign = shape_sign(found.angle)
+    np.multiply(found.angle, sign, out=found.angle)
+    np.multiply(found.torque, sign, out=found.torque)
+    rigid = found.rigid_angle
+    return TreeModes(found.frequency, found.lower, found.upper, found.angle, found.torque, rigid.shape[1], rigid)
 
 
 def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:

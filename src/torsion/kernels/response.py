@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.kernels.bar_response import BarsOfResponse, BarTerms, bars_of_response
+from torsion.kernels.bars import Bars
 from torsion.kernels.outward import Answer, Equations, solve, values_or_rows
 from torsion.kernels.residual import Amplitudes, equilibrium_residual
 from torsion.kernels.sweeps import EPS, Layout, layout
@@ -29,7 +31,10 @@ class Status(IntEnum):
 
 @dataclass(frozen=True)
 class TreeResponse:
-    """Complex amplitudes with the time factor exp(+i w t); `torque[i]` is all that span i exerts on station i."""
+    """Complex amplitudes with the time factor exp(+i w t); `torque[i]` is all that span i exerts on station i.
+
+    A span with distributed inertia has two: `torque` at its inner (the parent's) end, `torque_outer` on station i.
+    """
 
     angle: ComplexArray  # (stations, frequencies) rad
     torque: ComplexArray  # (stations, frequencies) N m, elastic and damping share together; 0 at a root
@@ -38,16 +43,25 @@ class TreeResponse:
         FloatArray  # (frequencies,) growth of relative errors of the data; infinite where singular, NaN if not checked
     )
     closing_torque: ComplexArray  # (closing spans, frequencies) N m of each closing span on its end
+    at_outer_end: ComplexArray | None = None  # (stations, frequencies) N m; None where no span has inertia
+
+    @property
+    def torque_outer(self) -> ComplexArray:
+        """Torque (stations, frequencies) N m at the outer end of every span."""
+        return self.torque if self.at_outer_end is None else self.at_outer_end
 
     def part(self, part: slice) -> "TreeResponse":
         """A view of some frequencies."""
         angle, torque, closing = self.angle[:, part], self.torque[:, part], self.closing_torque[:, part]
-        return TreeResponse(angle, torque, self.residual[part], self.amplification[part], closing)
+        outer = None if self.at_outer_end is None else self.at_outer_end[:, part]
+        return TreeResponse(angle, torque, self.residual[part], self.amplification[part], closing, outer)
 
     def store(self, block: "TreeResponse", lines: IntArray) -> None:
         """Replace the lines of these numbers."""
         self.angle[:, lines], self.torque[:, lines] = block.angle, block.torque
         self.residual[lines], self.amplification[lines] = block.residual, block.amplification
+        if self.at_outer_end is not None:
+            self.at_outer_end[:, lines] = block.torque_outer
 
 
 def tree_response(
@@ -59,24 +73,28 @@ def tree_response(
     ground_damping: FloatArray | None = None,
     compliance: NDArray[Any] | None = None,
     check: bool = True,
+    bars: Bars | None = None,
+    bar_loss: FloatArray | None = None,
 ) -> TreeResponse:
     """Response of every station and span at circular frequencies `w` (frequencies,) rad/s.
 
     force: (stations,) or (stations, frequencies) N m. twist: the same shapes, rad, imposed on span i:
     angle[i] = angle[parent] - compliance torque + twist; also on rigid spans.
     ground_damping N m s/rad and compliance rad/(N m), default `tree.flexibility`: the same shapes.
+    bars: spans with distributed inertia, whose compliance is not used and whose twist must be 0; bar_loss: the loss
+    factor of each, (bars,), of its shear modulus.
     check: also compute residual and amplification. A singular line is never raised or warned of: see `status`.
     Raises ValueError for a shape that does not fit. Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
-    problem = pose(tree, w, ground_damping, compliance)
+    problem = pose(tree, w, ground_damping, compliance, bars, bar_loss)
     acting = sources(problem, force, twist)
-    result = blank_response(tree.size, problem.w.size)
+    result = blank_response(tree.size, problem.w.size, bars=bars is not None)
     for part in _chunks(problem):
         block = result.part(part)
         solve_part(problem, acting, part, block, check=check)
         lost = np.flatnonzero(np.isinf(block.amplification)) + part.start
         if lost.size:
-            block = blank_response(tree.size, lost.size)
+            block = blank_response(tree.size, lost.size, bars=bars is not None)
             solve_part(problem, acting, lost, block, check=check, guard=True)
             result.store(block, lost)
     return result
@@ -125,6 +143,15 @@ class Problem:
     damped: list[int]  # stations with such damping
     compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
     w: FloatArray  # (frequencies,) rad/s
+    bars: BarsOfResponse | None = None
+
+    def equations(self, part: Part, acting: "Sources") -> tuple[Equations, BarTerms | None]:
+        """The equations at the frequencies of `part`, and what the bars have brought to them."""
+        own, compliance, terms = _own_stiffness(self, part), _columns(self.compliance, part), None
+        if self.bars is not None:
+            terms = self.bars.at(self.w[part])
+            own, compliance = terms.loaded(own), terms.compliance(compliance)
+        return Equations(own, compliance, *acting.part(part)), terms
 
 
 @dataclass(frozen=True)
@@ -146,6 +173,8 @@ def sources(problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None) -
     """Forces and twists by station; raises ValueError for a shape that does not fit."""
     given = {"force": np.asarray(force), "twist": np.zeros(problem.plan.size) if twist is None else np.asarray(twist)}
     _check_shapes(problem.plan.size, problem.w, given)
+    if problem.bars is not None and given["twist"][problem.bars.train.bars.node].any():
+        raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span beside it")
     return Sources(*(_acting(values) for values in given.values()))
 
 
@@ -162,7 +191,14 @@ def _any_in_rows(values: NDArray[Any]) -> list[bool]:
     return [row.size > 0 and bool(row[0] != 0 or row.any()) for row in values]
 
 
-def pose(tree: Tree, w: FloatArray, ground_damping: FloatArray | None, compliance: NDArray[Any] | None) -> Problem:
+def pose(
+    tree: Tree,
+    w: FloatArray,
+    ground_damping: FloatArray | None,
+    compliance: NDArray[Any] | None,
+    bars: Bars | None = None,
+    bar_loss: FloatArray | None = None,
+) -> Problem:
     """The problem in the arrays that the sweeps take; raises ValueError for a shape that does not fit."""
     damping = np.zeros(tree.size) if ground_damping is None else np.asarray(ground_damping, dtype=np.float64)
     hc = tree.flexibility if compliance is None else np.asarray(compliance)
@@ -171,7 +207,12 @@ def pose(tree: Tree, w: FloatArray, ground_damping: FloatArray | None, complianc
         raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
     _check_shapes(tree.size, w, {"compliance": hc, "ground_damping": damping})
     damped = np.flatnonzero(_any_in_rows(damping)).tolist()
-    return Problem(layout(tree, hc), tree.moving_inertia, damping, damped, hc, w)
+    if bars is None:
+        return Problem(layout(tree, hc), tree.moving_inertia, damping, damped, hc, w)
+    rigid = hc.copy()
+    rigid[bars.node] = 1.0  # no bar is
+    given = bars_of_response(tree, bars, bar_loss, w)
+    return Problem(layout(tree, rigid), tree.moving_inertia, damping, damped, hc, w, given)
 
 
 def solve_part(
@@ -183,7 +224,7 @@ def solve_part(
     dynamic stiffness under relative changes of every inertia and damper to ground. In a mode the springs hold as much
     energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
     """
-    given = Equations(_own_stiffness(problem, part), _columns(problem.compliance, part), *acting.part(part))
+    given, terms = problem.equations(part, acting)
     columns = block.angle.shape[1]
     sensitivity = np.zeros(columns * given.own.itemsize // 8) if check else None
     with np.errstate(all="ignore"):
@@ -195,6 +236,8 @@ def solve_part(
             block.residual[:] = equilibrium_residual(problem.plan, given, found)
             block.amplification[:] = 1 + 2 * sensitivity.reshape(columns, -1).sum(axis=1)
             lost = ~np.isfinite(found.angle_size.sum(axis=0) + found.torque_size.sum(axis=0) + block.amplification)
+        if terms is not None:
+            terms.to_ends(block.angle, block.torque, block.torque_outer)
     block.amplification[lost] = np.inf
 
 
@@ -202,19 +245,19 @@ def residual_of(
     problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None, response: TreeResponse
 ) -> FloatArray:
     """Worst relative residual of any equation, (frequencies,), of a response found in any way."""
-    everything = slice(None)
-    acting = sources(problem, force, twist).part(everything)
-    given = Equations(_own_stiffness(problem, everything), problem.compliance, *acting)
+    given, terms = problem.equations(slice(None), sources(problem, force, twist))
+    torque = response.torque if terms is None else terms.from_inner(response.angle, response.torque)
     with np.errstate(all="ignore"):
-        sizes = np.abs(response.angle), np.abs(response.torque)
-        return equilibrium_residual(problem.plan, given, Amplitudes(response.angle, response.torque, *sizes))
+        sizes = np.abs(response.angle), np.abs(torque)
+        return equilibrium_residual(problem.plan, given, Amplitudes(response.angle, torque, *sizes))
 
 
 def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
     w, inertia = problem.w[part], problem.inertia[:, None]
     square = -w * w
-    if not problem.damped and not np.iscomplexobj(problem.compliance):
+    lossy = problem.bars is not None and problem.bars.lossy
+    if not problem.damped and not lossy and not np.iscomplexobj(problem.compliance):
         return inertia * square
     own = np.empty((problem.plan.size, w.size), dtype=np.complex128)
     np.multiply(inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64))
@@ -224,11 +267,12 @@ def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     return own
 
 
-def blank_response(stations: int, frequencies: int, closing: int = 0) -> TreeResponse:
-    """A response to be filled in place."""
+def blank_response(stations: int, frequencies: int, closing: int = 0, *, bars: bool = False) -> TreeResponse:
+    """A response to be filled in place; with `bars`, of a train that has any."""
     angle, torque = (np.zeros((stations, frequencies), dtype=np.complex128) for _ in range(2))
     residual, amplification = (np.full(frequencies, np.nan) for _ in range(2))
-    return TreeResponse(angle, torque, residual, amplification, np.zeros((closing, frequencies), dtype=np.complex128))
+    closing_torque = np.zeros((closing, frequencies), dtype=np.complex128)
+    return TreeResponse(angle, torque, residual, amplification, closing_torque, torque.copy() if bars else None)
 
 
 def _check_shapes(stations: int, w: FloatArray, arrays: Mapping[str, NDArray[Any]]) -> None:

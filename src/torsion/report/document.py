@@ -1,5 +1,6 @@
 """The whole report as a cover and numbered blocks, for any renderer."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
 
@@ -17,6 +18,6 @@ class Document:
     body: tuple[Numbered, ...]
 
 
-def document(findings: Findings, today: date | None = None) -> Document:
-    """The report of the findings; chapters that have nothing to say are not there."""
-    return Document(cover(findings, today), tuple(numbered(chapters(findings))))
+def document(findings: Findings, today: date | None = None, also: Sequence[str] = ()) -> Document:
+    """The report of the findings, `also` with chapters that only an option asks for."""
+    return Document(cover(findings, today), tuple(numbered(chapters(findings, also))))

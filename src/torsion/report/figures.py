@@ -15,6 +15,7 @@ PLOTS = {
     "frequency": "torsion.plots.frequency:frequency",
     "joint turn": "torsion.plots.joint_turn:joint_turn",
     "joint index": "torsion.plots.joint_index:joint_index",
+    "twisted shaft": "torsion.plots.twisted_shaft:twisted_shaft",
 }
 
 

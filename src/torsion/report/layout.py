@@ -90,9 +90,12 @@ def _place(system: System, index: int, x: FloatArray, row: FloatArray, line: int
 
 
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Inner stations of a shaft, evenly between its ends."""
+    """Inner stations of a shaft, evenly between its ends; the end that tells the torque there at the driven end."""
     for bar in system.train.bars:
         inner = [s for s, station in enumerate(system.stations) if station.part == bar.part and np.isnan(x[s])]
+        if system.bars is not None and bar.density > 0:
+            end = inner.pop()
+            x[end], row[end] = x[bar.driven], row[bar.driven]
         share = np.arange(1, len(inner) + 1) / (len(inner) + 1)
         x[inner] = x[bar.driving] + share * (x[bar.driven] - x[bar.driving])
         row[inner] = row[bar.driven]

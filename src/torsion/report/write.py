@@ -11,23 +11,29 @@ from pathlib import Path
 from torsion.findings import Findings
 
 
-def write(findings: Findings, folder: str | Path, *, pdf: bool = False, today: date | None = None) -> list[Path]:
-    """Write results.json, report.html and, if asked, report.pdf into the folder; the paths of what was written.
+def write(
+    findings: Findings, folder: str | Path, *, pdf: bool = False, vtu: bool = False, today: date | None = None
+) -> list[Path]:
+    """Write results.json, report.html and, if asked, report.pdf and modes.vtu into the folder; the paths of all.
 
     Every file is finished in a temporary folder beside the target before the first is put in its place. Raises
-    OSError where the folder cannot be written.
+    OSError where the folder cannot be written, InputError where `vtu` is asked and there is no mode to draw.
     """
     from torsion.report.document import document
     from torsion.report.html import html
     from torsion.report.json import text
 
-    target, made = Path(folder), document(findings, today or date.today())
+    target, made = Path(folder), document(findings, today or date.today(), also=("twisted_shaft",) if vtu else ())
     with _workshop(target) as workshop:
         finished = [_file(workshop / "results.json", text(findings)), _file(workshop / "report.html", html(made))]
         if pdf:
             from torsion.report.pdf import write_pdf
 
             finished.append(write_pdf(made, workshop))
+        if vtu:
+            from torsion.report.vtu import write_vtu
+
+            finished.append(write_vtu(findings, workshop))
         return [_placed(path, target / path.name) for path in finished]
 
 

@@ -46,6 +46,8 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     material = train.materials[getattr(train.parts[bar.part].component, "material", "steel")]
     if len(bars) > 1 or any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces):
         lacks = "it is not one tube from joint to joint"
+    elif bar.section is not None:
+        lacks = "its section is a mesh, which is not solved for bending"
     elif bar.outer[0] != bar.outer[1] or bar.bore[0] != bar.bore[1]:
         lacks = "it is conical"
     elif material.youngs_modulus is None or material.density == 0:

@@ -38,12 +38,13 @@ from torsion.rules.judgement import (
 )
 from torsion.rules.m68_barred import barred_ranges, inside
 from torsion.rules.m68_formulas import BARRED_BELOW, LAST_CONTINUOUS
-from torsion.rules.m68_shafts import PA, Asked, ClassedShaft, Slot, classed_shafts, stress_modulus
+from torsion.rules.m68_shafts import PA, Asked, ClassedShaft, Slot, classed_shafts, is_classed, stress_modulus
 from torsion.study import Study
 
 __all__ = ["Asked", "Limits", "Slot", "check", "faults", "left_out", "limits", "needs"]
 
 RULE = "iacs-m68"
+NOT_ROUND = "its section is a mesh; limits, factors and least diameters of the rule are those of round shafts"
 KW_PER_RPM = 2.0 * math.pi / 60.0 / 1e3  # power in kW per rpm of a torque of 1 N m
 
 
@@ -63,11 +64,11 @@ def needs(asked: Asked) -> tuple[str, ...]:
 
 def faults(study: Study, asked: Asked) -> list[Fault]:
     """What the file lacks for this rule."""
-    classed = [part for _, part in parts_of_kind(study, "shaft") if cast(Shaft, part.component).role is not None]
+    classed = [part for _, part in parts_of_kind(study, "shaft") if is_classed(cast(Shaft, part.component))]
     where = rule_path(study, asked)
     if not classed:
-        hint = "role: intermediate, thrust or propeller"
-        return [Fault(where, f"no shaft has a `role`, so {RULE} has nothing to judge", hint)]
+        hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
+        return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
     found = vibration_faults(study, asked, RULE)
     if study.operation.rated is None:
         hint = "rated: {speed: 1500 rpm, power: 100 kW}"
@@ -100,8 +101,13 @@ def _settings_faults(asked: Asked, shafts: Mapping[str, Shaft], where: Path) -> 
 
 def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
     """What was not judged, and why."""
-    shafts = (part for _, part in parts_of_kind(study, "shaft") if cast(Shaft, part.component).role is None)
-    found = [(f"{RULE} for {part.name}", "the shaft has no `role`") for part in shafts]
+    found = []
+    for _, part in parts_of_kind(study, "shaft"):
+        shaft = cast(Shaft, part.component)
+        if shaft.role is None:
+            found.append((f"{RULE} for {part.name}", "the shaft has no `role`"))
+        elif not is_classed(shaft):
+            found.append((f"{RULE} for {part.name}", NOT_ROUND))
     if not has_mean_torque(study.operation):
         found.append((f"{RULE}: least diameters", "the rated power is not given"))
     elif not rated_is_computed(study.operation):

@@ -90,10 +90,15 @@ class ClassedShaft:
         return formulas.tau_t(self.strength, self.diameter, self.c_k, speed_ratio)
 
 
+def is_classed(shaft: Shaft) -> bool:
+    """Whether the rule judges a shaft: it has a role, and the diameters that the rule's formulas are about."""
+    return shaft.role is not None and shaft.section is None
+
+
 def classed_shafts(study: Study, asked: Asked) -> Iterator[ClassedShaft]:
-    """Every shaft of the train that has a role."""
+    """Every round shaft of the train that has a role."""
     for number, part in parts_of_kind(study, "shaft"):
-        if cast(Shaft, part.component).role is not None:
+        if is_classed(cast(Shaft, part.component)):
             yield _classed(study, asked, number, part)
 
 

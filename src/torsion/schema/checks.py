@@ -15,7 +15,15 @@ _LISTS = {"motor": "ripple", "propeller": "excitation"}  # keys of components th
 
 def study_faults(study: Study) -> list[Fault]:
     """Faults between sections: speeds, frequencies, mean torque and what the rules need."""
-    return [*_response_faults(study), *_joint_faults(study), *lacking(study)]
+    return [*_model_faults(study), *_response_faults(study), *_joint_faults(study), *lacking(study)]
+
+
+def _model_faults(study: Study) -> Iterator[Fault]:
+    """The models of shafts with distributed inertia take no closed loops."""
+    closed = any(part.path[0] == "links" for part in study.train.parts)
+    if study.model != "lumped" and closed and any(bar.density > 0 for bar in study.train.bars):
+        message = f"the model {study.model} takes no closed loops, and `links` closes one"
+        yield Fault(("analyses", "model"), message, "model: lumped")
 
 
 def _joint_faults(study: Study) -> list[Fault]:

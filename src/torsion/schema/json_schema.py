@@ -13,7 +13,7 @@ from torsion.fields import Declared, OneOrMany
 from torsion.rules import RULES
 from torsion.schema.read import Scene
 from torsion.schema.sections import LINKS, settings
-from torsion.study import Operation
+from torsion.study import FiniteElements, Operation
 
 Schema = dict[str, Any]
 
@@ -40,6 +40,7 @@ class _Declarations(GenerateJsonSchema):
 def json_schema() -> Schema:
     """The schema (draft 2020-12) of a shaft-train file; parts of the format that are not built yet are absent."""
     sections: dict[str, type[Declared]] = {"material": Material, "operation": Operation, "excitation": Excitation}
+    sections["fem"] = FiniteElements
     models = {
         **{kind: component(kind) for kind in KINDS},
         **sections,
@@ -64,6 +65,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: refs[name] for name in RULES})]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     link = _one_of({kind: refs[kind] for kind in LINKS}, more={"between": ends})
+    fem = {"anyOf": [refs["fem"], {"type": "null"}]}
     asked = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in ANALYSES}
     return {
         "materials": {"type": "object", "additionalProperties": refs["material"]},
@@ -71,7 +73,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "train": {"$ref": "#/$defs/train"},
         "links": _list_of(link),
         "excitations": _list_of(refs["excitation"]),
-        "analyses": _mapping({"model": {"enum": list(MODELS)}, **asked}),
+        "analyses": _mapping({"model": {"enum": list(MODELS)}, "fem": fem, **asked}),
         "rules": _list_of(rule),
     }
 

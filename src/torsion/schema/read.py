@@ -8,7 +8,9 @@ from torsion.fields import Declared, given, required
 from torsion.schema import sections
 from torsion.schema.checks import study_faults
 from torsion.schema.faults import input_error
+from torsion.schema.meshes import with_meshes
 from torsion.schema.messages import declared
+from torsion.schema.models import model_of
 from torsion.schema.source import Source, parse_source, read_source
 from torsion.schema.train_reader import components, repeated_names
 from torsion.study import Operation, Study
@@ -49,6 +51,8 @@ def located(error: InputError, study: Study) -> InputError:
 def _study(source: Source) -> Study:
     faults: list[Fault] = []
     study = _sections(source, faults)
+    if study is not None:
+        study = with_meshes(study, faults)
     if study is not None and not faults:
         faults += study_faults(study)
     if faults or study is None:
@@ -64,6 +68,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     materials = sections.materials(data.get("materials"), faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
     analyses = sections.analyses(data.get("analyses"), faults)
+    model, fem = model_of(data.get("analyses"), faults)
     rules = sections.rules(data.get("rules"), faults)
     lowered = _train(data, materials, operation, faults)
     if scene is None or operation is None or lowered is None:
@@ -73,6 +78,8 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         description=scene.description,
         train=lowered,
         operation=operation,
+        model=model,
+        fem=fem,
         analyses=analyses,
         rules=tuple(rules),
         file=source.name,

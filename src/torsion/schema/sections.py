@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-from torsion.analyses import ANALYSES, MODELS, UNBUILT, UNBUILT_MODELS
+from torsion.analyses import ANALYSES, UNBUILT
 from torsion.components.excitation import Excitation
 from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, Path
 from torsion.fields import Declared
 from torsion.rules import RULES
 from torsion.schema.messages import declared, shown, unbuilt, unknown
+from torsion.schema.models import MODEL_KEYS
 from torsion.schema.train_reader import one_component
 from torsion.train import Link
 
@@ -77,22 +78,15 @@ def analyses(section: object, faults: list[Fault]) -> dict[str, Declared]:
     path: Path = ("analyses",)
     for name, body in _mapping(section, path, "`modes: {count: 6}`", faults).items():
         where = (*path, name)
-        if name == "model":
-            _model(body, where, faults)
-        elif name in UNBUILT:
+        if name in MODEL_KEYS:
+            continue
+        if name in UNBUILT:
             faults.append(unbuilt(where, f"`{name}`"))
         elif name not in ANALYSES:
-            faults.append(unknown(where, "analysis", name, ["model", *ANALYSES]))
+            faults.append(unknown(where, "analysis", name, [*MODEL_KEYS, *ANALYSES]))
         elif (asked := declared(settings(ANALYSES, name), body, where, faults)) is not None:
             read[name] = asked
     return read
-
-
-def _model(value: object, path: Path, faults: list[Fault]) -> None:
-    if value in UNBUILT_MODELS:
-        faults.append(Fault(path, f"the model {shown(value)} is part of the format but not built yet", "model: lumped"))
-    elif value not in MODELS:
-        faults.append(Fault(path, f"{shown(value)} is no model", f"there is {', '.join(MODELS)}"))
 
 
 def rules(section: object, faults: list[Fault]) -> list[tuple[str, Declared]]:

@@ -112,10 +112,11 @@ def _kinetic(findings: Findings, modes: Modes, shown: int) -> list[tuple[str, Fl
     """Kinetic shares: of the train's own stations by name, of all inner stations of a shaft together."""
     system, own = findings.system, len(findings.system.train.stations)
     found = [(system.stations[k].name, modes.kinetic[k, :shown]) for k in range(own)]
+    inside = "inner segments" if system.bars is None else "between its pieces"
     for bar in system.train.bars:
         inner = [k for k in range(own, len(system.stations)) if system.stations[k].part == bar.part]
         if inner:
-            found.append((f"{bar.name} (inner segments)", modes.kinetic[inner, :shown].sum(axis=0)))
+            found.append((f"{bar.name} ({inside})", modes.kinetic[inner, :shown].sum(axis=0)))
     return found
 
 

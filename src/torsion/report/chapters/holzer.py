@@ -32,9 +32,19 @@ def holzer_table(findings: Findings, modes: Modes, mode: int) -> list[Block]:
             continue
         rows.append(_row(findings, table, row, summed, scale))
         summed = _Sum()
-    segments = " A shaft's segments are summed up in the row of its end." if own < len(findings.system.stations) else ""
+    segments = _summed(findings) if own < len(findings.system.stations) else ""
     caption = f"Holzer table of mode {mode + 1}, referred to the reference speed, {first} amplitude 1 rad.{segments}"
     return [Table(COLUMNS, tuple(rows), caption)]
+
+
+def _summed(findings: Findings) -> str:
+    """What became of the stations inside a shaft, in a sentence."""
+    if findings.system.bars is None:
+        return " A shaft's segments are summed up in the row of its end."
+    return (
+        " A shaft's pieces, each the spring between two inertias that it is at this frequency, are summed up in the "
+        "row of its end."
+    )
 
 
 class _Sum:

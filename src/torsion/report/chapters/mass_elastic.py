@@ -131,6 +131,6 @@ def _diameters(ends: tuple[float, float]) -> str:
 
 def _inertia(findings: Findings, bar: Bar) -> float:
     """kg m2, from the lumps of its segments."""
-    from torsion.assembly.lumped import bar_segments
+    from torsion.assembly.shafts import bar_segments
 
     return float(bar_segments(bar, findings.system.segments.get(bar.name, 1))[1].sum())

@@ -1,0 +1,72 @@
+"""Modes of a train with distributed inertia: how many its division resolves, and what they are."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.kernels.bar_counts import count_below
+from torsion.kernels.bar_search import SHARE_OF_LIMIT, brackets
+from torsion.kernels.bar_tree import BarTree
+from torsion.kernels.bars import Bars, ElementBars
+from torsion.kernels.reduction import rigidity
+from torsion.kernels.tree import Tree
+
+if TYPE_CHECKING:
+    from torsion.kernels.bar_modes import BarModes
+
+JUST_ABOVE = 1e-3  # relative
+LARGEST_DENSE = 2000  # unknowns of finite elements that are solved at once where counts cannot reach
+ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
+
+
+@dataclass(frozen=True)
+class Reach:
+    """The elastic modes up to a frequency."""
+
+    count: int
+    frequency: float  # rad/s
+
+
+def reach(tree: Tree, bars: Bars, highest: float = math.inf) -> Reach:
+    """The elastic modes of the undamped `tree` up to `highest` (rad/s), as far as the division into bars resolves them.
+
+    Linear elements have no unknowns inside, and resolve all the modes that they have.
+    """
+    train = BarTree(tree, bars)
+    known = rigidity(train.static)
+    top = min(highest * ABOVE, SHARE_OF_LIMIT * bars.limit)
+    if not math.isfinite(top):
+        return Reach(known.elastic, math.inf)
+    return Reach(int(count_below(train, np.array([top]))[0]) - len(known.free_roots), top)
+
+
+def above_mode(tree: Tree, bars: Bars, count: int) -> float:
+    """A frequency (rad/s) just above the elastic mode `count` (counted from 1), which lies in reach."""
+    train = BarTree(tree, bars)
+    rigid = len(rigidity(train.static).free_roots)
+    return float(brackets(train, np.array([rigid + count - 1]), tolerance=JUST_ABOVE)[1][0])
+
+
+def referred_modes(tree: Tree, bars: Bars, count: int | None) -> "BarModes":
+    """The lowest `count` elastic modes on the undamped tree; None: all that the division resolves.
+
+    Where finite elements are too few for the counts the modes are those of the dense problem, without certificate.
+    Raises SolveError where the pieces of a continuum are too long.
+    """
+    known = reach(tree, bars)
+    beyond = count is not None and count > known.count and math.isfinite(known.frequency)
+    if count is not None and beyond and _unknowns(tree, bars) <= LARGEST_DENSE:
+        from torsion.kernels.bar_dense import element_modes_dense
+
+        return element_modes_dense(tree, bars, count)
+    from torsion.kernels.bar_modes import bar_modes
+
+    return bar_modes(tree, bars, known.count if count is None else count)
+
+
+def _unknowns(tree: Tree, bars: Bars) -> float:
+    """Angles and unknowns inside of finite elements; infinite for a continuum."""
+    inside = [law.modes.size if isinstance(law, ElementBars) else math.inf for law in bars.laws]
+    return tree.size + sum(inside)

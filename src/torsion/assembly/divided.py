@@ -1,0 +1,67 @@
+"""Shafts as spans with distributed inertia, for the models `fem` and `exact`."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from torsion.assembly.collected import Collected
+from torsion.assembly.shafts import bar_segments, is_uniform
+from torsion.assembly.system import BarSpans, Piece, Span, System
+from torsion.errors import SolveError
+from torsion.primitives import Bar
+from torsion.train import Train
+
+STEEPEST = 3.0  # a diameter or wall changes by at most this factor over a piece, so that its integrals converge fast
+
+
+def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, BarSpans | None, dict[str, int]]:
+    """Everything of a train with every shaft in `number_of` pieces, and these pieces; a massless shaft is a spring.
+
+    Between the last piece and the driven station there is a rigid span that tells the torque there. Where no shaft has
+    inertia there are no pieces: None.
+    """
+    found = Collected.of(train)
+    lumped = list(found.inertia)
+    spans, pieces, numbers = list[int](), list[Piece](), dict[str, int]()
+    told_at = list[tuple[int, int]]()
+    for bar in train.bars:
+        massless = bar.density == 0
+        numbers[bar.name] = number = (bar.segments or 1) if massless else number_of(bar)
+        ends = found.inside(bar, number)
+        last = bar.driven if massless else found.station(bar, f"{bar.name} end")
+        between = found.pieces(bar, [*ends, last], *bar_segments(bar, number))
+        if not massless:
+            found.inertia[bar.driven] += found.inertia[last]
+            found.inertia[last] = 0.0
+            found.add(Span(f"{bar.name}, driven end", bar.part, last, bar.driven), 0.0)
+            spans.extend(between)
+            told_at.extend(pairwise([*ends, bar.driven]))
+            pieces.extend(Piece(bar, position, number) for position in range(number))
+    lumped += [0.0] * (len(found.stations) - len(lumped))
+    if not pieces:
+        return found, None, numbers
+    order = sorted(range(len(pieces)), key=lambda k: not is_uniform(pieces[k].bar))
+    halves = np.array([told_at[k] for k in order], dtype=np.int64).reshape(-1, 2)
+    where = np.array([spans[k] for k in order], dtype=np.int64)
+    return found, BarSpans(where, np.array(lumped), halves, tuple(pieces[k] for k in order)), numbers
+
+
+def made(found: Collected, model: str, numbers: dict[str, int], bars: BarSpans | None) -> System:
+    """The system of all that was collected; raises SolveError for distributed shafts in a train with closed loops."""
+    system = found.system(model, numbers, bars)
+    if bars is not None and system.folded.extra.size:
+        raise SolveError(f"the model {model} takes no closed loops, and spans close one here; use the lumped model")
+    return system
+
+
+def steepness(bar: Bar) -> float:
+    """The largest ratio of both ends of a shaft in diameter, wall or mean diameter."""
+    outer, bore = np.array(bar.outer), np.array(bar.bore)
+    sizes = np.array([outer, outer - bore, outer + bore])
+    return float((sizes.max(axis=1) / sizes.min(axis=1)).max())
+
+
+def pieces_for_steepness(bar: Bar) -> int:
+    """Pieces of equal length, none of which is steeper than STEEPEST."""
+    return max(1, int(np.ceil((steepness(bar) - 1.0) / (STEEPEST - 1.0))))

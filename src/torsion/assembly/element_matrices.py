@@ -1,0 +1,60 @@
+"""Stiffness and inertia of finite elements of a shaft, by scikit-fem."""
+
+from typing import Any
+
+import numpy as np
+import skfem
+
+from torsion.assembly.shafts import is_uniform
+from torsion.assembly.system import Piece
+from torsion.kernels.tree import FloatArray
+
+DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it
+
+
+def element(degree: int) -> Any:
+    """The element of a degree: its unknowns are the angles at both ends, then those inside."""
+    if degree == 1:
+        return skfem.ElementLineP1()
+    return skfem.ElementLineP2() if degree == 2 else skfem.ElementLinePp(degree)
+
+
+def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray, FloatArray]:
+    """Stiffness N m/rad and inertia kg m2, both (pieces, degree + 1, degree + 1), at the shaft's own speed.
+
+    Integrals of int G I u' v' dx and int rho I u v dx over each piece, exact to rounding. A cell of the mesh has the
+    length 1, so that nothing of its place along the shaft enters.
+    """
+    shape = (len(pieces), degree + 1, degree + 1)
+    stiffness, inertia = np.empty(shape), np.empty(shape)
+    begin = 0
+    while begin < len(pieces):
+        first = pieces[begin]
+        end = begin + first.number
+        cells = 1 if is_uniform(first.bar) else first.number
+        stiffness[begin:end], inertia[begin:end] = _of_shaft(first, cells, degree)
+        begin = end
+    return stiffness, inertia
+
+
+def _of_shaft(first: Piece, cells: int, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Matrices of `cells` elements, from the first piece of a shaft on."""
+    mesh = skfem.MeshLine(np.arange(cells + 1.0))
+    basis = skfem.Basis(mesh, element(degree), intorder=2 * degree + DEGREE_OF_SECTION)
+    across = first.polar_area_moment(basis.default_parameters()["x"][0])
+    bar = first.bar
+    stiff = skfem.BilinearForm(_twisting).elemental(basis, section=bar.shear_modulus / first.length * across)
+    heavy = skfem.BilinearForm(_turning).elemental(basis, section=bar.density * first.length * across)
+    return _symmetric(stiff.tolocal()), _symmetric(heavy.tolocal())
+
+
+def _symmetric(local: FloatArray) -> FloatArray:
+    return np.asarray((local + local.transpose(0, 2, 1)) / 2.0)
+
+
+def _twisting(u: Any, v: Any, w: Any) -> Any:
+    return w.section * u.grad[0] * v.grad[0]
+
+
+def _turning(u: Any, v: Any, w: Any) -> Any:
+    return w.section * u * v

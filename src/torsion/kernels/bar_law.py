@@ -1,0 +1,82 @@
+"""What a span with distributed inertia looks like from its ends: a spring and two inertias, all of them of frequency.
+
+Seen from its ends, a piece of a shaft at s = w^2 is a symmetric reciprocal two-port, so that a pi stands for it: a
+flexibility h(s) between the end inertias Ji(s) at its inner and Jo(s) at its outer end. Below the lowest frequency of
+the piece with both ends held all three are positive, and Sturm counts need no correction (Wittrick and Williams 1971).
+With a loss factor of the material, G becomes G (1 + i eta): h and s are divided by 1 + i eta, J is J(s/(1 + i eta)).
+"""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.kernels.tree import BoolArray, FloatArray
+
+Pi = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
+UNIT_ROUNDOFF = 2.0**-53
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Values of the pi and their derivatives with respect to s = w^2; all (bars, m), but `square`."""
+
+    square: FloatArray  # (m,) rad2/s2, s
+    flexibility: FloatArray  # rad/(N m)
+    inner: FloatArray  # kg m2
+    outer: FloatArray  # kg m2
+    flexibility_slope: FloatArray  # rad s2/(N m)
+    inner_slope: FloatArray  # kg m2 s2
+    outer_slope: FloatArray  # kg m2 s2
+
+    @classmethod
+    def joined(cls, parts: "list[Slopes]") -> "Slopes":
+        """One after another."""
+        names = list(cls.__dataclass_fields__)[1:]
+        return cls(parts[0].square, *(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+class Law(Protocol):
+    """The pi of bars of one sort, as a function of s = w^2."""
+
+    @property
+    def size(self) -> int:
+        """Number of bars."""
+
+    @property
+    def limit(self) -> float:
+        """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
+
+    @property
+    def reach(self) -> float:
+        """Angular frequency (rad/s) up to which the law holds at all."""
+
+    def at(self, square: NDArray[Any]) -> Pi:
+        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s (m,) or (bars, m)."""
+
+    def slopes(self, square: FloatArray) -> Slopes:
+        """The same with their derivatives at s (m,), real."""
+
+    def rounding(self, square: FloatArray) -> FloatArray:
+        """Relative error (m,) that rounding may leave in the values at s (m,), besides that of s itself."""
+
+    def turned(self, which: BoolArray) -> "Law":
+        """The same with inner and outer end exchanged in `which` (bars,)."""
+
+
+def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
+    """sum_k (-v)^k c_k by Horner's rule; coefficients (..., terms), the leading axes as those of v."""
+    terms = coefficients.shape[-1]
+    minus = -v
+    total = np.broadcast_to(coefficients[..., terms - 1, None], v.shape).astype(v.dtype)
+    for k in range(terms - 2, -1, -1):
+        total *= minus
+        total += coefficients[..., k, None]
+    return total
+
+
+def alternating_slope(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
+    """Derivative with respect to v of `alternating`."""
+    powers = np.arange(1, coefficients.shape[-1])
+    return -alternating(coefficients[..., 1:] * powers, v)
