@@ -1,0 +1,165 @@
+"""Hill's matrix: linear equations with periodic coefficients on a basis of harmonics, and their Floquet exponents.
+
+M(t) y'' + C(t) y' + K(t) y = 0 with period 2 pi/w0; y = exp(s t) sum_k u_k exp(i k w0 t), k = -count..count.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy import sparse
+
+CENTRED = (
+    -0.4863,
+    0.5137,
+)  # mean harmonic of a vector: one copy of each lies here, and no symmetry puts one at the ends
+
+
+@dataclass(frozen=True)
+class Couplings:
+    """Periodic coefficients as entries of the matrices M, C, K; entries of one place add up."""
+
+    row: IntArray  # (entries,)
+    column: IntArray  # (entries,)
+    mass: FloatArray  # (entries, times) at evenly spaced times of one period
+    damping: FloatArray  # (entries, times)
+    stiffness: FloatArray  # (entries, times)
+
+    def full(self, size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """M, C and K, each (times, size, size)."""
+        place = self.row * size + self.column
+        out = []
+        for part in (self.mass, self.damping, self.stiffness):
+            sums = np.zeros((size * size, part.shape[1]))
+            np.add.at(sums, place, part)
+            out.append(sums.T.reshape(-1, size, size))
+        return out[0], out[1], out[2]
+
+
+def couplings_of(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -> Couplings:
+    """Entries of full matrices, each (times, size, size)."""
+    size = mass.shape[1]
+    row, column = np.divmod(np.arange(size * size), size)
+    flat = (part.reshape(len(part), -1).T for part in (mass, damping, stiffness))
+    return Couplings(row, column, *flat)
+
+
+def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> ComplexArray:
+    """(..., rows, 2 count + 1): multiplication by a periodic function, from harmonics -count..count to those of `rows`.
+
+    samples: (..., times), evenly spaced over the period; rows: the same harmonics unless given.
+    """
+    columns = np.arange(-count, count + 1)
+    times = samples.shape[-1]
+    spectrum = np.fft.fft(samples) / times
+    between = (columns if rows is None else rows)[:, None] - columns
+    found = spectrum[..., between % times]
+    outside = np.abs(between) > (times - 1) // 2
+    if outside.any():
+        found[..., outside] = 0.0
+    return np.asarray(found)
+
+
+def hill_blocks(entries: Couplings, w0: float, count: int, rows: IntArray | None = None) -> ComplexArray:
+    """(entries, rows, 2 count + 1): K_{r-c} + i w_c C_{r-c} - w_c^2 M_{r-c} of each entry; rows as in `toeplitz`."""
+    w = w0 * np.arange(-count, count + 1)
+    blocks = toeplitz(entries.stiffness, count, rows) + 1j * w * toeplitz(entries.damping, count, rows)
+    heavy = np.flatnonzero(entries.mass.any(axis=1))
+    blocks[heavy] -= w**2 * toeplitz(entries.mass[heavy], count, rows)
+    return blocks
+
+
+def real_blocks(upper: ComplexArray) -> FloatArray:
+    """(..., 2 count + 1, 2 count + 1) acting on what `real_parts` tells, from rows 0..count (..., rows, harmonics)."""
+    count = upper.shape[-1] // 2
+    right, left = upper[..., count:], upper[..., count::-1]
+    out = np.empty((*upper.shape[:-2], 2 * count + 1, 2 * count + 1))
+    out[..., : count + 1, 0], out[..., count + 1 :, 0] = upper[..., count].real, upper[..., 1:, count].imag
+    np.add(right[..., 1:].real, left[..., 1:].real, out=out[..., : count + 1, 1 : count + 1])
+    np.add(right[..., 1:, 1:].imag, left[..., 1:, 1:].imag, out=out[..., count + 1 :, 1 : count + 1])
+    np.subtract(left[..., 1:].imag, right[..., 1:].imag, out=out[..., : count + 1, count + 1 :])
+    np.subtract(right[..., 1:, 1:].real, left[..., 1:, 1:].real, out=out[..., count + 1 :, count + 1 :])
+    return out
+
+
+def real_parts(harmonic: ComplexArray) -> FloatArray:
+    """(..., 2 count + 1) mean, real parts and imaginary parts of harmonics -count..count of real functions."""
+    count = harmonic.shape[-1] // 2
+    return np.concatenate([harmonic[..., count:].real, harmonic[..., count + 1 :].imag], axis=-1)
+
+
+def from_real_parts(parts: FloatArray) -> ComplexArray:
+    """(..., 2 count + 1) harmonics from what `real_parts` makes of them."""
+    count = parts.shape[-1] // 2
+    above = parts[..., 1 : count + 1] + 1j * parts[..., count + 1 :]
+    return np.concatenate([above[..., ::-1].conj(), parts[..., :1], above], axis=-1)
+
+
+def assembled(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) -> np.ndarray:
+    """(size * harmonics, size * harmonics) with `blocks` (entries, harmonics, harmonics) at their places, summed."""
+    number = blocks.shape[-1]
+    full = np.zeros((size, size, number, number), dtype=blocks.dtype)
+    np.add.at(full, (row, column), blocks)
+    return np.ascontiguousarray(full.transpose(0, 2, 1, 3)).reshape(size * number, size * number)
+
+
+def scattered(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) -> "sparse.coo_matrix":
+    """The same as a sparse matrix."""
+    from scipy import sparse
+
+    number = blocks.shape[-1]
+    place = np.arange(number)
+    rows = np.broadcast_to((row * number)[:, None, None] + place[:, None], blocks.shape)
+    columns = np.broadcast_to((column * number)[:, None, None] + place, blocks.shape)
+    total = size * number
+    return sparse.coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(total, total))
+
+
+@dataclass(frozen=True)
+class Exponents:
+    """Floquet exponents from Hill's matrix: of the copies of each, the one whose vector lies around harmonic 0."""
+
+    exponent: ComplexArray  # (exponents,) 1/s
+    vector: ComplexArray  # (exponents, size, harmonics)
+
+
+def hill_exponents(entries: Couplings, w0: float, count: int, size: int) -> Exponents:
+    """Floquet exponents by the eigenvalues of Hill's matrix, quadratic in s.
+
+    Of the copies s + i k w0 of each, the one with its vector centred in the middle is kept: the truncation leaves it
+    accurate.
+    """
+    from scipy.linalg import eig
+
+    number = 2 * count + 1
+    total = size * number
+    w = 1j * w0 * np.arange(-count, count + 1)
+    stiff, damp, mass = (toeplitz(part, count) for part in (entries.stiffness, entries.damping, entries.mass))
+
+    def dense(blocks: ComplexArray) -> ComplexArray:
+        return assembled(entries.row, entries.column, blocks, size)
+
+    constant, linear, inert = dense(stiff + w * damp + w**2 * mass), dense(damp + 2.0 * w * mass), dense(mass)
+    own = entries.row == entries.column
+    heavy = np.zeros(size)
+    np.add.at(heavy, entries.row[own], entries.mass[own].min(axis=1))
+    left = np.zeros((2 * total, 2 * total), dtype=complex)
+    left[:total, total:] = w0 * np.eye(total)
+    left[total:, :total], left[total:, total:] = -constant / w0, -linear
+    if np.all(heavy > 0):
+        left[total:] = np.linalg.solve(inert, left[total:])
+        value, vector = np.linalg.eig(left / w0)
+    else:  # a coordinate without inertia has infinite exponents
+        right = np.eye(2 * total, dtype=complex)
+        right[total:, total:] = inert
+        value, vector = eig(left, right * w0, check_finite=False)
+    scale = np.abs(value) < 10.0 * number  # of w0; what lies beyond is infinite or not resolved
+    value, shape = value[scale] * w0, vector[:total, scale].T.reshape(-1, size, number)
+    weight = (np.abs(shape) ** 2).sum(axis=1)
+    centre = weight @ np.arange(-count, count + 1) / weight.sum(axis=1)
+    kept = (centre > CENTRED[0]) & (centre <= CENTRED[1])
+    return Exponents(value[kept], shape[kept])
