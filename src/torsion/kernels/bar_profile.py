@@ -107,12 +107,11 @@ class ProfileBars:
         travel, whole, mass = self._travel[:, None], self.flexibility[:, None], self.inertia[:, None]
         v = travel * square
         spring, spring_slope = alternating(self.spring, v), alternating_slope(self.spring, v)
-        ends, slopes = [], []
-        for series in (self.inner, self.outer):
-            end = alternating(series, v) / spring
-            ends.append(mass * end)
-            slopes.append(mass * travel * ((alternating_slope(series, v) - end * spring_slope) / spring))
-        return Slopes(square, whole * spring, *ends, whole * travel * spring_slope, *slopes)
+        (inner, inner_slope), (outer, outer_slope) = (
+            (mass * end, mass * travel * ((alternating_slope(series, v) - end * spring_slope) / spring))
+            for series, end in ((series, alternating(series, v) / spring) for series in (self.inner, self.outer))
+        )
+        return Slopes(square, whole * spring, inner, outer, whole * travel * spring_slope, inner_slope, outer_slope)
 
     def rounding(self, square: FloatArray) -> FloatArray:
         """Relative error (m,) of the values at s (m,): that of the coefficients times what cancels in the series."""
@@ -173,4 +172,5 @@ def _check(found: ProfileBars) -> None:
 
 
 def _over(numerator: FloatArray, travel: FloatArray) -> FloatArray:
-    return np.divide(numerator, travel, out=np.full(travel.shape, np.inf), where=travel > 0.0)
+    over: FloatArray = np.divide(numerator, travel, out=np.full(travel.shape, np.inf), where=travel > 0.0)
+    return over

@@ -44,8 +44,8 @@ class BarShapes:
 
     def take(self, columns: IntArray) -> "BarShapes":
         """The shapes in `columns`."""
-        rows = (getattr(self, name)[:, columns] for name in _NAMES)
-        return BarShapes(*rows, self.correction[columns], self.passed[columns])
+        angle, inner, outer, between = (getattr(self, name)[:, columns] for name in _NAMES)
+        return BarShapes(angle, inner, outer, between, self.correction[columns], self.passed[columns])
 
     def scale(self, factor: FloatArray) -> None:
         """Multiply each shape by its `factor` (m,), in place."""
@@ -96,8 +96,8 @@ def _shapes(train: BarTree, frequency: FloatArray, ends: bool) -> BarShapes:
         np.multiply(at_parent, between, at_parent)
         passed = np.abs(at_parent, at_parent).sum(axis=0) / np.where(mass < np.inf, mass, np.nan)
         scale = 1.0 / np.sqrt(mass)
-        rows = (values * scale for values in (angle, inner, outer, between))
-        return BarShapes(*rows, correction, passed)
+        angle, inner, outer, between = (values * scale for values in (angle, inner, outer, between))
+        return BarShapes(angle, inner, outer, between, correction, passed)
 
 
 def _end_torques(
@@ -146,4 +146,5 @@ def bar_elastic(train: BarTree, slopes: Slopes, angle: FloatArray, between: Floa
 def generalised_inertia(train: BarTree, slopes: Slopes, angle: FloatArray, between: FloatArray) -> FloatArray:
     """Of each shape (m,), distributed inertia included."""
     mass: FloatArray = train.tree.moving_inertia @ (angle * angle)
-    return mass + bar_inertia(train, slopes, angle, between).sum(axis=0)
+    whole: FloatArray = mass + bar_inertia(train, slopes, angle, between).sum(axis=0)
+    return whole

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from torsion.assembly.section import stress_modulus
 from torsion.findings import Findings
-from torsion.kernels.sections import section_modulus
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
@@ -74,7 +74,7 @@ def _stress(findings: Findings, bar: Bar) -> FloatArray:
     if synthesis is None:
         return np.zeros(0)
     spans = [k for k, span in enumerate(findings.system.spans) if span.part == bar.part]
-    modulus = float(min(section_modulus(bar.outer, bar.bore)))
+    modulus = next(stress_modulus(own) for own in findings.system.train.bars if own.part == bar.part)
     return np.asarray(synthesis.half_range[:, spans].max(axis=1) / modulus * PA)
 
 
