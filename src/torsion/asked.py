@@ -71,4 +71,6 @@ def no_response(study: Study, system: System, excites: bool) -> str:
 
 def has_inertia(system: System) -> bool:
     """Something can vibrate."""
+    if any(bar.density > 0 for bar in system.train.bars):
+        return True
     return bool(np.any(np.isfinite(system.inertia) & (system.inertia > 0)))

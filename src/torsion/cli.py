@@ -48,7 +48,7 @@ def solve(
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if any(check.verdict == "fail" for check in findings.checks) else SOLVED)
+    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
 
 
 def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool) -> "Findings":
@@ -89,7 +89,7 @@ def joint(
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if any(check.verdict == "fail" for check in findings.checks) else SOLVED)
+    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
 
 
 def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) -> "Findings":
@@ -107,6 +107,86 @@ def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) ->
         job.write_joints(findings, folder)
         show_joints(findings, folder)
     return findings
+
+
+@app.command()
+def check(
+    file: File,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON and write nothing.")] = False,
+) -> None:
+    """Compare the models of the shafts (lumped, fem, exact), print their errors and write check.html and check.json.
+
+    Every error is against the exact model: frequencies, shapes, response torques. Exit status: 0 all within the
+    tolerance (0.1 % unless the file says it), 1 a model is not, 2 and 3 as of `solve`.
+    """
+    try:
+        findings = _check(file, out, as_json=json)
+    except InputError as error:
+        _stop(str(error), BAD_INPUT)
+    except SolveError as error:
+        _stop(f"{file}: {error}", REFUSED)
+    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
+
+
+def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
+    from torsion import job
+
+    if as_json:
+        from torsion.report.json import check_text
+
+        findings = job.check(file)
+        typer.echo(check_text(findings), nl=False)
+        return findings
+    from torsion.report.check_text import show_check
+    from torsion.report.text import progress
+
+    with progress() as report_progress:
+        findings = job.check(file, progress=report_progress)
+    folder = job.folder_of(file, out)
+    job.write_check(findings, folder)
+    show_check(findings, folder)
+    return findings
+
+
+@app.command()
+def study(
+    file: File,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the study as JSON and write nothing.")] = False,
+    tolerance: Annotated[
+        str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
+    ] = "0.1%",
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer divisions and runs: seconds, not minutes.")] = False,
+) -> None:
+    """Time every model and method on this train against its error; write study.html, study.json and study.csv.
+
+    Exit status: 0 done, 2 and 3 as of `solve`.
+    """
+    try:
+        _study(file, out, as_json=json, tolerance=tolerance, quick=quick)
+    except InputError as error:
+        _stop(str(error), BAD_INPUT)
+    except SolveError as error:
+        _stop(f"{file}: {error}", REFUSED)
+
+
+def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick: bool) -> None:
+    from torsion import job
+    from torsion.report.text import progress
+
+    with progress() as report_progress:
+        findings, timings = job.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
+    if as_json:
+        from torsion.report.study_pages import json_text
+
+        typer.echo(json_text(findings, timings), nl=False)
+        return
+    from torsion.report.study_text import show_study
+
+    folder = job.folder_of(file, out)
+    job.write_study(findings, timings, folder)
+    show_study(findings, timings, folder)
 
 
 @app.command()

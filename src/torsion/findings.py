@@ -1,32 +1,31 @@
 """A study to its findings: only what is asked, and what that needs, is computed."""
 
 import math
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import metadata
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.analyses.division import assembled, divided_modes, told_division, told_method, told_model
 from torsion.analyses.modes import Modes
-from torsion.asked import (
-    has_inertia,
-    highest_excited,
-    modes_asked,
-    no_response,
-    operating_speed,
-)
+from torsion.asked import has_inertia, highest_excited, modes_asked, no_response, operating_speed
 from torsion.assembly.system import System
 from torsion.errors import InputError
-from torsion.plan import Log, Plan
+from torsion.plan import Log, Plan, versions
+from torsion.steps import motion
+from torsion.steps.sections import sections
 from torsion.study import Study
 
 if TYPE_CHECKING:
+    from torsion.analyses.check import Compared
     from torsion.analyses.critical import CriticalSpeed
     from torsion.analyses.damped import DampedModes
     from torsion.analyses.joints import Joints
+    from torsion.analyses.lateral import Lateral
+    from torsion.analyses.motion_map import StabilityMap
+    from torsion.analyses.motion_periodic import PeriodicResponse
+    from torsion.analyses.motion_stability import Stability
     from torsion.analyses.response import FrequencyResponse, Response
     from torsion.analyses.steady import Steady
     from torsion.analyses.synthesis import Synthesis
@@ -50,13 +49,27 @@ class Findings:
     synthesis: "Synthesis | None" = None
     sweep: "FrequencyResponse | None" = None
     joints: "Joints | None" = None
+    lateral: "Lateral | None" = None
     checks: "tuple[Check, ...]" = ()
+    check: "Compared | None" = None
+    periodic: "PeriodicResponse | None" = None
+    stability: "Stability | None" = None
+    stability_map: "StabilityMap | None" = None
+
+    @property
+    def failed(self) -> bool:
+        """A rule, or a model of the shafts, does not keep its limit."""
+        models = () if self.check is None else self.check.failed
+        return bool(models) or any(check.verdict == "fail" for check in self.checks)
 
 
-def run(study: Study, *, progress: Progress | None = None) -> Findings:
-    """Compute everything that the study asks. Raises InputError (located in the study's file) and SolveError."""
+def run(study: Study, *, progress: Progress | None = None, bending: bool = True) -> Findings:
+    """Compute everything that the study asks. Raises InputError (located in the study's file) and SolveError.
+
+    bending False leaves out the bending of the shafts, though the study asks it.
+    """
     try:
-        return _run(study, progress or _silent)
+        return _run(study, progress or _silent, bending)
     except InputError as error:
         from torsion.schema.read import located
 
@@ -67,21 +80,28 @@ def _silent(what: str, share: float) -> None:
     """No progress is shown."""
 
 
-def _run(study: Study, progress: Progress) -> Findings:
+def _run(study: Study, progress: Progress, bending: bool) -> Findings:
     log = Log()
-    system, found = _system_and_modes(study, log)
+    sections(study, log)
+    system, found = _system_and_modes(study, log, progress)
     damped = _damped(study, system, log)
     response, synthesis = _response(study, system, found, damped, log, progress)
+    moved = motion.exact(study, system, response, log, progress)
     sweep = _sweep(study, system, found, damped, log)
     steady = _steady(study, system, log)
     critical = _critical(study, system, found, log)
     joints = _joints(study, steady, log)
-    checks = _checks(study, system, (found, steady, response, synthesis, joints), log)
-    plan = Plan(tuple(log.lines), tuple(log.left_out), _versions(system))
-    return Findings(study, system, plan, found, damped, steady, critical, response, synthesis, sweep, joints, checks)
+    bent = _lateral(study, log, progress) if bending and study.bends else None
+    checks = (*moved.checks, *_checks(study, system, (found, steady, response, synthesis, joints), log))
+    compared = compared_models(study, log, progress)
+    plan = Plan(tuple(log.lines), tuple(log.left_out), versions(system, bent is not None))
+    return Findings(
+        study, system, plan, found, damped, steady, critical, response, synthesis, sweep, joints, bent, checks,
+        compared, moved.periodic, moved.stability, moved.stability_map,
+    )  # fmt: skip
 
 
-def _system_and_modes(study: Study, log: Log) -> tuple[System, Modes | None]:
+def _system_and_modes(study: Study, log: Log, progress: Progress) -> tuple[System, Modes | None]:
     """The train divided finely enough for the highest frequency asked for, and its modes if they are asked."""
     asked = modes_asked(study)
     with log.step("assembly", "everything stands on it") as step:
@@ -98,7 +118,9 @@ def _system_and_modes(study: Study, log: Log) -> tuple[System, Modes | None]:
         log.without("natural frequencies", "`analyses` does not name modes")
         return system, None
     with log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
-        system, found = divided_modes(study, system, highest, asked.count)
+        system, found = divided_modes(
+            study, system, highest, asked.count, progress=lambda done, of: progress("natural frequencies", done / of)
+        )
         step.method = told_method(system, found)
         step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
     return system, found
@@ -228,6 +250,35 @@ def _joints(study: Study, steady: "Steady | None", log: Log) -> "Joints | None":
     return found
 
 
+def _lateral(study: Study, log: Log, progress: Progress) -> "Lateral":
+    from torsion.analyses.lateral import Asked, lateral
+
+    asked = study.analyses.get("lateral")
+    with log.step("bending of the shafts", "a shaft has a `support`" if asked is None else "asked") as step:
+        settings = asked if isinstance(asked, Asked) else None
+        found = lateral(study.train, study.operation, settings, progress=progress)
+        step.method, step.size = found.method, found.size
+    log.left_out += [("bending, in part", remark) for remark in found.remarks]
+    return found
+
+
+def compared_models(study: Study, log: Log, progress: Progress, *, always: bool = False) -> "Compared | None":
+    """The models of the shafts side by side, where the study asks that, or `always`."""
+    asked = study.analyses.get("check")
+    if asked is None and not always:
+        return None
+    from torsion.analyses.check import Asked, check
+
+    with log.step("comparison of the models", "asked") as step:
+        found = check(study, asked if isinstance(asked, Asked) else None, progress=progress)
+        models = [] if found.exact is None else [found.exact, *found.models]
+        step.method = ", ".join(model.model for model in models) or "all models are the same"
+        step.size = "; ".join(f"{model.model}: {model.division}" for model in models)
+    if found.no_torques:
+        log.without("comparison of response torques", found.no_torques)
+    return found
+
+
 def _checks(
     study: Study,
     system: System,
@@ -247,13 +298,3 @@ def _checks(
     for what, why in not_judged(study):
         log.without(what, why)
     return checks
-
-
-def _versions(system: System) -> dict[str, str]:
-    from torsion import __version__
-
-    names = ["numpy", "scipy", "pydantic", "PyYAML"]
-    if system.bars is not None and system.bars.degree:
-        names.append("scikit-fem")
-    python = ".".join(str(part) for part in sys.version_info[:3])
-    return {"torsion": __version__, "Python": python, **{name: metadata.version(name) for name in names}}

@@ -3,13 +3,17 @@
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from torsion.errors import Fault, InputError
-from torsion.findings import Findings, run
+from torsion.findings import Findings, compared_models, run
+from torsion.plan import Log, Plan, versions
 from torsion.schema.read import located, read
+
+if TYPE_CHECKING:
+    from torsion.analyses.study_rows import Timings
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -71,7 +75,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
     rules = tuple((name, asked) for name, asked in study.rules if name in JOINT_RULES)
-    findings = run(replace(study, analyses={"joints": settings}, rules=rules))
+    findings = run(replace(study, analyses={"joints": settings}, rules=rules), bending=False)
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
     return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine)))
 
@@ -82,6 +86,92 @@ def write_joints(findings: Findings, folder: Path) -> list[Path]:
 
     try:
         return write_pages(findings, folder)
+    except OSError as error:
+        raise _unwritable(folder, error) from None
+
+
+def check(file: str | Path, *, progress: Callable[[str, float], None] | None = None) -> Findings:
+    """Read a scene and compare the models of its shafts, whether it asks that or not; nothing is written.
+
+    Raises InputError, also for closed loops, of which there is no exact model, and SolveError.
+    """
+    from torsion.analyses.division import assembled
+
+    study, log = read(file), Log()
+    system = assembled(study)
+    try:
+        compared = compared_models(study, log, progress or (lambda what, share: None), always=True)
+    except InputError as error:
+        raise located(error, study) from None
+    log.without("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
+    return Findings(study, system, Plan(tuple(log.lines), tuple(log.left_out), versions(system)), check=compared)
+
+
+def write_check(findings: Findings, folder: Path) -> list[Path]:
+    """Write check.html and check.json; raises InputError where the folder cannot be written."""
+    from torsion.report.check_pages import write_check as write_pages
+
+    try:
+        return write_pages(findings, folder)
+    except OSError as error:
+        raise _unwritable(folder, error) from None
+
+
+def study(
+    file: str | Path,
+    *,
+    tolerance: str | float | None = None,
+    quick: bool = False,
+    progress: Callable[[str, float], None] | None = None,
+) -> "tuple[Findings, Timings]":
+    """Read a scene and time every model and method on it, against their errors; nothing is written.
+
+    tolerance: relative, or text such as "0.1 %". Raises InputError, also where there is nothing to compare, and
+    SolveError.
+    """
+    from torsion.analyses.division import assembled
+    from torsion.analyses.study_times import TOLERANCE, study_times
+    from torsion.asked import highest_excited, no_response
+
+    goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
+    scene = read(file)
+    excites = any(torque.order is not None or torque.frequency is not None for torque in scene.train.torques)
+    excites = excites or any(mesh.error for mesh in scene.train.constraints)
+    try:
+        system = assembled(scene)
+        timings = study_times(
+            scene, highest=highest_excited(scene, system), count=getattr(scene.analyses.get("modes"), "count", None),
+            no_response=no_response(scene, system, excites), tolerance=goal, quick=quick, progress=progress,
+        )  # fmt: skip
+        if not timings.quantities:
+            fault = Fault(("train",), " ".join(timings.remarks), "a shaft with density, or an excitation and speeds")
+            raise InputError([fault])
+    except InputError as error:
+        raise located(error, scene) from None
+    return Findings(scene, system, Plan((), (), {})), timings
+
+
+def _tolerance(given: str | float) -> float:
+    """A relative error above 0 and below 1; raises InputError."""
+    from torsion.units import UnitFault, to_si
+
+    try:
+        value = to_si(given, "1") if isinstance(given, str) else given
+    except UnitFault as fault:
+        message = f"the tolerance: {fault.message} (write 0.1 % or 1e-3)"
+        raise InputError([Fault((), message)], message) from None
+    if not 0.0 < value < 1.0:
+        message = f"the tolerance {given} is out of range: more than 0 and less than 100 %"
+        raise InputError([Fault((), message)], message)
+    return value
+
+
+def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Path]:
+    """Write study.html, study.json and study.csv; raises InputError where the folder cannot be written."""
+    from torsion.report.study_pages import write_study as write_pages
+
+    try:
+        return write_pages(findings, timings, folder)
     except OSError as error:
         raise _unwritable(folder, error) from None
 

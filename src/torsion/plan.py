@@ -1,9 +1,13 @@
 """What was done, by which method, of what size, in what time; and what was left out and why."""
 
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib import metadata
+
+from torsion.assembly.system import System
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,3 +57,14 @@ class Log:
     def without(self, what: str, why: str) -> None:
         """Note what was left out."""
         self.left_out.append((what, why))
+
+
+def versions(system: System, bends: bool = False) -> dict[str, str]:
+    """Versions of the program, of Python and of the libraries that the numbers come from."""
+    from torsion import __version__
+
+    names = ["numpy", "scipy", "pydantic", "PyYAML"]
+    if bends or (system.bars is not None and system.bars.degree):
+        names.append("scikit-fem")
+    python = ".".join(str(part) for part in sys.version_info[:3])
+    return {"torsion": __version__, "Python": python, **{name: metadata.version(name) for name in names}}

@@ -101,3 +101,8 @@ class Study:
     rules: tuple[tuple[str, Declared], ...] = ()  # (rule, its settings)
     file: str = ""
     text: str = ""  # the file as read
+
+    @property
+    def bends(self) -> bool:
+        """The bending of the shafts is asked for, or one of them has a support."""
+        return "lateral" in self.analyses or any(getattr(part.component, "support", ()) for part in self.train.parts)

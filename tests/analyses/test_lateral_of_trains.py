@@ -1,7 +1,6 @@
 """The bending side of trains: which shafts bend, what holds them, and the couples of their joints."""
 
 import math
-from typing import Annotated
 
 import numpy as np
 import pytest
@@ -19,7 +18,6 @@ from torsion.components.material import Material
 from torsion.components.shaft import Shaft
 from torsion.components.support import Support
 from torsion.errors import InputError
-from torsion.fields import OneOrMany, given
 from torsion.kernels.response import Status
 from torsion.kinematics.couples import couple_harmonics, double_cardan
 from torsion.study import Operation, Rated, SpeedRange
@@ -27,12 +25,6 @@ from torsion.train import train
 
 SPEEDS = Operation(speeds=SpeedRange(**{"from": "600 rpm", "to": "6000 rpm", "steps": 31}))
 JOINT = Joint(angle="6 deg")
-
-
-class Held(Shaft):
-    """A shaft with supports."""
-
-    support: Annotated[tuple[Support, ...], OneOrMany] = given("supports", ())
 
 
 def _tube(**keys: object) -> Shaft:
@@ -75,7 +67,7 @@ def _ends(built, torque: float = 100.0, shaft: int = 0) -> dict[int, np.ndarray]
 def test_couples_of_a_joint_are_its_mean_and_twice_a_turn(angle: int) -> None:
     phase = 0.3
     joint = Joint(angle=f"{angle} deg", phase="0.3 rad")
-    built = train([Disc(inertia=1.0), joint, Held(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7})])
+    built = train([Disc(inertia=1.0), joint, Shaft(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7})])
     found, exact = _ends(built), couple_harmonics(math.radians(angle), 100.0)
     turn = np.exp(2j * phase)
     np.testing.assert_allclose(found[0][0], [exact.driven_normal.mean, exact.driven_inplane.mean], atol=1e-12)
@@ -100,7 +92,7 @@ def test_couples_of_a_double_cardan_that_bends_one_way_add_up() -> None:
 
 
 def test_the_constant_torque_may_be_that_of_the_last_shaft() -> None:
-    built = train([Held(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7}), Joint(angle="30 deg")])
+    built = train([Shaft(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7}), Joint(angle="30 deg")])
     (shaft,) = bending_shafts(built)[0]
     found = couples_at(placed(built), shaft, np.full((1, 1), 100.0), "driven")
     c, x = math.cos(math.radians(30)), 2 * np.pi * np.arange(512) / 512
@@ -110,7 +102,7 @@ def test_the_constant_torque_may_be_that_of_the_last_shaft() -> None:
 
 
 def test_a_support_counts_from_the_end_that_faces_the_joint() -> None:
-    held = Held(length=1.0, diameter=0.05, support={"at": 0.3, "stiffness": [2e7, 1e7], "damping": 50.0, "mass": 4.0})
+    held = Shaft(length=1.0, diameter=0.05, support={"at": 0.3, "stiffness": [2e7, 1e7], "damping": 50.0, "mass": 4.0})
     for line, place in (([held, JOINT, Disc(inertia=1)], 0.7), ([JOINT, held], 0.3)):
         (shaft,) = bending_shafts(train([Disc(inertia=1.0), Coupling(stiffness=1e4), *line]))[0]
         point = shaft.beam.points[1]
@@ -165,7 +157,7 @@ def test_a_train_without_a_held_shaft_is_refused() -> None:
 
 def test_a_support_beside_its_shaft_and_a_material_without_a_modulus_are_faults() -> None:
     rubber = Material(shear_modulus=79e9, density=7850.0)
-    held = Held(length=1.0, diameter=0.05, support={"at": 1.1, "stiffness": 1e7})
+    held = Shaft(length=1.0, diameter=0.05, support={"at": 1.1, "stiffness": 1e7})
     built = train([JOINT, held, Joint(angle="1 deg"), _tube(material="rubber"), JOINT], materials={"rubber": rubber})
     with pytest.raises(InputError) as caught:
         lateral(built, SPEEDS)

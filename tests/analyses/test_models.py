@@ -279,3 +279,30 @@ def test_the_torques_told_are_those_at_the_driving_and_the_driven_end(model, hel
     at_held = next(k for k, span in enumerate(fine.spans) if fine.held[[span.driving, span.driven]].any())
     sign = np.sign(found.shape[free] * other.shape[free])
     np.testing.assert_allclose(found.torque[far], other.torque[at_held] * sign, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("model", "share"), [("lumped", 1e-3), ("fem", 1e-6), ("exact", 1e-14)])
+def test_a_shaft_held_at_both_ends_sounds_in_half_waves(model, share, tmp_path):
+    file = tmp_path / "held.yaml"
+    file.write_text(f"""
+name: held at both ends
+train:
+  - disc: {{held: true}}
+  - shaft: {{length: 1 m, diameter: 50 mm}}
+  - disc: {{held: true}}
+analyses: {{model: {model}, modes: {{count: 4}}}}
+""")
+    found = torsion.run(torsion.read(str(file))).modes.frequency
+    half_waves = np.arange(1, 5) * math.sqrt(79.3e9 / 7850.0) / 2.0
+    np.testing.assert_allclose(found, half_waves, rtol=share)
+
+
+def test_lumped_shafts_have_as_many_modes_as_are_asked(tmp_path):
+    branch = "  - branch: {train: [{shaft: {length: 1 m, diameter: 50 mm}}, {disc: {inertia: 0.1}}]}\n"
+    file = tmp_path / "three.yaml"
+    text = "name: three equal branches\ntrain:\n  - disc: {inertia: 1}\n" + 3 * branch
+    found = {}
+    for model in ("lumped", "exact"):
+        file.write_text(text + f"analyses: {{model: {model}, modes: {{count: 6}}}}\n")
+        found[model] = torsion.run(torsion.read(str(file))).modes.frequency
+    np.testing.assert_allclose(found["lumped"], found["exact"], rtol=1e-3)

@@ -246,13 +246,28 @@ def test_torques_of_joints_and_rigid_spans_balance_the_inertias():
     w = 2.0 * 25.0
     force = np.zeros(len(system.stations), dtype=complex)
     for span, torque in zip(system.spans, found.torque[0, order], strict=True):
-        force[span.driving] -= torque
         if not span.error:
-            force[span.driven] += torque / float(span.ratio)
-    free = [s for s in range(len(system.stations)) if not any(span.error and span.driven == s for span in system.spans)]
+            force[span.driving] -= torque
+        force[span.driven] += torque / float(span.ratio)
+    free = [
+        s for s in range(len(system.stations)) if not any(span.error and span.driving == s for span in system.spans)
+    ]
     ground = system.ground_damping(np.array([25.0]), np.zeros((len(system.stations), 1)))[:, 0]
     moved = (-(w**2) * system.inertia + 1j * w * ground) * found.angle[0, order]
     assert moved[free] == pytest.approx(force[free], abs=1e-9 * np.abs(force).max())
+
+
+def test_small_joints_carry_the_torque_of_the_first_order_on_their_driven_side():
+    errors = []
+    for angle in (0.5, 1.0):
+        study, system = six_stations(angle, 90)
+        linear = response(study, system, speeds=np.array([40.0]))
+        first = linear.torque[0, [one.order for one in linear.lines].index(2)]
+        exact = at_one(study, system, 40.0)
+        torque = exact.torque[0, exact.orders.index(Fraction(2))]
+        errors.append(np.abs(torque / first - 1.0).max())
+    assert errors[0] < 1e-8
+    assert errors[1] == pytest.approx(16.0 * errors[0], rel=0.1)
 
 
 def test_ring_damper_without_stiffness_slips_with_the_train():

@@ -263,3 +263,11 @@ def test_basis_has_the_modes_of_the_train():
 def test_zones_are_named_by_the_modes_that_take_part(energy, w0, name):
     shapes = Basis(np.array([0.0, 10.0, 30.0, 64.0]), np.eye(4), np.ones(4), np.zeros((4, 4)), 4)
     assert zone(np.array(energy), shapes, w0).name == name
+
+
+def test_hill_with_more_harmonics_than_the_orbit_has_agrees_with_the_monodromy():
+    ask = search(*six_stations(20, 90, 1.5))
+    orbit, expected = ask(56.0)
+    around = variation(ask.at, orbit, ask.shapes)
+    count = around.mass.shape[0] // 2 + 4
+    assert by_hill(around, count).growth == pytest.approx(expected.growth, abs=1e-9)

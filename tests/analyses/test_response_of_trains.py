@@ -300,9 +300,10 @@ def test_response_without_speeds_or_frequencies_is_refused(build):
         frequency_response(study, system, frequencies=np.array([1.0]))
 
 
-def test_harmonic_balance_is_refused_and_orders_are_exact():
-    with pytest.raises(ValueError, match="harmonic-balance is not built yet"):
-        Asked(method="harmonic-balance")
+def test_methods_are_two_words_and_orders_are_exact():
+    assert Asked(method="harmonic-balance").method == "harmonic-balance"
+    with pytest.raises(ValueError, match="first-order"):
+        Asked(method="shooting")
     assert Asked(orders=[1, 0.5, "21/8"]).orders == (Fraction(1), Fraction(1, 2), Fraction(21, 8))
     with pytest.raises(ValueError, match="orders are"):
         Asked(orders="some")

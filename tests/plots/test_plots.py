@@ -57,6 +57,43 @@ VALUES: dict[str, dict[str, Any]] = {
         "values": TURN, "index": 5 + 4 * np.cos(2 * RAD * TURN), "quantity": "phase of <a> & $b$, deg",
         "present": (10.0, 9.0), "best": (90.0, 1.0),
     },
+    "check modes": {
+        "frequency": [("<lumped>", np.array([1e-5, np.inf, 0.0])), ("$fem$", np.array([1e-12, 1e-9, 1e-8]))],
+        "shape": [("<lumped>", np.array([1e-9, np.inf, 0.0])), ("$fem$", np.array([1e-20, np.nan, 1e-12]))],
+        "tolerance": 1e-3,
+    },
+    "check torques": {
+        "speed": SPEED, "tolerance": 1e-3,
+        "lines": [("<lumped>", np.full(len(SPEED), 1e-4)), ("$fem$", np.full(len(SPEED), np.nan))],
+    },
+    "periodic": {
+        "first_speed": SPEED, "speed": SPEED, "lines": [("order 2", BUMP + 1, BUMP), ("order 4", None, BUMP / 9)],
+        "unit": "N m", "none": BAD, "coarse": SPEED < 350.0, "grows": (SPEED > 800.0) & (SPEED < 1000.0),
+        "unstable": ((800.0, 1000.0),), "rated": 1500.0,
+    },
+    "stability": {
+        "speed": SPEED, "growth": np.where(BAD, np.nan, BUMP - 50), "rated": 1500.0,
+        "unstable": [(840.0, 960.0, "principal of <mode> 1 & $x$")],
+    },
+    "stability map": {
+        "speed": SPEED, "value": np.array([5.0, 10.0, 15.0]), "quantity": "joint angle, deg", "rated": 1500.0,
+        "growth": np.where(BAD[:, None], np.nan, np.outer(BUMP, [0.5, 1.0, 1.5]) - 50),
+    },
+    "whirl": {
+        "speed": SPEED, "frequency": np.column_stack([40 + SPEED / 100, 40 - SPEED / 100]), "rated": 1500.0,
+        "direction": np.tile([1.0, -1.0], (61, 1)), "unstable": np.column_stack([BAD, BAD]),
+        "orders": [(30.0, "order 1 <a>"), (60.0, "order 2")],
+        "crossings": [(1500.0, 55.0, True), (2000.0, 60.0, False)],
+    },
+    "bending": {
+        "speed": [SPEED, SPEED], "orders": ["order 0", "order 2"], "rated": 1500.0, "crossings": [900.0],
+        "panels": [("displacement, <mm>", [BUMP, BUMP / 2]), ("bearing force, N", [BUMP, BUMP])],
+        "near": [BAD, BAD], "singular": [BAD, SPEED < 320.0],
+    },
+    "study": {
+        "curves": [("lumped <a>", "lumped", 0, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e4)],
+        "tolerance": 1e-3, "bound": 1e-13, "best": (300.0, 1e-3),
+    },
     "twisted shaft": {
         "x": np.array([0.0, 0, 1, 1]), "radius": np.array([0.0, 0.2, 0.1, 0]), "place": np.zeros((4, 2)),
         "turn": np.array([0.0, 0, 0.5, 0.5]), "angle": np.array([0.0, 0, 1, 1]), "strip": np.array([0, 1, 2]),

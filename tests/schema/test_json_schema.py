@@ -66,7 +66,7 @@ def test_scene_with_every_sort_of_value_is_valid(validator, text):
         ("    coupling: {stiffness: 1e5}", "    disc: {inertia: 1}"),
         ("order: 2, torque: 100 N*m", "order: 2"),
         ("model: lumped", "model: beam"),
-        ("modes: {count: 6}", "stability: {}"),
+        ("modes: {count: 6}", "transient: {}"),
         ("count: 6", "cuont: 6"),
         ("- iacs-m68", "- iacs"),
         ("{limit: 0.35}", "{limits: 0.35}"),

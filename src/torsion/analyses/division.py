@@ -1,9 +1,11 @@
 """Shafts divided finely enough for what is asked: the highest frequency of the response, and the modes."""
 
 import math
+from collections.abc import Callable
 
 from torsion.analyses.modes import Modes, modes, undamped_tree
 from torsion.assembly import assemble
+from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.study import Study
 
@@ -17,22 +19,39 @@ def assembled(study: Study, frequency: float = 0.0) -> System:
     return assemble(study.train, study.model, frequency=frequency, degree=study.fem.degree, elements=study.fem.elements)
 
 
-def divided_modes(study: Study, system: System, highest: float, count: int) -> tuple[System, Modes]:
+def divided_modes(
+    study: Study, system: System, highest: float, count: int, *, progress: Callable[[int, int], None] | None = None
+) -> tuple[System, Modes]:
     """The lowest `count` modes, and the train divided finely enough for them and for `highest` (Hz).
 
-    system: the train divided for `highest`.
+    system: the train divided for `highest`. progress: as of `modes`.
     """
     system = _for_bars(study, system, highest, count)
-    found = modes(system, count)
+    found = modes(system, count, progress=progress)
+    system, found = _with_all(study, system, found, count)
     for _ in range(ROUNDS):
         top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
         finer = assembled(study, top)
         if _division(finer) == _division(system):
-            return finer, found
+            return (system if system.bars is None else finer), found
         if system.bars is not None and _is_enough(system, finer):
             break
         system = finer
-        found = modes(system, count)
+        found = modes(system, count, progress=progress)
+    return system, found
+
+
+def _with_all(study: Study, system: System, found: Modes, count: int) -> tuple[System, Modes]:
+    """Lumped shafts in more segments until the train has as many modes as are asked, as far as the settings allow."""
+    frequency = 0.0
+    while system.bars is None and found.frequency.size < count:
+        half_waves = [math.pi / phase(bar, 1.0) for bar in study.train.bars if bar.density > 0 and bar.segments is None]
+        if not half_waves:
+            break
+        frequency = max(2.0 * frequency, min(half_waves))
+        finer = assembled(study, frequency)
+        if _division(finer) != _division(system):
+            system, found = finer, modes(finer, count)
     return system, found
 
 

@@ -71,7 +71,7 @@ def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tup
             continue
         place.torques.append(torque)
         place.names.append(torque.name)
-    for number, span in enumerate(system.spans):
+    for number, span in enumerate(system.own_spans):
         for order, amplitude in span.error:
             place = by_order.setdefault(order * system.stations[span.driving].ratio, _Collected())
             place.errors.append(JointError(number, order, amplitude))

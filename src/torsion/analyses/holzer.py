@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.modes import STANDS_STILL, Modes
+from torsion.analyses.modes import Modes
+from torsion.analyses.shares import STANDS_STILL
 from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
@@ -43,11 +44,12 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     inertias at its ends (of the exact model h = L/(G I) sin(mu)/mu, J = rho I L/2 tan(mu/2)/(mu/2), mu = omega L/c).
     """
     folded = system.folded
-    nodes = np.array(_outward(folded.tree.children, folded.tree.parent.tolist()), dtype=np.int64)
+    nodes = _outward(folded.tree)
     place = np.full(folded.tree.size, -1, dtype=np.int64)
     place[nodes] = np.arange(len(nodes))
     span, station = _spans_and_stations(system)
-    keep = (folded.tree.parent >= 0) | (np.array([len(row) for row in folded.tree.children]) > 0)
+    keep = folded.tree.parent >= 0
+    keep[folded.tree.parent[keep]] = True
     keep |= len(nodes) == 1
     rows = nodes[keep[nodes]]
     place = np.cumsum(keep[nodes])[place] - 1
@@ -84,16 +86,18 @@ def _stiffened(tree: Tree, bars: "Bars", omega: float) -> tuple[FloatArray, Floa
     return inertia, flexibility
 
 
-def _outward(children: tuple[tuple[int, ...], ...], parents: list[int]) -> list[int]:
+def _outward(tree: Tree) -> IntArray:
     """Tree stations, each branch to its end before the next."""
+    if tree.is_chain:
+        return np.arange(tree.size)
     order: list[int] = []
-    for root in [k for k, parent in enumerate(parents) if parent < 0]:
+    for root in tree.roots:
         stack = [root]
         while stack:
             here = stack.pop()
             order.append(here)
-            stack.extend(reversed(children[here]))
-    return order
+            stack.extend(reversed(tree.children[here]))
+    return np.array(order, dtype=np.int64)
 
 
 def _spans_and_stations(system: System) -> tuple[IntArray, IntArray]:

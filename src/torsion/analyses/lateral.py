@@ -1,6 +1,6 @@
 """Bending of the shafts of a Cardan line: critical speeds, whirl, and the answer to the joints' secondary couples."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Literal
@@ -18,6 +18,7 @@ from torsion.analyses.steady import has_mean_torque
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
 from torsion.assembly.lateral import assemble_lateral
+from torsion.assembly.lateral_elements import DEGREE
 from torsion.assembly.lateral_line import BendingShaft, bending_shafts
 from torsion.assembly.lateral_places import places
 from torsion.errors import Fault, InputError, Path, SolveError
@@ -26,12 +27,13 @@ from torsion.kernels.tree import FloatArray
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
 
-__all__ = ["Answer", "Asked", "Critical", "Lateral", "ShaftFound", "Whirl", "lateral"]
+__all__ = ["Answer", "Asked", "Critical", "Lateral", "ShaftFound", "Whirl", "lateral", "lateral_faults"]
 
+Progress = Callable[[str, float], None]  # (what, share done 0..1)
 PLACE: Path = ("analyses", "lateral")
 _ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
 _SPARE = 4  # inner unknowns for every mode that is told
-_WHIRL_SPEEDS = 61  # speeds of the whirl map at most
+_WHIRL_SPEEDS = 41  # speeds of the whirl map at most
 
 
 class Asked(Declared):
@@ -67,28 +69,51 @@ class Lateral:
 
     shafts: tuple[ShaftFound, ...]
     remarks: tuple[str, ...]  # what was left out and why
+    shear: bool = False  # of the beams
+
+    @property
+    def method(self) -> str:
+        """Of the plan."""
+        beams = "with shear (Timoshenko)" if self.shear else "without shear"
+        return f"beams {beams} by finite elements of degree {DEGREE}, in all their modes"
+
+    @property
+    def size(self) -> str:
+        """Of the plan."""
+        return f"{len(self.shafts)} shafts, {sum(shaft.elements for shaft in self.shafts)} elements"
 
 
-def lateral(train: Train, operation: Operation, asked: Asked | None = None) -> Lateral:
+def lateral(
+    train: Train, operation: Operation, asked: Asked | None = None, *, progress: Progress | None = None
+) -> Lateral:
     """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
     Raises InputError where no shaft is held, or a support or a material is at fault; SolveError where the modes asked
     for are out of reach.
     """
     wanted = asked or Asked()
-    every = placed(train)
+    if faults := lateral_faults(train, asked):
+        raise InputError(faults)
+    every, (shafts, _) = placed(train), bending_shafts(train)
+    held = [shaft for shaft in shafts if not shaft.lacks]
+    torque = _Torques(train, operation, wanted, every)
+    found = []
+    for number, shaft in enumerate(held):
+        if progress is not None:
+            progress("bending of the shafts", number / len(held))
+        found.append(_found(every, shaft, wanted, operation, torque))
+    return Lateral(tuple(found), tuple(_remarks(shafts, operation, wanted, torque)), wanted.shear)
+
+
+def lateral_faults(train: Train, asked: Asked | None) -> list[Fault]:
+    """Supports and materials at fault; where bending is asked for and no shaft is held, that too."""
     shafts, faults = bending_shafts(train)
     held = [shaft for shaft in shafts if not shaft.lacks]
     if not faults and not held:
-        hint = "shafts between two joints, or with a `support`, bend"
-        faults.append(Fault(PLACE, "no shaft of the train is held sideways", hint, at_key=True))
-    if wanted.shear:
+        faults.append(_none_held(train, asked is not None))
+    if asked is not None and asked.shear:
         faults += [fault for shaft in held for fault in _shear_faults(train, shaft)]
-    if faults:
-        raise InputError(faults)
-    torque = _Torques(train, operation, wanted, every)
-    found = tuple(_found(every, shaft, wanted, operation, torque) for shaft in held)
-    return Lateral(found, tuple(_remarks(shafts, operation, wanted, torque)))
+    return faults
 
 
 @dataclass(frozen=True)
@@ -126,7 +151,7 @@ def _found(
     own = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
     both, critical = _divided(shaft, asked, own, excited)
-    map_of = None if own is None else whirl(both, own[:: -(-len(own) // _WHIRL_SPEEDS)], asked.modes)
+    map_of = None if own is None else whirl(both, _some(own), asked.modes)
     answers: tuple[Answer, ...] = ()
     if own is not None and shaft.joints and torque.is_known:
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
@@ -140,6 +165,12 @@ def _found(
         (_hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)),
         critical, map_of, answers, len(system.cells),
     )  # fmt: skip
+
+
+def _some(speeds: FloatArray) -> FloatArray:
+    """As many of the speeds as the whirl map shows, the first and the last among them."""
+    pick = np.linspace(0, len(speeds) - 1, min(len(speeds), _WHIRL_SPEEDS))
+    return np.asarray(speeds[np.round(pick).astype(np.int64)])
 
 
 def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
@@ -167,6 +198,14 @@ def _divided(
             return both, critical
         highest, elements = max(highest, 1.01 * reached), elements if spare else 2 * elements
     raise SolveError(f"{shaft.name}: its bending modes need too many elements; ask for fewer `modes`")
+
+
+def _none_held(train: Train, is_asked: bool) -> Fault:
+    """Told where bending is asked for, or else at the first support."""
+    hint = "a joint at either end, a joint and a `support`, or two supports would hold one"
+    held = [part.path for part in train.parts if getattr(part.component, "support", ())]
+    where: Path = PLACE if is_asked or not held else (*held[0], "support")
+    return Fault(where, "no shaft of the train is held sideways", hint, at_key=True)
 
 
 def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from torsion.analyses.lateral_planes import EPS, Planes
+from torsion.analyses.lateral_planes import Planes
 from torsion.kernels.tree import ComplexArray
 
 OVERDAMPED = 1e-7  # |Im s|/|s| below which a motion does not oscillate
-SETTLED = 64 * EPS  # relative step at which a root is found
+SETTLED = 1e-8  # relative step after which a root is found: convergence is cubic, so that the next would be rounding
 STEPS = 8
 REACH = 0.05  # relative: a root that moves farther than this was not among the few modes
 APART = 1e-9  # relative: roots nearer than this may be one found twice

@@ -38,9 +38,14 @@ class Answer:
 
     @property
     def orbit(self) -> FloatArray:
-        """(speeds, places) m, largest displacement in any direction: half the long axis of the ellipse."""
-        y, z = self.displacement[..., 0], self.displacement[..., 1]
-        return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
+        """(speeds, places) m, largest displacement in any direction."""
+        return extent(self.displacement)
+
+
+def extent(pairs: ComplexArray) -> FloatArray:
+    """(...) largest amplitude in any direction of amplitudes (..., 2) in y and z: half the long axis of the ellipse."""
+    y, z = pairs[..., 0], pairs[..., 1]
+    return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
 
 
 def speeds_for(asked: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:

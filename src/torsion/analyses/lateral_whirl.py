@@ -13,10 +13,7 @@ from torsion.analyses.lateral_planes import EPS, Planes
 from torsion.analyses.lateral_refined import OVERDAMPED, refined
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 
-SPARE_MODES, TIMES_MODES = (
-    16,
-    3,
-)  # modes at rest among which damped ones are sought: these, and so many times those told
+SPARE_MODES, TIMES_MODES = 8, 1  # modes at rest among which damped ones are sought: these, and so many times those told
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,23 @@
 """Natural frequencies and mode shapes of the undamped train."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
+from torsion.analyses.shares import lumped_elastic, lumped_kinetic, nodes, shares
 from torsion.assembly.folding import Folded
-from torsion.assembly.system import BarSpans, System
+from torsion.assembly.system import System
 from torsion.fields import Declared, given
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
     from torsion.kernels.bar_modes import BarModes
-    from torsion.kernels.bars import Bars
     from torsion.kernels.modes import TreeModes
-
-STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
 
 
 class Asked(Declared):
@@ -38,9 +38,29 @@ class Modes:
     upper: FloatArray  # (modes,) Hz
     rigid: int  # rigid motions, frequency exactly 0
     certified: bool
-    kinetic: FloatArray  # (stations, modes) share of the kinetic energy; of a distributed span half at either end
-    elastic: FloatArray  # (spans, modes) share of the elastic energy
-    nodes: np.ndarray  # (modes,) int: sign changes of the shape over elastic spans
+    system: System = field(repr=False)
+    distributed: "BarModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
+
+    @cached_property
+    def kinetic(self) -> FloatArray:
+        """(stations, modes) share of the kinetic energy; of a distributed span half at either end."""
+        energy = lumped_kinetic(self.system, self.shape)
+        if self.distributed is not None and self.system.bars is not None:
+            for end in (0, 1):
+                np.add.at(energy, self.system.bars.ends[:, end], self.distributed.bar_kinetic / 2.0)
+        return shares(energy)
+
+    @cached_property
+    def elastic(self) -> FloatArray:
+        """(spans, modes) share of the elastic energy."""
+        if self.distributed is not None:
+            return shares(self.distributed.elastic[self.system.folded.span])
+        return shares(lumped_elastic(self.system, self.torque))
+
+    @cached_property
+    def nodes(self) -> IntArray:
+        """(modes,) sign changes of the shape over elastic spans."""
+        return nodes(self.system, self.shape)
 
     @property
     def enclosure(self) -> FloatArray:
@@ -48,36 +68,31 @@ class Modes:
         return np.stack([self.lower, self.upper], axis=1)
 
 
-def modes(system: System, count: int | None = 6) -> Modes:
-    """The lowest `count` elastic modes (None: all). Raises SolveError for a frequency that cannot be proven."""
+def modes(system: System, count: int | None = 6, *, progress: Callable[[int, int], None] | None = None) -> Modes:
+    """The lowest `count` elastic modes (None: all). Raises SolveError for a frequency that cannot be proven.
+
+    progress: told how many of how many modes are done, where they are found one by one (few of a long row of stations).
+    """
     if system.bars is not None and system.folded_bars is not None:
-        return _modes_with_bars(system, system.bars, system.folded_bars, count)
+        from torsion.analyses.bars import referred_modes
+
+        distributed = referred_modes(undamped_tree(system.folded), system.folded_bars, count)
+        torque = bar_torques(system, distributed.torque, distributed.torque_outer)
+        return _modes(system, distributed, torque, distributed)
     closing = closing_spans(system)
-    found = _referred_modes(system, closing, count)
-    torque = span_torques(system, found.torque, closing, found.loop_torque)
-    flexibility = np.where(is_elastic(system), system.flexibility, 0.0)
-    return _modes(system, found, torque, _kinetic(system, found.angle), flexibility[:, None] * torque**2)
+    found = _referred_modes(system, closing, count, progress)
+    return _modes(system, found, span_torques(system, found.torque, closing, found.loop_torque))
 
 
-def _modes_with_bars(system: System, spans: BarSpans, bars: "Bars", count: int | None) -> Modes:
-    """The modes of a train some of whose spans have distributed inertia."""
-    from torsion.analyses.bars import referred_modes
-
-    found = referred_modes(undamped_tree(system.folded), bars, count)
-    kinetic = _kinetic(system, found.angle)
-    for end in (0, 1):
-        np.add.at(kinetic, spans.ends[:, end], found.bar_kinetic / 2.0)
-    torque = bar_torques(system, found.torque, found.torque_outer)
-    return _modes(system, found, torque, kinetic, found.elastic[system.folded.span])
-
-
-def _referred_modes(system: System, closing: IntArray, count: int | None) -> "TreeModes":
+def _referred_modes(
+    system: System, closing: IntArray, count: int | None, progress: Callable[[int, int], None] | None
+) -> "TreeModes":
     """The modes on the folded tree, with the spans `closing` that close its loops."""
     tree = undamped_tree(system.folded)
     if not closing.size:
         from torsion.kernels.modes import tree_modes
 
-        return tree_modes(tree, count)
+        return tree_modes(tree, count, progress=progress)
     from torsion.kernels.graph_modes import graph_modes
 
     node = system.folded.node
@@ -106,12 +121,13 @@ def span_torques(system: System, torque: np.ndarray, closing: IntArray, closing_
     closing_torque: (closing, columns) N m at one speed, positive when the driving side pushes.
     """
     folded = system.folded
-    told = np.zeros((len(system.spans), torque.shape[1]), dtype=torque.dtype)
-    in_tree = np.flatnonzero(folded.span >= 0)
-    told[in_tree] = torque[folded.span[in_tree]] * folded.sign[in_tree, None]
-    if closing.size:
-        told[closing] = closing_torque
-    return np.asarray(told / system.span_ratio[:, None])
+    told = _rows(torque, folded.span)
+    scale = folded.sign * system.span_ratio
+    if folded.extra.size:
+        told = told.copy()
+        told[folded.extra] = 0.0
+        told[closing] = closing_torque * folded.sign[closing, None]
+    return told if (scale == 1.0).all() else np.asarray(told / scale[:, None])
 
 
 def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
@@ -125,46 +141,20 @@ def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) ->
 
 
 def _modes(
-    system: System, found: "TreeModes | BarModes", torque: FloatArray, kinetic: FloatArray, elastic: FloatArray
+    system: System, found: "TreeModes | BarModes", torque: FloatArray, distributed: "BarModes | None" = None
 ) -> Modes:
-    """The modes at own speeds; kinetic (stations, modes) and elastic (spans, modes) energy in any units."""
-    hertz = 1.0 / (2.0 * math.pi)
+    """The modes at own speeds."""
+    hertz, ratio = 1.0 / (2.0 * math.pi), system.speed_ratio
+    angle = _rows(found.angle, system.folded.node)
+    shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
     return Modes(
-        found.frequency * hertz, _shape(system, found.angle), torque, found.lower * hertz, found.upper * hertz,
-        found.rigid, found.certified, kinetic / kinetic.sum(axis=0), elastic / elastic.sum(axis=0),
-        _nodes(system, found.angle),
+        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
+        system, distributed,
     )  # fmt: skip
 
 
-def _shape(system: System, angle: FloatArray) -> FloatArray:
-    """(stations, modes) rad at own speed."""
-    return np.asarray(angle[system.folded.node] * system.speed_ratio[:, None])
-
-
-def _kinetic(system: System, angle: FloatArray) -> FloatArray:
-    """(stations, modes) twice the kinetic energy / w^2 of what is lumped at each station."""
-    inertia = np.where(system.held, 0.0, system.lumped_inertia)
-    return np.asarray(inertia[:, None] * _shape(system, angle) ** 2)
-
-
-def is_elastic(system: System) -> BoolArray:
-    """(spans,) spans that store energy: neither rigid nor without stiffness."""
-    return np.asarray((system.flexibility > 0) & np.isfinite(system.flexibility))
-
-
-def _nodes(system: System, angle: FloatArray) -> IntArray:
-    """(modes,) spans over which the shape changes its sign.
-
-    A station that stands still takes the sign of the station inward of it, so that a node at a station counts once.
-    A held station has no sign: the shape starts there and does not cross it.
-    """
-    tree = system.folded.tree
-    size = np.abs(angle)
-    sign = np.where(size > STANDS_STILL * size.max(axis=0, initial=0.0), np.sign(angle), 0.0)
-    sign[tree.held] = 0.0
-    for station in np.flatnonzero((sign == 0.0).any(axis=1) & ~tree.held).tolist():
-        inward = sign[tree.parent[station]] if tree.parent[station] >= 0 else 1.0
-        sign[station] = np.where(sign[station] == 0.0, inward, sign[station])
-    joined = (tree.parent >= 0) & np.isfinite(tree.flexibility)
-    crosses: IntArray = np.count_nonzero((sign * sign[tree.parent] < 0.0) & joined[:, None], axis=0)
-    return crosses
+def _rows(values: np.ndarray, at: IntArray) -> np.ndarray:
+    """values[at], with the memory laid out as that of `values`; they themselves where `at` counts up by one."""
+    if at.size and at[0] >= 0 and np.array_equal(at, np.arange(at[0], at[0] + at.size)):
+        return values[int(at[0]) : int(at[0]) + at.size]
+    return values[at] if values.flags.c_contiguous else np.take(values.T, at, axis=1).T

@@ -118,7 +118,7 @@ def by_hill(around: Variation, count: int) -> Multipliers:
         raise SolveError(f"Hill's matrix of {size} coordinates and {count} harmonics is too large; use the monodromy")
     entries = couplings_of(around.mass, around.damping, around.stiffness)
     found = hill_exponents(entries, around.w0, count, size)
-    own = np.fft.fft(around.repeated[:, :size], axis=2)[:, :, np.arange(-count, count + 1)]
+    own = _harmonics(around.repeated[:, :size], count)
     kept = np.ones(len(found.exponent), dtype=bool)
     for one in own:
         for k, (value, vector) in enumerate(zip(found.exponent, found.vector, strict=True)):
@@ -133,6 +133,13 @@ def by_hill(around: Variation, count: int) -> Multipliers:
     rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
     folded = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
     return Multipliers(folded, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
+
+
+def _harmonics(samples: FloatArray, count: int) -> ComplexArray:
+    """(..., 2 count + 1) harmonics -count..count of (..., times); 0 beyond what the samples tell."""
+    times = samples.shape[-1]
+    rank = np.arange(-count, count + 1)
+    return np.where(np.abs(rank) <= (times - 1) // 2, np.fft.fft(samples)[..., rank % times], 0.0)
 
 
 def hill_count(around: Variation, highest: float, orbit_count: int) -> int:

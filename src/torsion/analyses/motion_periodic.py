@@ -13,7 +13,7 @@ from torsion.analyses.motion_torques import course
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.harmonic_balance import Balance, Linearised, Motion, balance, harmonics_of, resized
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree import BoolArray, ComplexArray, FloatArray
 from torsion.study import Study
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
@@ -25,6 +25,7 @@ KEPT = 1e-14  # of the largest amplitude: orders that stay smaller at every spee
 SUBDIVISIONS = 6  # halvings of a step of speed before a solution is given up
 LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
 LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
+GROWS = 1e-5  # over one common period: less may be the error of few modes
 SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be asked to hold
 
 
@@ -67,6 +68,15 @@ class PeriodicResponse:
     status: np.ndarray  # (speeds,) uint8: Found
     why: tuple[str, ...]  # (speeds,) of no solution; else empty
     orbits: tuple[Orbit | None, ...]  # (speeds,)
+    growth: FloatArray | None = None  # (speeds,) 1/s of small deviations from it; None where it was not computed
+
+    @property
+    def is_unstable(self) -> BoolArray:
+        """(speeds,) small deviations grow: the motion is not the one that the train settles in."""
+        if self.growth is None:
+            return np.zeros(len(self.speed), dtype=bool)
+        periods = np.array([np.nan if one is None else one.now.loading.period for one in self.orbits])
+        return np.asarray(np.nan_to_num(self.growth * periods) > GROWS)
 
 
 def is_advised(system: System, first_order: FloatArray | None = None) -> bool:
@@ -92,7 +102,7 @@ def periodic_response(
         orbit, reason = continued(at, speed, orbits[-1] if orbits else None)
         orbits.append(orbit)
         why.append(reason)
-    return _told(at, np.asarray(speeds, dtype=float), orbits, tuple(why))
+    return told(at, np.asarray(speeds, dtype=float), orbits, tuple(why))
 
 
 def continued(at: Scene, speed: float, before: Orbit | None) -> tuple[Orbit | None, str]:
@@ -164,8 +174,8 @@ def _refuse_slipping(found: Balance, now: Operating) -> None:
         raise SolveError("a coupling without stiffness would have to carry a mean torque; give it a stiffness")
 
 
-def _told(at: Scene, speed: FloatArray, orbits: list[Orbit | None], why: tuple[str, ...]) -> PeriodicResponse:
-    """The amplitudes of all orders that are more than rounding."""
+def told(at: Scene, speed: FloatArray, orbits: list[Orbit | None], why: tuple[str, ...]) -> PeriodicResponse:
+    """The response at speeds (speeds,) rad/s whose orbits are known: all orders that are more than rounding."""
     most = max((one.found.count for one in orbits if one is not None), default=0)
     stations, spans, number = len(at.system.stations), len(at.system.spans), len(speed)
     angle = np.full((number, most, stations), np.nan, dtype=complex)

@@ -56,6 +56,8 @@ class Stability:
     check: float  # 1/s: largest difference of the two methods where both were used; NaN where they were not
     unsolved: FloatArray  # (speeds,) rad/s of the reference station without a periodic motion
     loses: bool  # something damps; where nothing does, a growth of 0 is the best there is
+    kept: int | None = None  # elastic modes that the train was reduced to; None: all
+    left_out: float = 0.0  # 1/s: estimated error of that
 
 
 @dataclass

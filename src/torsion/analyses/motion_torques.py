@@ -44,7 +44,8 @@ def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: 
     """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree inward.
 
     need: (stations, times) N m that a station needs from its rigid spans; summed up here on the way. A joint takes
-    power through: torque on either side times the speed there is the same, and the speeds go as `first`.
+    power through: torque on either side times the speed there is the same, and the speeds go as `first`. Told is the
+    torque on its driven side.
     """
     folded = system.folded
     above = np.full(folded.tree.size, -1)
@@ -59,5 +60,5 @@ def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: 
         here = station[node] if station[node] >= 0 else (driven if folded.sign[span] > 0 else driving)
         inward = station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
         passed = need[here] * (first[here] / first[inward])
-        torque[span] = passed if here == driven else -need[here]
+        torque[span] = need[here] if here == driven else -passed
         need[inward] = need[inward] + passed

@@ -37,12 +37,6 @@ def _read_orders(value: Any) -> Any:
     return tuple(fields.read_exact(order) for order in value)
 
 
-def _read_method(value: Any) -> Any:
-    if value == "harmonic-balance":
-        raise refuse("harmonic-balance is not built yet", "first-order")
-    return value
-
-
 class Asked(Declared):
     """Settings of `response`."""
 
@@ -50,8 +44,9 @@ class Asked(Declared):
         "`all`, or a list of orders of the reference station", "all"
     )
     frequencies: FrequencyRange | None = given("also the response to the torques that act at every frequency")
-    method: Annotated[Literal["first-order"], BeforeValidator(_read_method)] = given(
-        "how joints are treated", "first-order"
+    method: Literal["first-order", "harmonic-balance"] | None = given(
+        "how joints are treated (default: `harmonic-balance` beside the first order where a joint is bent by more than "
+        "10 degrees or the first order estimates its own error as more than 1 %)"
     )
 
 

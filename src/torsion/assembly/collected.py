@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from torsion.assembly.system import BarSpans, Span, System
+from torsion.assembly.spans import Row, Runs, Span
+from torsion.assembly.system import BarSpans, System
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar, Station
 from torsion.train import Train
@@ -12,7 +13,7 @@ from torsion.train import Train
 
 @dataclass
 class Collected:
-    """The stations of a train, its springs and its constraints; then the pieces of its shafts, one after another."""
+    """The stations of a train, its springs and its constraints; then its shafts, one after another."""
 
     train: Train
     stations: list[Station]
@@ -21,6 +22,9 @@ class Collected:
     flexibility: list[float] = field(default_factory=list)  # rad/(N m)
     viscous: list[float] = field(default_factory=list)  # N m s/rad
     loss_factor: list[float] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)  # behind all stations and spans
+    inner_inertia: list[FloatArray] = field(default_factory=list)  # of each row: (segments - 1,) kg m2
+    row_flexibility: list[FloatArray] = field(default_factory=list)  # of each row: (segments,) rad/(N m)
 
     @classmethod
     def of(cls, train: Train) -> "Collected":
@@ -66,10 +70,25 @@ class Collected:
             self.inertia[end] += lump
         return found
 
+    def row(self, bar: Bar, flexibility: FloatArray, lumps: FloatArray) -> None:
+        """Add a whole shaft in segments; no station or span of another kind may be added after it."""
+        inside = len(self.stations) + sum(map(len, self.inner_inertia))
+        self.rows.append(Row(bar, len(flexibility), inside, self.stations[bar.driving]))
+        self.inertia[bar.driving] += float(lumps[0])
+        self.inertia[bar.driven] += float(lumps[-1])
+        self.inner_inertia.append(lumps[1:-1])
+        self.row_flexibility.append(flexibility)
+
     def system(self, model: str, segments: dict[str, int], bars: BarSpans | None = None) -> System:
         """The system of all that was collected."""
+        rows = self.rows
+        loss = [np.full(row.number, row.bar.loss_factor) for row in rows]
         return System(
-            self.train, model, tuple(self.stations), tuple(self.spans), np.array(self.inertia),
-            np.array(self.flexibility), np.array(self.viscous), np.array(self.loss_factor), self.train.dampers,
-            segments, bars,
+            self.train, model,
+            Runs(self.stations, [(row.number - 1, row.station) for row in rows]) if rows else tuple(self.stations),
+            Runs(self.spans, [(row.number, row.span) for row in rows]) if rows else tuple(self.spans),
+            np.concatenate([self.inertia, *self.inner_inertia]),
+            np.concatenate([self.flexibility, *self.row_flexibility]),
+            np.concatenate([self.viscous, *map(np.zeros_like, loss)]), np.concatenate([self.loss_factor, *loss]),
+            self.train.dampers, segments, bars, tuple(rows),
         )  # fmt: skip

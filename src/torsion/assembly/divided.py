@@ -1,5 +1,6 @@
 """Shafts as spans with distributed inertia, for the models `fem` and `exact`."""
 
+import math
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -7,7 +8,8 @@ import numpy as np
 
 from torsion.assembly.collected import Collected
 from torsion.assembly.shafts import bar_segments, is_uniform
-from torsion.assembly.system import BarSpans, Piece, Span, System
+from torsion.assembly.spans import Span
+from torsion.assembly.system import BarSpans, Piece, System
 from torsion.errors import SolveError
 from torsion.primitives import Bar
 from torsion.train import Train
@@ -18,23 +20,26 @@ STEEPEST = 3.0  # a diameter or wall changes by at most this factor over a piece
 def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, BarSpans | None, dict[str, int]]:
     """Everything of a train with every shaft in `number_of` pieces, and these pieces; a massless shaft is a spring.
 
-    Between the last piece and the driven station there is a rigid span that tells the torque there. Where no shaft has
-    inertia there are no pieces: None.
+    Between the last piece and the driven station there is a rigid span that tells the torque there, but not where that
+    station is one of several held ones. Where no shaft has inertia there are no pieces: None.
     """
     found = Collected.of(train)
+    held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
     lumped = list(found.inertia)
     spans, pieces, numbers = list[int](), list[Piece](), dict[str, int]()
     told_at = list[tuple[int, int]]()
     for bar in train.bars:
         massless = bar.density == 0
+        tells_end = not massless and not (bar.driven in held and len(held) > 1)
         numbers[bar.name] = number = (bar.segments or 1) if massless else number_of(bar)
         ends = found.inside(bar, number)
-        last = bar.driven if massless else found.station(bar, f"{bar.name} end")
+        last = bar.driven if not tells_end else found.station(bar, f"{bar.name} end")
         between = found.pieces(bar, [*ends, last], *bar_segments(bar, number))
-        if not massless:
+        if tells_end:
             found.inertia[bar.driven] += found.inertia[last]
             found.inertia[last] = 0.0
             found.add(Span(f"{bar.name}, driven end", bar.part, last, bar.driven), 0.0)
+        if not massless:
             spans.extend(between)
             told_at.extend(pairwise([*ends, bar.driven]))
             pieces.extend(Piece(bar, position, number) for position in range(number))

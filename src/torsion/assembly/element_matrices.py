@@ -1,5 +1,6 @@
 """Stiffness and inertia of finite elements of a shaft, by scikit-fem."""
 
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,20 +32,41 @@ def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray
     while begin < len(pieces):
         first = pieces[begin]
         end = begin + first.number
-        cells = 1 if is_uniform(first.bar) else first.number
-        stiffness[begin:end], inertia[begin:end] = _of_shaft(first, cells, degree)
+        stiffness[begin:end], inertia[begin:end] = _of_shaft(first, degree)
         begin = end
     return stiffness, inertia
 
 
-def _of_shaft(first: Piece, cells: int, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Matrices of `cells` elements, from the first piece of a shaft on."""
-    mesh = skfem.MeshLine(np.arange(cells + 1.0))
-    basis = skfem.Basis(mesh, element(degree), intorder=2 * degree + DEGREE_OF_SECTION)
-    across = first.polar_area_moment(basis.default_parameters()["x"][0])
+def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Matrices of all pieces of a shaft, from its first one on; of one piece that stands for all if it is uniform."""
     bar = first.bar
-    stiff = skfem.BilinearForm(_twisting).elemental(basis, section=bar.shear_modulus / first.length * across)
-    heavy = skfem.BilinearForm(_turning).elemental(basis, section=bar.density * first.length * across)
+    if is_uniform(bar):
+        across, (stiff, heavy) = float(first.polar_area_moment(np.zeros(1))[0]), _of_unit(degree)
+    else:
+        basis = _basis(first.number, degree)
+        across = 1.0
+        stiff, heavy = _integrals(basis, first.polar_area_moment(basis.default_parameters()["x"][0]))
+    return stiff * (bar.shear_modulus / first.length * across), heavy * (bar.density * first.length * across)
+
+
+@cache
+def _of_unit(degree: int) -> tuple[FloatArray, FloatArray]:
+    """int u' v' dx and int u v dx over one element of length 1."""
+    basis = _basis(1, degree)
+    return _integrals(basis, np.ones_like(basis.default_parameters()["x"][0]))
+
+
+@lru_cache(maxsize=32)
+def _basis(cells: int, degree: int) -> Any:
+    """The elements of a mesh of `cells` cells of length 1."""
+    mesh = skfem.MeshLine(np.arange(cells + 1.0))
+    return skfem.Basis(mesh, element(degree), intorder=2 * degree + DEGREE_OF_SECTION)
+
+
+def _integrals(basis: Any, section: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """int section u' v' dx and int section u v dx of every element, (elements, degree + 1, degree + 1)."""
+    stiff = skfem.BilinearForm(_twisting).elemental(basis, section=section)
+    heavy = skfem.BilinearForm(_turning).elemental(basis, section=section)
     return _symmetric(stiff.tolocal()), _symmetric(heavy.tolocal())
 
 

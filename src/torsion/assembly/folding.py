@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.assembly.walking import MANY, Walk, connected, walk
 from torsion.errors import SolveError
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
@@ -36,11 +37,18 @@ def fold(system: "System") -> Folded:
     flexibility = system.flexibility / ratio**2
     ends = _split_held(system)
     chosen = np.ones(len(flexibility), dtype=bool)
-    walk = _walk(system, ends, chosen)
-    if len(flexibility) > len(walk.order) - walk.parent.count(-1):
-        chosen = _spanning(flexibility, ends, len(walk.order))
-        walk = _walk(system, ends, chosen)
-    return _layout(system, flexibility, ends, chosen, walk)
+    way = _walked(system, ends, chosen)
+    if len(flexibility) > np.count_nonzero(way.parent >= 0):
+        chosen = _spanning(flexibility, ends, len(way.order))
+        way = _walked(system, ends, chosen)
+    return _layout(system, flexibility, ends, chosen, way)
+
+
+def _walked(system: "System", ends: "_Ends", chosen: BoolArray) -> Walk:
+    """The way over the `chosen` spans, from a held station (no ground) where a part of the train has one."""
+    number = len(system.stations) + len(ends.copies)
+    held = [station for station in np.flatnonzero(system.held).tolist() if not system.stations[station].is_ground]
+    return walk(number, ends.driving, ends.driven, chosen, held)
 
 
 @dataclass(frozen=True)
@@ -53,7 +61,10 @@ class _Ends:
 
 
 def _split_held(system: "System") -> _Ends:
-    """A held station stays the root of its train once; every other held station becomes one leaf a span."""
+    """A held station stays the root of its train once; every other held station becomes one leaf a span.
+
+    One with a single span is a root or a leaf as it is.
+    """
     driving, driven = system.driving.copy(), system.driven.copy()
     if not system.held.any():
         return _Ends(driving, driven, ())
@@ -64,7 +75,7 @@ def _split_held(system: "System") -> _Ends:
     for station in np.flatnonzero(system.held).tolist():
         touching = [(side, s) for side in (driving, driven) for s in np.flatnonzero(side == station).tolist()]
         other = {id(driving): driven, id(driven): driving}
-        for side, span in touching:
+        for side, span in touching if len(touching) > 1 else []:
             beyond = int(group[other[id(side)][span]])
             if beyond in rooted or system.stations[station].is_ground:
                 side[span] = number + len(copies)
@@ -76,6 +87,9 @@ def _split_held(system: "System") -> _Ends:
 
 def _groups(number: int, driving: IntArray, driven: IntArray, held: BoolArray) -> IntArray:
     """Which stations hang together without passing through a held one."""
+    if number >= MANY:
+        free = ~held[driving] & ~held[driven]
+        return np.asarray(connected(number, driving[free], driven[free]), dtype=np.int64)
     group = np.arange(number)
 
     def root(a: int) -> int:
@@ -111,14 +125,13 @@ def _spanning(flexibility: FloatArray, ends: _Ends, number: int) -> BoolArray:
     return chosen
 
 
-def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, walk: "_Walk") -> Folded:
+def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> Folded:
     """Number the tree from its roots outward."""
     stations = len(system.stations)
-    order = np.array(walk.order, dtype=np.int64)
-    number = len(order)
+    order, number = way.order, len(way.order)
     place = np.empty(number, dtype=np.int64)
     place[order] = np.arange(number)
-    parent, above = np.array(walk.parent, dtype=np.int64)[order], np.array(walk.above, dtype=np.int64)[order]
+    parent, above = way.parent[order], way.above[order]
     node = np.flatnonzero(above >= 0)
     span, ratio2 = above[node], system.span_ratio**2
     tree_flexibility, viscous, loss = np.zeros((3, number))
@@ -134,43 +147,6 @@ def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: Bool
     _refuse_rigid_held(tree)
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
     return Folded(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
-
-
-@dataclass(frozen=True)
-class _Walk:
-    """A way from the roots over every station; -1 at a root."""
-
-    order: list[int]  # the stations and copies as they are met
-    parent: list[int]  # of each station
-    above: list[int]  # the span each station was reached by
-
-
-def _walk(system: "System", ends: _Ends, chosen: BoolArray) -> _Walk:
-    """Breadth first from a held station, else from the first station, of every separate train, over `chosen` spans."""
-    stations = len(system.stations)
-    number = stations + len(ends.copies)
-    near: list[list[tuple[int, int]]] = [[] for _ in range(number)]
-    for span, (a, b) in enumerate(zip(ends.driving.tolist(), ends.driven.tolist(), strict=True)):
-        if chosen[span]:
-            near[a].append((b, span))
-            near[b].append((a, span))
-    parent, above, order = [-1] * number, [-1] * number, list[int]()
-    seen = [False] * number
-    held = [s for s in np.flatnonzero(system.held).tolist() if near[s]]
-    for start in held + list(range(number)):
-        if seen[start]:
-            continue
-        seen[start] = True
-        met = len(order)
-        order.append(start)
-        while met < len(order):
-            here = order[met]
-            met += 1
-            for there, span in near[here]:
-                if not seen[there]:
-                    seen[there], parent[there], above[there] = True, here, span
-                    order.append(there)
-    return _Walk(order, parent, above)
 
 
 def _refuse_rigid_held(tree: Tree) -> None:

@@ -81,16 +81,17 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     straight = all(node[bar.driving] == at for bar, at in zip(row, stations, strict=False))
     if not straight or len(set(stations)) < len(stations):
         return BendingShaft(names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches")
-    lacks, before = "", len(faults)
+    lacks, before, of_material = "", len(faults), list[Fault]()
     joints = _joints(train, node, stations)
     if any(at not in (0, len(row)) for _, _, at in joints):
         lacks = "a joint stands between its ends"
-    segments = [_segment(train, bar, faults) for bar in row]
-    points, held = _points(row, joints)
+    segments = [_segment(train, bar, of_material) for bar in row]
+    points, held = _points(train, row, joints)
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
     if not lacks and len(faults) == before:
         lacks = _missing(train, row, beam)
+    faults += [] if lacks else of_material
     at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
     ratio = train.stations[row[0].driving].ratio
     return BendingShaft(names, parts, ratio, beam, at, _loads(train, node, stations, parts), lacks)
@@ -119,14 +120,14 @@ def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
     return Segment(bar.length, bar.outer, bar.bore, modulus or 1.0, bar.density, bar.shear_modulus, bar.loss_factor)
 
 
-def _points(row: list[Bar], joints: list[Placing]) -> tuple[list[Point], list[int]]:
+def _points(train: Train, row: list[Bar], joints: list[Placing]) -> tuple[list[Point], list[int]]:
     """Pinned points of the joints, one for all that share a place, and which of them each joint has."""
     points: list[Point] = []
     at: dict[int, int] = {}
-    for _, _, place in joints:
+    for part, _, place in joints:
         if place not in at:
             at[place] = len(points)
-            points.append(Point(sum(bar.length for bar in row[:place]), "joint", held="pinned"))
+            points.append(Point(sum(bar.length for bar in row[:place]), train.parts[part].name, held="pinned"))
     return points, [at[place] for _, _, place in joints]
 
 

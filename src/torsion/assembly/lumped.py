@@ -32,5 +32,5 @@ def assemble_lumped(train: Train, *, frequency: float = 0.0) -> System:
     segments: dict[str, int] = {}
     for bar in train.bars:
         segments[bar.name] = number = segments_for(bar, frequency)
-        found.pieces(bar, [*found.inside(bar, number), bar.driven], *bar_segments(bar, number))
+        found.row(bar, *bar_segments(bar, number))
     return found.system("lumped", segments)

@@ -9,6 +9,8 @@ from torsion.kernels.sections import polar_area_moment
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 
+BLOCK = 2**14  # pieces of a cone at once; 3 MB an array
+
 
 def phase(bar: Bar, frequency: float) -> float:
     """Phase (rad) of a wave of some frequency (Hz) along a shaft: omega length sqrt(density/shear modulus)."""
@@ -22,18 +24,29 @@ def is_uniform(bar: Bar) -> bool:
 
 def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a bar, by exact integrals."""
-    edge = np.linspace(0.0, 1.0, number + 1)
-    x, weight = gauss()
-    at = edge[:-1, None] + (x + 1.0) / 2.0 / number
-    outer = bar.outer[0] + (bar.outer[1] - bar.outer[0]) * at
-    bore = bar.bore[0] + (bar.bore[1] - bar.bore[0]) * at
-    area = polar_area_moment(outer, bore)
     length = bar.length / number
-    mean_flexibility = (1.0 / area) @ weight / 2.0
-    mean_inertia = area @ weight / 2.0
-    flexibility = length * mean_flexibility / bar.shear_modulus
-    half = bar.density * length * mean_inertia / 2.0
-    return flexibility, np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half])
+    if is_uniform(bar):
+        area = float(polar_area_moment(np.array(bar.outer[0]), np.array(bar.bore[0])))
+        lump = np.full(number + 1, bar.density * length * area)
+        lump[[0, -1]] *= 0.5
+        return np.full(number, length / (bar.shear_modulus * area)), lump
+    mean_flexibility, mean_area = _means_of_cone(bar, number)
+    half = bar.density * length * mean_area / 2.0
+    return length * mean_flexibility / bar.shear_modulus, np.append(half, 0.0) + np.append(0.0, half)
+
+
+def _means_of_cone(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
+    """Mean of 1 / I_p in 1/m4, and of I_p in m4, over each of `number` pieces (pieces,)."""
+    edge = np.linspace(0.0, 1.0, number + 1)[:-1]
+    x, weight = gauss()
+    means = np.empty((2, number))
+    for begin in range(0, number, BLOCK):
+        part = slice(begin, begin + BLOCK)
+        at = edge[part, None] + (x + 1.0) / 2.0 / number
+        area = polar_area_moment(bar.outer[0] + (bar.outer[1] - bar.outer[0]) * at,
+                                 bar.bore[0] + (bar.bore[1] - bar.bore[0]) * at)  # fmt: skip
+        means[:, part] = (1.0 / area) @ weight / 2.0, area @ weight / 2.0
+    return means[0], means[1]
 
 
 @cache

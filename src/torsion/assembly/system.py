@@ -1,13 +1,14 @@
 """The system kept in factors: stations, spans and their data, and the tree that the sweeps run over."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.assembly.folding import Folded, fold
+from torsion.assembly.spans import Row, Span
 from torsion.kernels.sections import polar_area_moment
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.primitives import Bar, Damper, Station
@@ -15,18 +16,6 @@ from torsion.train import Train
 
 if TYPE_CHECKING:
     from torsion.kernels.bars import Bars
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """An elastic or rigid piece between two stations, or a mesh or joint."""
-
-    name: str
-    part: int
-    driving: int
-    driven: int
-    ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
-    error: tuple[tuple[int, complex], ...] = ()  # of the driven angle, over the driving station's angle
 
 
 @dataclass(frozen=True)
@@ -74,8 +63,8 @@ class System:
 
     train: Train
     model: str
-    stations: tuple[Station, ...]
-    spans: tuple[Span, ...]
+    stations: Sequence[Station]
+    spans: Sequence[Span]
     inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where held; half of each piece of a shaft included
     flexibility: FloatArray  # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only
     viscous: FloatArray  # (spans,) N m s/rad
@@ -83,12 +72,36 @@ class System:
     dampers: tuple[Damper, ...]
     segments: dict[str, int]  # of every bar, by name: segments, elements or pieces
     bars: BarSpans | None = None  # of the models `fem` and `exact`, where a shaft has inertia
+    rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
+
+    @property
+    def own_stations(self) -> int:
+        """How many stations are not between the segments of a row; they come first."""
+        return len(self.stations) - sum(row.number - 1 for row in self.rows)
+
+    @property
+    def own_spans(self) -> Sequence[Span]:
+        """The spans that are no segments of a row; they come first."""
+        return self.spans[: len(self.spans) - sum(row.number for row in self.rows)] if self.rows else self.spans
 
     @cached_property
     def speed_ratio(self) -> FloatArray:
         """(stations,) speed of each station / reference speed."""
-        ratios = [station.ratio for station in self.stations]
-        return np.array([ratio.numerator / ratio.denominator for ratio in ratios])
+        own = [station.ratio for station in self.stations[: self.own_stations]]
+        inside = [np.full(row.number - 1, float(row.begin.ratio)) for row in self.rows]
+        return np.concatenate([np.array([r.numerator / r.denominator for r in own], dtype=np.float64), *inside])
+
+    @cached_property
+    def station_part(self) -> IntArray:
+        """(stations,) the component that made each station, as a position in the train's parts."""
+        own = [station.part for station in self.stations[: self.own_stations]]
+        inside = [np.full(row.number - 1, row.bar.part) for row in self.rows]
+        return np.concatenate([np.array(own, dtype=np.int64), *inside])
+
+    @cached_property
+    def span_part(self) -> IntArray:
+        """(spans,) the component that made each span."""
+        return self._over_spans(lambda span: span.part, lambda row: np.full(row.number, row.bar.part))
 
     @cached_property
     def span_ratio(self) -> FloatArray:
@@ -98,12 +111,12 @@ class System:
     @cached_property
     def driving(self) -> IntArray:
         """(spans,) driving station of each span."""
-        return np.array([span.driving for span in self.spans], dtype=np.int64)
+        return self._over_spans(lambda span: span.driving, lambda row: row.stations[:-1])
 
     @cached_property
     def driven(self) -> IntArray:
         """(spans,) driven station of each span."""
-        return np.array([span.driven for span in self.spans], dtype=np.int64)
+        return self._over_spans(lambda span: span.driven, lambda row: row.stations[1:])
 
     @cached_property
     def held(self) -> BoolArray:
@@ -134,6 +147,11 @@ class System:
     def damps(self) -> bool:
         """Anything in the train takes energy out."""
         return bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+
+    def _over_spans(self, of: Callable[[Span], int], over: Callable[[Row], IntArray]) -> IntArray:
+        """(spans,) what is known of every span one by one, and of every row at once."""
+        own = np.array([of(span) for span in self.own_spans], dtype=np.int64)
+        return np.concatenate([own, *map(over, self.rows)])
 
     def ground_damping(self, speed: FloatArray, mean_torque: FloatArray) -> FloatArray:
         """(stations, speeds) N m s/rad, at reference speeds (rad/s) and mean torques (stations, speeds) N m applied."""

@@ -9,6 +9,7 @@ from torsion import fields
 from torsion.components.base import Component
 from torsion.components.lowering import Lowering
 from torsion.components.section import MeshedSection
+from torsion.components.support import Support
 from torsion.fields import OneOrMany, given, refuse, required
 from torsion.primitives import Bar
 
@@ -23,7 +24,6 @@ class Shaft(Component):
 
     keyword: ClassVar[str] = "shaft"
     sort: ClassVar[Literal["point", "link", "none"]] = "link"
-    unbuilt: ClassVar[tuple[str, ...]] = ("support",)
 
     length: fields.Length = required("length")
     diameter: Annotated[tuple[fields.Length, ...], OneOrMany] = given("outer diameter, or [from, to] of a cone", ())
@@ -32,10 +32,11 @@ class Shaft(Component):
         "cross-section by mesh, in place of `diameter` and `bore`", validate_default=True
     )
     material: str = given("name of one of `materials`", "steel")
-    segments: Annotated[int, Field(ge=1, le=100_000)] | None = given("lumped segments (default: as many as needed)")
+    segments: Annotated[int, Field(ge=1, le=1_000_000)] | None = given("lumped segments (default: as many as needed)")
     loss_factor: fields.Share | None = given("loss factor (default: the material's)")
     role: Literal["intermediate", "thrust", "propeller"] | None = given("what the class rules call this shaft")
     features: Annotated[tuple[Feature, ...], OneOrMany] = given("details that the rules reduce the limit for", ())
+    support: Annotated[tuple[Support, ...], OneOrMany] = given("bearings on springs that hold the shaft sideways", ())
 
     @field_validator("section")
     @classmethod

@@ -38,7 +38,8 @@ def element_modes_dense(tree: Tree, bars: Bars, count: int) -> BarModes:
     unknowns = _unknowns(train, known, element)
     local = _local_inertia(element)
     bend, mass = _rows_of_bend(train, unknowns, element), _rows_of_inertia(train, unknowns, local)
-    x = _vectors(bend, mass, _low_square(train.static))[:, len(known.free_roots) :]
+    rigid = len(known.free_roots)
+    x = _vectors(bend, mass, _low_square(train.static), rigid + count)[:, rigid:]
     twice, weight = np.sum((bend @ x) ** 2, axis=0), np.sum((mass @ x) ** 2, axis=0)
     square = twice / np.where(weight > 0.0, weight, np.nan)
     order = np.argsort(square, kind="stable")[: min(count, int(np.isfinite(square).sum()))]
@@ -113,13 +114,13 @@ def _ends(train: BarTree, unknowns: _Unknowns) -> IntArray:
     return unknowns.of_station[np.column_stack([train.parent, train.bars.node])]
 
 
-def _vectors(bend: FloatArray, mass: FloatArray, low_square: float) -> FloatArray:
-    """Shapes (unknowns, m) in ascending order of frequency, the rigid motions first."""
+def _vectors(bend: FloatArray, mass: FloatArray, low_square: float, wanted: int) -> FloatArray:
+    """Shapes (unknowns, wanted) in ascending order of frequency, the rigid motions first."""
     stacked = np.concatenate((bend, np.sqrt(low_square) * mass))
     scale = 1.0 / np.linalg.norm(stacked, axis=0)
     triangle = np.asarray(np.linalg.qr(stacked * scale, mode="r"))
     flat = np.linalg.solve(triangle.T, (mass * scale).T).T
-    _, _, vectors = np.linalg.svd(flat, full_matrices=False)
+    vectors = np.linalg.svd(flat, full_matrices=False)[2][:wanted]
     return np.asarray(scale[:, None] * np.linalg.solve(triangle, vectors.T))
 
 

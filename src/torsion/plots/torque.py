@@ -13,12 +13,13 @@ Array = NDArray[np.float64]
 def torque(
     name: str, *, speed: Array, lines: Sequence[tuple[str, Array]], synthesis: Array | None, bad: NDArray[np.bool_],
     unit: str, limits: Sequence[tuple[str, float]] = (), rated: float | None = None,
-    barred: tuple[tuple[float, float], ...] = (),
+    barred: tuple[tuple[float, float], ...] = (), unstable: tuple[tuple[float, float], ...] = (),
 ) -> str:  # fmt: skip
     """speed, bad: (speeds,) rpm; lines: (label, (speeds,)) and synthesis in `unit`, NaN where there is no answer."""
     with page(name, 2.75) as sheet:
         axes = sheet.axes[0]
         ranges(axes, barred)
+        ranges(axes, unstable, "unstable range")
         if np.any(bad):
             hatch(axes, speed, bad)
         for (label, values), pen in zip(lines, pens(len(lines)), strict=True):

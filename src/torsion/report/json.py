@@ -10,9 +10,13 @@ from typing import Any
 
 import torsion
 from torsion.findings import Findings
+from torsion.report.json_check import check as model_check
 from torsion.report.json_joints import joints
+from torsion.report.json_lateral import lateral
+from torsion.report.json_motion import periodic, stability, stability_map
 from torsion.report.json_numbers import exact, finite, numbers
-from torsion.report.json_response import frequency_response, response, synthesis
+from torsion.report.json_response import MOST_SEGMENTS, frequency_response, response, synthesis
+from torsion.report.told import told
 
 FORMAT = 1
 LEGEND = {
@@ -22,6 +26,8 @@ LEGEND = {
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
     "reference": "orders and speeds count from the component `scene.reference`",
     "status": "ok, near-singular or singular: how far a line can be trusted; where singular, amplitudes are null",
+    "long_shafts": f"of a shaft of more than {MOST_SEGMENTS} segments stretches are told, as `name [first..last]`: "
+    "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
     "null": "no value, not a number, or infinite (a held station's inertia)",
 }
 
@@ -41,8 +47,13 @@ def results(findings: Findings) -> dict[str, Any]:
         "mean": _steady(findings),
         "response": response(findings),
         "synthesis": synthesis(findings),
+        "periodic": periodic(findings),
+        "stability": stability(findings),
+        "stability_map": stability_map(findings),
         "frequency_response": frequency_response(findings),
         "joints": joints(findings.joints),
+        "lateral": lateral(findings.lateral),
+        "check": model_check(findings.check),
         "checks": [_check(check) for check in findings.checks],
         "plan": _plan(findings),
     }
@@ -56,6 +67,12 @@ def text(findings: Findings) -> str:
 def joint_text(findings: Findings) -> str:
     """The joints alone as JSON text, under the keys that they have among the results."""
     alone = ("format", "program", "legend", "scene", "joints", "checks", "plan")
+    return _lines({key: value for key, value in results(findings).items() if key in alone})
+
+
+def check_text(findings: Findings) -> str:
+    """The comparison of the models alone as JSON text, under the keys that it has among the results."""
+    alone = ("format", "program", "legend", "scene", "check", "plan")
     return _lines({key: value for key, value in results(findings).items() if key in alone})
 
 
@@ -82,6 +99,8 @@ def _scene(findings: Findings) -> dict[str, Any]:
 
 def _stations(findings: Findings) -> list[dict[str, Any]]:
     system, parts = findings.system, findings.system.train.parts
+    every = told(system, MOST_SEGMENTS)
+    inertia = every.over_stations(system.inertia)
     return [
         {
             "name": station.name,
@@ -91,28 +110,32 @@ def _stations(findings: Findings) -> list[dict[str, Any]]:
             "sense": station.sense,
             "is_ground": station.is_ground,
             "is_held": bool(system.held[index]),
-            "inertia_kg_m2": finite(float(system.inertia[index])),
+            "inertia_kg_m2": finite(float(inertia[place])),
         }
-        for index, station in enumerate(system.stations)
+        for place, index in enumerate(every.stations.tolist())
+        for station in (system.stations[index],)
     ]
 
 
 def _spans(findings: Findings) -> list[dict[str, Any]]:
     system, parts = findings.system, findings.system.train.parts
+    every = told(system, MOST_SEGMENTS)
+    names, ends, flexibility = every.names(), every.ends.tolist(), every.over_spans(system.flexibility)
     return [
         {
-            "name": span.name,
+            "name": names[place],
             "component": parts[span.part].name,
             "kind": parts[span.part].component.keyword,
-            "driving_station": span.driving,
-            "driven_station": span.driven,
+            "driving_station": ends[place][0],
+            "driven_station": ends[place][1],
             "ratio": exact(span.ratio),
-            "flexibility_rad_per_Nm": finite(float(system.flexibility[index])),
+            "flexibility_rad_per_Nm": finite(float(flexibility[place])),
             "loss_factor": float(system.loss_factor[index]),
             "viscous_Nms_per_rad": float(system.viscous[index]),
             "error": [{"order": order, "amplitude_rad": [value.real, value.imag]} for order, value in span.error],
         }
-        for index, span in enumerate(system.spans)
+        for place, index in enumerate(every.spans.tolist())
+        for span in (system.spans[index],)
     ]
 
 
@@ -120,6 +143,7 @@ def _modes(findings: Findings) -> dict[str, Any] | None:
     modes = findings.modes
     if modes is None:
         return None
+    every = told(findings.system, MOST_SEGMENTS)
     return {
         "rigid_motions": modes.rigid,
         "is_certified": modes.certified,
@@ -127,10 +151,10 @@ def _modes(findings: Findings) -> dict[str, Any] | None:
         "lower_Hz": numbers(modes.lower),
         "upper_Hz": numbers(modes.upper),
         "nodes": numbers(modes.nodes),
-        "shape_rad": numbers(modes.shape.T),
-        "torque_Nm": numbers(modes.torque.T),
-        "kinetic_share": numbers(modes.kinetic.T),
-        "elastic_share": numbers(modes.elastic.T),
+        "shape_rad": numbers(modes.shape[every.stations].T),
+        "torque_Nm": numbers(modes.torque[every.spans].T),
+        "kinetic_share": numbers(every.over_stations(modes.kinetic).T),
+        "elastic_share": numbers(every.over_spans(modes.elastic).T),
     }
 
 
@@ -163,10 +187,11 @@ def _steady(findings: Findings) -> dict[str, Any] | None:
     steady = findings.steady
     if steady is None:
         return None
+    every = told(findings.system, MOST_SEGMENTS)
     return {
         "speed_rad_per_s": numbers(steady.speed),
-        "torque_Nm": numbers(steady.torque),
-        "applied_Nm": numbers(steady.applied),
+        "torque_Nm": numbers(steady.torque[every.spans]),
+        "applied_Nm": numbers(steady.applied[every.stations]),
         "sharing": steady.sharing,
     }
 

@@ -78,8 +78,8 @@ def _place(system: System, index: int, x: FloatArray, row: FloatArray, line: int
     part = system.train.parts[index]
     first, last = part.stations[0], part.stations[-1]
     if np.isnan(x[first]):
-        before = [s for s in system.spans if first in (s.driving, s.driven)]
-        near = [s.driving if s.driven == first else s.driven for s in before]
+        touching = np.flatnonzero((system.driving == first) | (system.driven == first))
+        near = np.where(system.driven == first, system.driving, system.driven)[touching].tolist()
         known = [float(x[s]) for s in near if not np.isnan(x[s])]
         wheel = system.train.parts[system.stations[first].part].component.keyword == "gear"
         x[first] = known[0] + (WIDTH["gear"] if wheel else RIGID) if known else 0.0
@@ -92,9 +92,9 @@ def _place(system: System, index: int, x: FloatArray, row: FloatArray, line: int
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
     """Inner stations of a shaft, evenly between its ends; the end that tells the torque there at the driven end."""
     for bar in system.train.bars:
-        inner = [s for s, station in enumerate(system.stations) if station.part == bar.part and np.isnan(x[s])]
+        inner = np.flatnonzero((system.station_part == bar.part) & np.isnan(x))
         if system.bars is not None and bar.density > 0:
-            end = inner.pop()
+            end, inner = inner[-1], inner[:-1]
             x[end], row[end] = x[bar.driven], row[bar.driven]
         share = np.arange(1, len(inner) + 1) / (len(inner) + 1)
         x[inner] = x[bar.driving] + share * (x[bar.driven] - x[bar.driving])
@@ -103,7 +103,7 @@ def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
 
 def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
     """Rings, grounds and wheels without a train: beside the station that they hang on."""
-    for span in system.spans:
+    for span in system.own_spans:
         for near, far in ((span.driving, span.driven), (span.driven, span.driving)):
             if np.isnan(x[far]) and not np.isnan(x[near]):
                 x[far], row[far] = x[near], row[near] + 0.5

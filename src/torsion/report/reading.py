@@ -1,6 +1,7 @@
 """What several chapters read from the findings."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def unreliable(findings: Findings) -> BoolArray:
     return np.asarray(np.any(response.status != Status.OK, axis=1))
 
 
-def amplitude(findings: Findings, spans: tuple[int, ...]) -> FloatArray:
+def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds, lines) N m: largest torque amplitude in the spans; NaN where the line is not ok."""
     response = findings.response
     if response is None:
@@ -85,12 +86,18 @@ def amplitude(findings: Findings, spans: tuple[int, ...]) -> FloatArray:
     return np.where(response.status == Status.OK, size, np.nan)
 
 
-def synthesis(findings: Findings, spans: tuple[int, ...]) -> FloatArray:
+def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds,) N m: largest half range of all lines together in the spans; NaN where any line is not ok."""
     if findings.synthesis is None:
         return np.zeros(0)
     size = findings.synthesis.half_range[:, list(spans)].max(axis=1)
     return np.where(unreliable(findings), np.nan, size)
+
+
+def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
+    """The unstable ranges of speed, rpm."""
+    found = () if findings.stability is None else findings.stability.ranges
+    return tuple((one.first * RPM, one.last * RPM) for one in found)
 
 
 def failed(findings: Findings) -> tuple[Check, ...]:

@@ -13,8 +13,12 @@ from rich.text import Text
 
 from torsion.findings import Findings
 from torsion.report.chapters import verdict
+from torsion.report.chapters.lateral import speed_range
+from torsion.report.check_text import largest_errors
 from torsion.report.grids import filled, grid, printed, verdicts
 from torsion.report.joint_text import lines_as_one
+from torsion.report.lateral_text import bending_speeds
+from torsion.report.motion_text import largest_by_both, unstable_ranges
 from torsion.report.numbers import number, order, rpm
 
 
@@ -33,8 +37,12 @@ def tables(findings: Findings) -> list[RenderableType]:
     """Everything that is printed, narrow enough for 80 columns; the verdict last, where the eye is."""
     shown: list[RenderableType] = [Text(findings.study.name, style="bold")]
     joints = None if findings.joints is None else lines_as_one(findings.joints)
-    found = (_frequencies(findings), _critical_speeds(findings), _torques(findings), joints, verdicts(findings))
-    shown += [made for made in found if made is not None and made.row_count]
+    bent = None if findings.lateral is None else bending_speeds(findings.lateral, speed_range(findings))
+    moved = largest_by_both(findings), unstable_ranges(findings)
+    found = (_frequencies(findings), _critical_speeds(findings), _torques(findings), *moved, joints, bent)
+    shown += [made for made in (*found, verdicts(findings)) if made is not None and made.row_count]
+    if findings.check is not None and findings.check.exact is not None:
+        shown.append(largest_errors(findings.check))
     return [*shown, *(printed(block) for block in verdict.conclusion(findings))]
 
 

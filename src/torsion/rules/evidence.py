@@ -48,7 +48,7 @@ def parts_of_kind(study: Study, keyword: str) -> Iterator[tuple[int, Part]]:
 
 def spans_of(system: "System", part: int) -> IntArray:
     """(spans of the part,) positions of the spans that a component was made into, from driving to driven."""
-    return np.array([k for k, span in enumerate(system.spans) if span.part == part], dtype=np.int64)
+    return np.flatnonzero(system.span_part == part)
 
 
 def rated_torque(evidence: Evidence, spans: IntArray) -> FloatArray | None:

@@ -15,7 +15,8 @@ _LISTS = {"motor": "ripple", "propeller": "excitation"}  # keys of components th
 
 def study_faults(study: Study) -> list[Fault]:
     """Faults between sections: speeds, frequencies, mean torque and what the rules need."""
-    return [*_model_faults(study), *_response_faults(study), *_joint_faults(study), *lacking(study)]
+    found = [*_model_faults(study), *_check_faults(study), *_response_faults(study), *_joint_faults(study)]
+    return [*found, *_motion_faults(study), *_lateral_faults(study), *lacking(study)]
 
 
 def _model_faults(study: Study) -> Iterator[Fault]:
@@ -26,6 +27,15 @@ def _model_faults(study: Study) -> Iterator[Fault]:
         yield Fault(("analyses", "model"), message, "model: lumped")
 
 
+def _check_faults(study: Study) -> list[Fault]:
+    """Trains of which there is no exact model to compare the others with."""
+    if "check" not in study.analyses:
+        return []
+    from torsion.analyses.check import loop_faults
+
+    return loop_faults(study, ("analyses", "check"))
+
+
 def _joint_faults(study: Study) -> list[Fault]:
     """Joints that the settings of `joints` name, and any joint at all."""
     asked = study.analyses.get("joints")
@@ -34,6 +44,26 @@ def _joint_faults(study: Study) -> list[Fault]:
     from torsion.analyses.joints import Asked, settings_faults
 
     return settings_faults(study.train, asked) if isinstance(asked, Asked) else []
+
+
+def _motion_faults(study: Study) -> list[Fault]:
+    """Trains of which there is no exact motion, where it is asked for."""
+    exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
+    if not exact and "stability" not in study.analyses:
+        return []
+    from torsion.analyses.motion_faults import asked_faults
+
+    return asked_faults(study)
+
+
+def _lateral_faults(study: Study) -> list[Fault]:
+    """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
+    if not study.bends:
+        return []
+    from torsion.analyses.lateral import Asked, lateral_faults
+
+    asked = study.analyses.get("lateral")
+    return lateral_faults(study.train, asked if isinstance(asked, Asked) else None)
 
 
 def _response_faults(study: Study) -> Iterator[Fault]:

@@ -46,7 +46,8 @@ NOTES = {  # what the keys of a kind need of each other
     "meshed: straight triangles make a polygon of a circle (64 sides: torsion constant 0.3 % too small), six-node "
     "triangles follow it with parabolas (64: 4e-7). At a sharp inner corner the stress is unbounded, and the "
     "section then has no stress modulus: round it. The class rule does not judge a shaft with a section, nor is it "
-    "judged for bending as a tube.",
+    "judged for bending as a tube.\n\nA `support` is a bearing on springs, one mapping or a list of them; with it the "
+    "bending of the shafts is computed, also where `analyses` does not name `lateral`.",
     "coupling": "Give `stiffness` or `flexibility`, and at most one of `viscous`, `loss_factor`, `psi` and "
     "`magnifier`; a rigid coupling has none of these.",
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "

@@ -13,9 +13,11 @@ from torsion.report.elements import elements
 from torsion.report.layout import Layout, layout
 from torsion.report.numbers import number, rpm
 from torsion.report.reading import per_minute
+from torsion.report.told import told
 
 MOST_NAMES = 14  # components on the main line up to which links are named under a mode plot
 MOST_MODES = 12  # of which plots and tables are printed
+MOST_SEGMENTS = 500  # of a shaft that are drawn
 SMALLEST_SHARE = 0.005  # of the energy of a mode; less is not listed
 
 
@@ -114,8 +116,8 @@ def _kinetic(findings: Findings, modes: Modes, shown: int) -> list[tuple[str, Fl
     found = [(system.stations[k].name, modes.kinetic[k, :shown]) for k in range(own)]
     inside = "inner segments" if system.bars is None else "between its pieces"
     for bar in system.train.bars:
-        inner = [k for k in range(own, len(system.stations)) if system.stations[k].part == bar.part]
-        if inner:
+        inner = own + np.flatnonzero(system.station_part[own:] == bar.part)
+        if inner.size:
             found.append((f"{bar.name} ({inside})", modes.kinetic[inner, :shown].sum(axis=0)))
     return found
 
@@ -136,14 +138,14 @@ def _ticks(findings: Findings, place: Layout) -> list[tuple[float, str]]:
 
 
 def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:
-    system = findings.system
-    place = layout(system)
-    angle = modes.shape[:, mode] / system.speed_ratio
-    torque = modes.torque[:, mode] * system.span_ratio
+    system, place = findings.system, layout(findings.system)
+    drawn = told(system, MOST_SEGMENTS)
+    angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
+    torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]
     largest = angle[np.argmax(np.abs(angle))]
-    own = np.arange(len(system.stations)) < len(system.train.stations)
+    own = drawn.stations < len(system.train.stations)
     values = {
-        "x": place.x, "row": place.row, "ends": np.column_stack([system.driving, system.driven]), "marked": own,
+        "x": place.x[drawn.stations], "row": place.row[drawn.stations], "ends": drawn.ends, "marked": own,
         "angle": angle / largest, "torque": torque / np.abs(torque).max(initial=np.finfo(float).tiny),
         "ticks": _ticks(findings, place),
     }  # fmt: skip
@@ -151,4 +153,6 @@ def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:
     caption = (
         f"Mode {mode + 1}, {f} Hz: angle and torque referred to the reference speed, relative to their largest value"
     )
+    if not drawn.is_whole:
+        caption += f"; of long shafts every {drawn.longest}th segment is drawn"
     return Figure(f"mode-{mode + 1}", caption, "mode", values)

@@ -1,12 +1,14 @@
 """The Holzer table of a mode as a block: inner segments of a shaft are summed into the row of its end."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.modes import Modes
 from torsion.findings import Findings
+from torsion.kernels.tree import FloatArray, IntArray
 from torsion.report.blocks import Block, Column, Table
 from torsion.report.numbers import NONE, number
 
@@ -25,13 +27,9 @@ def holzer_table(findings: Findings, modes: Modes, mode: int) -> list[Block]:
     largest = float(np.abs(table.angle).max())
     scale, first = (largest, "largest") if largest > MOST_TIMES_FIRST else (1.0, "first")
     own = len(findings.system.train.stations)
-    rows, summed = [], _Sum()
-    for row, station in enumerate(table.station.tolist()):
-        if station >= own:
-            summed.add(table, row)
-            continue
-        rows.append(_row(findings, table, row, summed, scale))
-        summed = _Sum()
+    told = np.flatnonzero(table.station < own)
+    sums = _Sums.of(table, told)
+    rows = [_row(findings, table, (row, line), sums, scale) for line, row in enumerate(told.tolist())]
     segments = _summed(findings) if own < len(findings.system.stations) else ""
     caption = f"Holzer table of mode {mode + 1}, referred to the reference speed, {first} amplitude 1 rad.{segments}"
     return [Table(COLUMNS, tuple(rows), caption)]
@@ -47,32 +45,36 @@ def _summed(findings: Findings) -> str:
     )
 
 
-class _Sum:
-    """What the inner segments of a shaft add to the row of its end."""
+@dataclass(frozen=True)
+class _Sums:
+    """Sums over each told row and the inner segments of a shaft before it; (told rows,) each."""
 
-    def __init__(self) -> None:
-        self.flexibility = self.twist = self.torque = self.inertia = 0.0
+    flexibility: FloatArray
+    twist: FloatArray
+    torque: FloatArray
+    inertia: FloatArray
 
-    def add(self, table: HolzerTable, row: int) -> None:
-        """Add one inner segment."""
-        self.flexibility += float(table.flexibility[row])
-        self.twist += float(table.twist[row])
-        self.torque += float(table.inertia_torque[row])
-        self.inertia += float(table.referred_inertia[row])
+    @classmethod
+    def of(cls, table: HolzerTable, told: IntArray) -> "_Sums":
+        """The sums up to each of the rows `told` from the one before; what is behind the last belongs to none."""
+        starts, end = np.append(0, told[:-1] + 1), int(told[-1]) + 1
+        columns = table.flexibility, table.twist, table.inertia_torque, table.referred_inertia
+        return cls(*(np.add.reduceat(column[:end], starts) for column in columns))
 
 
-def _row(findings: Findings, table: HolzerTable, row: int, inner: _Sum, scale: float) -> tuple[str, ...]:
+def _row(findings: Findings, table: HolzerTable, place: tuple[int, int], sums: _Sums, scale: float) -> tuple[str, ...]:
+    """The line of the printed table for a row; place: row of the table and number of the line."""
+    row, line = place
     system, span = findings.system, int(table.span[row])
-    inertia = float(table.referred_inertia[row]) + inner.inertia
+    inertia = float(sums.inertia[line])
     cells = [
         system.stations[int(table.station[row])].name, "held" if math.isinf(inertia) else number(inertia),
         number(float(table.angle[row]) / scale, 6),
-        number((float(table.inertia_torque[row]) + inner.torque) / scale),
+        number(float(sums.torque[line]) / scale),
     ]  # fmt: skip
     if span < 0:
         return (*cells, NONE, NONE, NONE, NONE)
     name = system.train.parts[system.spans[span].part].name
-    flexibility = float(table.flexibility[row]) + inner.flexibility
-    twist = float(table.twist[row]) + inner.twist
+    flexibility, twist = float(sums.flexibility[line]), float(sums.twist[line])
     through = "rigid" if flexibility == 0 else number(flexibility)
     return (*cells, name, number(float(table.torque[row]) / scale), through, number(twist / scale))

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from torsion.asked import has_inertia
+from torsion.assembly.section import stress_modulus
 from torsion.findings import Findings
-from torsion.kernels.sections import section_modulus
-from torsion.primitives import Bar
+from torsion.primitives import Bar, SectionMesh
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, exact, given, number, scale
@@ -104,12 +104,13 @@ def _losses(findings: Findings, element: Element) -> tuple[str, str]:
 
 def _shafts(findings: Findings) -> Table:
     rows = []
-    for bar in findings.study.train.bars:
+    for asked, bar in zip(findings.study.train.bars, findings.system.train.bars, strict=True):
         component = findings.study.train.parts[bar.part].component
+        modulus, is_round = stress_modulus(bar) * 1e9, asked.section is None
         rows.append((
-            bar.name, _diameters(bar.outer), _diameters(bar.bore), given(bar.length * 1e3),
-            number(float(min(section_modulus(bar.outer, bar.bore))) * 1e9),
-            number(_inertia(findings, bar), 6), getattr(component, "material", NONE), given(bar.shear_modulus / 1e9),
+            bar.name, asked.section.file if isinstance(asked.section, SectionMesh) else _diameters(bar.outer),
+            _diameters(bar.bore) if is_round else NONE, given(bar.length * 1e3), number(modulus),
+            number(_inertia(findings, bar), 6), getattr(component, "material", NONE), given(asked.shear_modulus / 1e9),
             given(bar.density), str(findings.system.segments.get(bar.name, 1)), _source(findings, bar.part),
         ))  # fmt: skip
     columns = (

@@ -48,7 +48,7 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
     """Everything that the sketch draws as a disc."""
     system, place = findings.system, layout(findings.system)
     finite = [j for j in system.inertia.tolist() if 0 < j < math.inf]
-    grounds = {s.driving for s in system.spans if system.stations[s.driven].is_ground}
+    grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
     found = []
     for position, part in enumerate(system.train.parts):
         if part.component.sort != "point" or not part.stations:
@@ -74,7 +74,7 @@ def _size(inertia: float, finite: list[float]) -> float:
 
 def _ring(findings: Findings, part: int, here: int, finite: list[float]) -> float:
     """Size of the ring that hangs on a damper's housing; 0 where there is none."""
-    for span in findings.system.spans:
+    for span in findings.system.own_spans:
         if span.part == part and span.driving == here and not findings.system.stations[span.driven].is_ground:
             return max(_size(float(findings.system.inertia[span.driven]), finite), 0.1)
     return 0.0
@@ -83,11 +83,11 @@ def _ring(findings: Findings, part: int, here: int, finite: list[float]) -> floa
 def _links(findings: Findings) -> list[dict[str, Any]]:
     """Everything that the sketch draws between two places."""
     system, place = findings.system, layout(findings.system)
-    found = [_between(place, s.driving, s.driven, "rigid") for s in system.spans if s.name.endswith(" rigid")]
+    found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
     for position, part in enumerate(system.train.parts):
         if part.component.sort == "link" and len(part.stations) == 2:
             found.extend(_link(findings, position, part, place))
-    for span in system.spans:
+    for span in system.own_spans:
         is_wheel = system.train.parts[span.part].component.keyword == "gear"
         if is_wheel and (span.driving, span.driven) != system.train.parts[span.part].stations:
             found.append(_between(place, span.driving, span.driven, "gear", ratio=float(span.ratio)))

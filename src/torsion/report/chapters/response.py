@@ -20,6 +20,7 @@ from torsion.report.reading import (
     reference,
     synthesis,
     unreliable,
+    unstable_rpm,
 )
 
 MOST_LINES = 8  # orders in one figure
@@ -163,7 +164,7 @@ def _figure(findings: Findings, element: Element) -> Figure:
         "speed": response.speed * RPM, "lines": lines, "bad": unreliable(findings), "unit": unit.unit,
         "synthesis": half * unit.factor if len(response.lines) > 1 and len(half) else None,
         "limits": [(label, limit * unit.factor) for label, limit in limits],
-        "rated": rated_rpm(findings), "barred": barred_rpm(findings),
+        "rated": rated_rpm(findings), "barred": barred_rpm(findings), "unstable": unstable_rpm(findings),
     }  # fmt: skip
     rest = f" (the {len(lines)} strongest of {parts.shape[1]} lines)" if len(lines) < parts.shape[1] else ""
     name = f"torque-{element.part}-{element.spans[0]}"

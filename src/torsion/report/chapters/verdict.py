@@ -4,6 +4,7 @@ import numpy as np
 
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Points, Table
+from torsion.report.chapters.check import conclusion as compared_models
 from torsion.report.numbers import RPM, given, number, order, rpm
 from torsion.report.reading import band_words, barred_rpm, failed, unreliable
 from torsion.rules.check import Check
@@ -37,12 +38,24 @@ def chapter(findings: Findings) -> list[Block]:
 
 
 def conclusion(findings: Findings) -> list[Block]:
-    """The conclusion and the restrictions of speed, in plain sentences."""
+    """The conclusion, that of the comparison of models, and the restrictions of speed, in plain sentences."""
     blocks: list[Block] = [_overall(findings)]
+    if findings.check is not None:
+        blocks.append(compared_models(findings.check))
+    if findings.periodic is not None:
+        blocks.extend(_first_order(findings))
     restrictions = _restrictions(findings)
     if restrictions:
         blocks.append(Points(restrictions))
     return blocks
+
+
+def _first_order(findings: Findings) -> list[Block]:
+    """That the rules judge the first-order response beside an exact one."""
+    from torsion.report.motion import first_order_judged
+
+    text = first_order_judged(findings)
+    return [Paragraph(text, "note")] if text else []
 
 
 def _row(check: Check) -> tuple[str, ...]:
@@ -70,12 +83,17 @@ def _overall(findings: Findings) -> Paragraph:
     if bad:
         where = ", ".join(dict.fromkeys(check.where for check in bad))
         return Paragraph(
-            f"{len(bad)} of {len(checks)} checks failed ({where}). The train does not satisfy the rules asked.", "fail"
+            f"{len(bad)} of {len(checks)} checks failed ({where}). The train does not satisfy {_asked(findings)}.",
+            "fail",
         )
     if any(check.verdict != "pass" for check in checks):
         return Paragraph(f"No check failed: {_count(checks)}.", "note")
     restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
-    return Paragraph(f"All {len(checks)} checks passed: the train satisfies the rules asked{restricted}.", "pass")
+    return Paragraph(f"All {len(checks)} checks passed: the train satisfies {_asked(findings)}{restricted}.", "pass")
+
+
+def _asked(findings: Findings) -> str:
+    return "the rules asked" if findings.study.rules else "the demand of stability; no rule was asked"
 
 
 def _count(checks: tuple[Check, ...]) -> str:
@@ -94,6 +112,10 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
     found = [
         f"Barred range: {band_words(band)}. Not for continuous operation; to be passed rapidly."
         for band in barred_rpm(findings)
+    ]
+    found += [
+        f"Unstable range: {band_words((one.first * RPM, one.last * RPM))}, {one.zone.name}. Not for operation."
+        for one in (() if findings.stability is None else findings.stability.ranges)
     ]
     bad = unreliable(findings)
     response = findings.response

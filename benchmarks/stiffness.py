@@ -1,0 +1,90 @@
+"""Stiff and extreme trains, every program's error: `python -m benchmarks.stiffness [--quick]`.
+
+Writes reports/stiffness.md and its figures in under five minutes; `--quick` takes half a minute, prints, and writes
+only with `--out`.
+"""
+
+import argparse
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from benchmarks import machine, references
+from benchmarks import stiffness_frequencies as frequencies
+from benchmarks import stiffness_motion as motion
+from benchmarks import stiffness_response as response
+from benchmarks.sweeps import USEFUL, Sweep, ends_table, figure, reading
+
+REPORT = Path(__file__).parents[1] / "reports" / "stiffness.md"
+LENGTHS = (20, 50, 100, 300, 1000, 3000, 10_000, 100_000, 1_000_000)
+
+HOW = f"""\
+Each sweep makes one figure of the train extreme and leaves all else benign. Errors are relative, against references in
+60 digits and more ({references.ARITHMETIC} for frequencies and torques, mpmath for damped roots and joints); where a
+frequency has a reference, counts prove it to {references.PROVEN} digits. Every program is given the same doubles. An
+answer is called useful up to an error of {USEFUL:g}. Crosses at the top of a figure are answers that failed or
+were not finite. openTorsion, and numpy and scipy (eigh, eigsh, solve, eig) on assembled matrices, stand for what is in
+use; full matrices are not asked for long chains. `plain_modes` gives no certificate and takes no massless stations."""
+
+
+def main() -> None:
+    """Measures, prints the page and writes it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="half a minute, nothing written unless --out")
+    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
+    chosen = parser.parse_args()
+    warnings.simplefilter("ignore")  # of the peers
+    about, start = machine.lines(), perf_counter()
+    sweeps = []
+    with np.errstate(all="ignore"):
+        for sweep in _sweeps(quick=chosen.quick):
+            sweeps.append(sweep)
+            print(f"{perf_counter() - start:5.0f} s  {sweep.title}", file=sys.stderr, flush=True)
+    how = f"Written by `python -m benchmarks.stiffness` in {perf_counter() - start:.0f} s."
+    page = _page(sweeps, about, how + (" Quick run: fewer points." if chosen.quick else ""))
+    print(page)
+    target = chosen.out or (None if chosen.quick else REPORT)
+    if target:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(page, encoding="utf-8")
+        for sweep in sweeps:
+            (target.parent / f"stiffness_{sweep.name}.svg").write_text(figure(sweep), encoding="utf-8")
+
+
+def _sweeps(*, quick: bool) -> Iterator[Sweep]:
+    every = 3 if quick else 1
+    yield frequencies.stiffness_ratio(_powers(0, 18, every))
+    yield frequencies.inertia_ratio(_powers(0, 18, every))
+    yield frequencies.length(LENGTHS[: 4 if quick else None])
+    yield frequencies.near_rigid(_powers(4, 30, every))
+    yield response.near_rigid_torque(_powers(4, 30, every))
+    yield frequencies.massless(_powers(0, -30, every))
+    yield from frequencies.repeated(_powers(-1, -18, every))
+    yield from motion.damping(_powers(-9, 6, every))
+    yield response.resonance(_powers(-1, -20, every))
+    yield motion.joint([90.0, 45.0, 10.0, *_powers(0, -12, every)])
+    yield response.slow(_powers(2, -30, 2 * every))
+
+
+def _powers(first: int, last: int, step: int) -> list[float]:
+    """Powers of ten from the first to the last exponent, which is among them."""
+    sign = 1 if last > first else -1
+    exponents = [*range(first, last, sign * step), last]
+    return [float(f"1e{exponent}") for exponent in exponents]
+
+
+def _page(sweeps: list[Sweep], about: list[str], how: str) -> str:
+    parts = ["# Stiff and extreme: where the numbers hold and where they end", how, HOW]
+    parts.append("\n".join(f"- {line}" for line in about))
+    for sweep in sweeps:
+        parts += [f"## {sweep.title}", sweep.what, f"![{sweep.title}](stiffness_{sweep.name}.svg)", reading(sweep)]
+        parts += [ends_table(sweep), *sweep.remarks]
+    return "\n\n".join(parts) + "\n"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,127 @@
+"""What chapters and tables read from the exact periodic response and from the stability of a train."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.motion_periodic import Found, PeriodicResponse
+from torsion.analyses.synthesis import common_cycle, extremes
+from torsion.findings import Findings
+from torsion.kernels.tree import FloatArray
+from torsion.report.elements import Element, elements
+from torsion.report.numbers import number, rpm
+from torsion.report.reading import amplitude, largest, over_speed, synthesis
+
+SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compared
+Point = tuple[float, int]  # N m, position of the speed
+WORDS = {Found.OK: "ok", Found.COARSE: "coarse", Found.NONE: "none found"}
+
+
+@dataclass(frozen=True)
+class Compared:
+    """The largest torque of an element over the speeds, by both methods; order None is the half range of all orders."""
+
+    element: Element
+    order: Fraction | None
+    first: Point | None  # in the response
+    exact: Point | None  # in the periodic response
+
+    @property
+    def excess(self) -> float:
+        """(exact - first order)/first order; NaN where one is missing or nothing."""
+        if self.first is None or self.exact is None or self.first[0] == 0:
+            return np.nan
+        return self.exact[0] / self.first[0] - 1.0
+
+
+def exact_response(findings: Findings) -> PeriodicResponse:
+    """The exact response; raises ValueError where none was computed."""
+    if findings.periodic is None:
+        raise ValueError("this part of the report needs an exact periodic response")
+    return findings.periodic
+
+
+def exact_amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
+    """(speeds, orders) N m: largest exact amplitude in the spans; NaN where no periodic motion was found."""
+    return np.asarray(np.abs(exact_response(findings).torque[:, :, list(spans)]).max(axis=2))
+
+
+def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
+    """(speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
+    found = exact_response(findings)
+    turns, harmonics = common_cycle(list(found.orders))
+    torque = np.moveaxis(found.torque[:, :, list(spans)], 1, 2)
+    if turns == 0:
+        return np.asarray(np.abs(torque).sum(axis=2).max(axis=1))
+    known = found.status != Found.NONE
+    out = np.full(len(found.speed), np.nan)
+    highest, lowest = extremes(torque[known].reshape(-1, len(found.orders)), harmonics)
+    out[known] = ((highest - lowest) / 2.0).reshape(-1, len(spans)).max(axis=1)
+    return out
+
+
+def compared(findings: Findings) -> tuple[Compared, ...]:
+    """Every element that carries torque: all orders together (where no torque has a fixed frequency), then each."""
+    if findings.response is None or findings.periodic is None:
+        return ()
+    return tuple(row for element in elements(findings.system) for row in _of(findings, element))
+
+
+def _of(findings: Findings, element: Element) -> list[Compared]:
+    lines, exact = over_speed(findings).lines, exact_amplitude(findings, element.spans)
+    first = amplitude(findings, element.spans)
+    top = float(np.nanmax(np.append(exact, 0.0)))
+    if top == 0.0 or findings.periodic is None:
+        return []
+    orders = [line.order for line in lines]
+    rows = []
+    if None not in orders:
+        both = _largest(synthesis(findings, element.spans)), _largest(exact_half_range(findings, element.spans))
+        rows.append(Compared(element, None, *both))
+    for k, order in enumerate(findings.periodic.orders):
+        mine = None if order not in orders else _largest(first[:, orders.index(order)])
+        found = _largest(exact[:, k])
+        if max((point[0] for point in (mine, found) if point is not None), default=0.0) >= SMALLEST * top:
+            rows.append(Compared(element, order, mine, found))
+    return rows
+
+
+def _largest(values: FloatArray) -> Point | None:
+    at = largest(values)
+    return None if at is None else (float(values[at]), at)
+
+
+def flagged(findings: Findings) -> np.ndarray:
+    """(speeds,) bool: the exact response has no value, a coarse one, or one that small deviations leave."""
+    found = exact_response(findings)
+    return np.asarray((found.status != Found.OK) | found.is_unstable)
+
+
+def first_order_judged(findings: Findings) -> str:
+    """That the rules judge the first order, and by how much it misses the exact one; empty where there is only one."""
+    rows = compared(findings)
+    if not rows or not findings.study.rules:
+        return ""
+    together = [row for row in rows if row.order is None] or list(rows)
+    known = [row for row in together if np.isfinite(row.excess)]
+    text = "The rules and the synthesis judge the first-order response, not the exact periodic one."
+    if not known:
+        return text
+    worst = max(known, key=lambda row: row.excess)
+    if worst.first is None or worst.exact is None:
+        return text
+    response, exact = over_speed(findings), exact_response(findings)
+    return (
+        f"{text} The exact one exceeds it most in {worst.element.name}: largest "
+        f"{'half range' if worst.order is None else f'amplitude of order {worst.order}'} "
+        f"{number(worst.exact[0])} N m at {rpm(float(exact.speed[worst.exact[1]]))} rpm against "
+        f"{number(worst.first[0])} N m at {rpm(float(response.speed[worst.first[1]]))} rpm of the first order "
+        f"({signed(worst.excess)} %)."
+    )
+
+
+def signed(share: float, digits: int = 3) -> str:
+    """A relative difference in percent, with its sign."""
+    return ("+" if share > 0 else "") + number(100.0 * share, digits)

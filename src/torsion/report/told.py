@@ -1,0 +1,81 @@
+"""What is told of a train with very long shafts: stretches of many segments in place of each segment."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.assembly.system import System
+from torsion.kernels.tree import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Told:
+    """The stations and spans that are told; all but the shafts that are too long are told whole.
+
+    Of a stretch of segments its outer station and its first span are told; sums are over the stretch.
+    """
+
+    system: System
+    first_station: IntArray  # (told stations,) position of the first of each stretch
+    first_span: IntArray  # (told spans,)
+    longest: int  # segments in a stretch
+
+    @property
+    def stations(self) -> IntArray:
+        """(told stations,) their positions in the system."""
+        return np.append(self.first_station[1:], len(self.system.stations)) - 1
+
+    @property
+    def spans(self) -> IntArray:
+        """(told spans,) their positions in the system."""
+        return self.first_span
+
+    @property
+    def is_whole(self) -> bool:
+        """Nothing is left out."""
+        return self.longest == 1
+
+    @property
+    def ends(self) -> IntArray:
+        """(told spans, 2) driving and driven station of each told span or stretch, as positions in `stations`."""
+        last = np.append(self.first_span[1:], len(self.system.spans)) - 1
+        both = np.column_stack([self.system.driving[self.first_span], self.system.driven[last]])
+        return np.asarray(np.searchsorted(self.stations, both), dtype=np.int64)
+
+    def names(self) -> list[str]:
+        """(told spans,) names; of a stretch with its first and its last segment."""
+        spans, last = self.system.spans, np.append(self.first_span[1:], len(self.system.spans)) - 1
+        return [
+            spans[a].name if a == b else f"{spans[a].name[:-1]}..{spans[b].name.rpartition('[')[2]}"
+            for a, b in zip(self.first_span.tolist(), last.tolist(), strict=True)
+        ]
+
+    def over_stations(self, values: FloatArray) -> FloatArray:
+        """Sums over stretches of values (stations, ...)."""
+        return values if self.is_whole else np.add.reduceat(values, self.first_station, axis=0)
+
+    def over_spans(self, values: FloatArray) -> FloatArray:
+        """Sums over stretches of values (spans, ...)."""
+        return values if self.is_whole else np.add.reduceat(values, self.first_span, axis=0)
+
+    def place(self, spans: list[int]) -> list[int]:
+        """Positions among the told spans of told `spans` of the system."""
+        return [int(place) for place in np.searchsorted(self.first_span, spans)]
+
+
+def told(system: System, most: int) -> Told:
+    """At most about `most` stretches of every shaft; its last segment is one of its own."""
+    stations, spans, longest = [_upto(system.own_stations)], [_upto(len(system.own_spans))], 1
+    station, span = system.own_stations, len(system.own_spans)
+    for row in system.rows:
+        step = 1 if row.number <= most else -(-(row.number - 1) // most)
+        starts = np.arange(0, row.number - 1, step, dtype=np.int64)
+        stations.append(station + starts)
+        spans.append(span + np.append(starts, row.number - 1))
+        station, span, longest = station + row.number - 1, span + row.number, max(longest, step)
+    return Told(system, np.concatenate(stations), np.concatenate(spans), longest)
+
+
+def _upto(number: int) -> NDArray[np.int64]:
+    return np.arange(number, dtype=np.int64)

@@ -1,0 +1,82 @@
+"""The verdict on stability: no small deviation may grow at any speed of the operation."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.kernels.tree import FloatArray
+from torsion.rules.check import Check
+from torsion.study import Operation
+
+if TYPE_CHECKING:
+    from torsion.analyses.motion_stability import Stability
+
+NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
+WHOLE = "whole train"
+_RPM = 30.0 / np.pi
+
+
+def stability_check(found: "Stability", operation: Operation) -> Check:
+    """The largest growth rate within the operation's speeds (else those asked for) against 0.
+
+    It fails also where a speed has no periodic motion to be stable about, or part of the operation was not looked at.
+    """
+    first, last = _operated(found, operation)
+    inside = (found.speed >= first) & (found.speed <= last)
+    within = [one for one in found.ranges if one.first < last and one.last > first]
+    growth, speed = _worst(found.growth[inside], found.speed[inside])
+    for one in within:
+        if one.growth > growth and (first <= one.at <= last or growth <= 0):
+            growth, speed = one.growth, min(max(one.at, first), last)
+    unsolved = found.unsolved[(found.unsolved >= first) & (found.unsolved <= last)]
+    missed = first < found.speed[0] * (1 - 1e-9) or last > found.speed[-1] * (1 + 1e-9)
+    if not within:
+        growth = min(growth, 0.0)
+        if unsolved.size or not inside.any():
+            growth, speed = np.inf, float(unsolved[0]) if unsolved.size else first
+    fails = bool(within) or bool(unsolved.size) or missed
+    return Check(
+        "stability", "stability", WHOLE, "growth rate of small deviations", growth, 0.0, "1/s",
+        "fail" if fails else "pass", speed, note=_note(found, unsolved, missed, (first, last)),
+    )  # fmt: skip
+
+
+def _operated(found: "Stability", operation: Operation) -> tuple[float, float]:
+    """The speeds that must be stable, rad/s: those of the operation, else all that were looked at."""
+    if operation.speeds is None:
+        return float(found.speed[0]), float(found.speed[-1])
+    return operation.speeds.first, operation.speeds.last
+
+
+def _worst(growth: FloatArray, speed: FloatArray) -> tuple[float, float]:
+    known = np.isfinite(growth)
+    if not known.any():
+        return -np.inf, float(speed[0]) if speed.size else 0.0
+    at = int(np.argmax(np.where(known, growth, -np.inf)))
+    return float(growth[at]), float(speed[at])
+
+
+def _note(found: "Stability", unsolved: FloatArray, missed: bool, operated: tuple[float, float]) -> str:
+    """What the figure does not say."""
+    words = []
+    if unsolved.size:
+        words.append(f"no periodic motion was found at {unsolved.size} speeds, first {unsolved[0] * _RPM:.5g} rpm")
+    if missed:
+        words.append("stability was not asked for at all speeds of the operation")
+    if not found.loses:
+        words.append(NOTHING_DAMPS)
+    words.extend(_nearest(found, operated))
+    return "; ".join(words)
+
+
+def _nearest(found: "Stability", operated: tuple[float, float]) -> list[str]:
+    """The distance of the operation from the unstable ranges outside it."""
+    first, last = operated
+    below = [one.last for one in found.ranges if one.last <= first]
+    above = [one.first for one in found.ranges if one.first >= last]
+    said = []
+    if below:
+        said.append(f"the next unstable range ends {100.0 * (1.0 - max(below) / first):.3g} % below the lowest speed")
+    if above:
+        said.append(f"the next unstable range begins {100.0 * (min(above) / last - 1.0):.3g} % above the highest speed")
+    return said
