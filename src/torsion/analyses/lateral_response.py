@@ -105,13 +105,16 @@ def _solved_of(planes: Planes, order: int, speeds: FloatArray, load: ComplexArra
     matrix = 1j * (w * planes.damping + planes.lossy) + order * speeds[:, None, None] ** 2 * planes.gyroscopic
     index = np.arange(len(planes.square))
     matrix[:, index, index] += 1.0 - w[:, :, 0] ** 2 * planes.square
+    size = len(planes.square)
+    right = np.concatenate([load[:, :, None], np.broadcast_to(np.eye(size), (len(load), size, size))], axis=2)
     try:
-        inverse = np.linalg.inv(matrix)
+        found = np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:  # exactly singular: moved by rounding, its growth then says so
-        matrix += EPS * np.eye(len(planes.square))
-        inverse = np.linalg.inv(matrix)
-    terms = inverse * (1.0 + w**2 * planes.square)
-    return (inverse @ load[:, :, None])[:, :, 0], np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
+        found = np.linalg.solve(matrix + EPS * np.eye(size), right)
+    terms = found[:, :, 1:] * (1.0 + w**2 * planes.square)
+    answer: ComplexArray = np.asarray(found[:, :, 0], dtype=np.complex128)
+    grown: FloatArray = np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
+    return answer, grown
 
 
 def _status(planes: Planes, order: int, speeds: FloatArray, amplification: FloatArray) -> Lines:
