@@ -27,7 +27,7 @@ HEAD = (
     "| eigsh s | its shift | its error | its memory GB | torsion / eigsh |"
 )
 PATIENCE = 600  # s a run
-TARGETS = {"error": 1e-12, "share": 0.5, "memory": 1.5}
+TARGETS = {"error": 1e-12, "seconds": 0.5, "processor": 0.5, "memory": 1.5}
 REPORT = Path(__file__).parent.parent / "reports" / "long_chains.md"
 
 HOW = """\
@@ -242,13 +242,17 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
     peers = [_best_peer(row) for row in largest]
     if any("fault" in one for one in own):
         return ["MISSED: not every case was solved."]
-    shares = [one["seconds"] / peer[1]["seconds"] for one, peer in zip(own, peers, strict=True) if peer is not None]
+    pairs = [(one, peer[1]) for one, peer in zip(own, peers, strict=True) if peer is not None]
     proven = all(one["certified"] and one["enclosed"] == MODES and one["told"] for one in own)
-    found = {"error": max(one["error"] for one in own), "share": max(shares, default=float("nan"))}
-    found["memory"] = max(one["memory"] for one in own)
-    said = {"error": "largest error", "share": "largest share of eigsh's time", "memory": "largest memory, GB"}
+    found = {name: max(one[name] for one in own) for name in ("error", "memory")}
+    for clock in ("seconds", "processor"):
+        found[clock] = max((one[clock] / peer[clock] for one, peer in pairs), default=float("nan"))
+    said = {
+        "error": "largest error", "memory": "largest memory, GB", "seconds": "largest share of eigsh's time, wall",
+        "processor": "largest share of eigsh's time, processor",
+    }  # fmt: skip
     lines = [
-        f"- {said[name]} at {largest[0]['size']} stations: {found[name]:.2g}, meant <= {target:g}: "
+        f"- {said[name]}, at {largest[0]['size']} stations: {found[name]:.2g}, meant <= {target:g}: "
         f"{'met' if found[name] <= target else 'MISSED'}"
         for name, target in TARGETS.items()
     ]
