@@ -9,8 +9,8 @@ import numpy as np
 
 import torsion
 from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft, scene
-from torsion.analyses.excitation import Sources
-from torsion.analyses.solver import answer
+from torsion.analyses.response.excitation import Sources
+from torsion.analyses.response.solver import answer
 
 MODES = 10
 

@@ -25,7 +25,7 @@ DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
-    "meshio": ("assembly/section_mesh.py", "report/vtu.py"),
+    "meshio": ("assembly/section/mesh.py", "report/surface/vtu.py"),
     "matplotlib": ("plots/",),
     "jinja2": ("report/",),
     "typst": ("report/",),

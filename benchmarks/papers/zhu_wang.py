@@ -13,7 +13,7 @@ from benchmarks.papers.own_equations import PageOfEquations
 from benchmarks.papers.writing import Picture, bound, compared, told
 from benchmarks.papers.zhu_wang_faults import faults
 from benchmarks.papers.zhu_wang_motion import DENSITY, RADIUS, SHAFT, body, exact, linear, shaft
-from torsion.analyses.misaligned import (
+from torsion.analyses.lateral.misaligned import (
     EXACT,
     SMALL_ANGLE,
     MisalignedShaft,
@@ -25,7 +25,7 @@ from torsion.analyses.misaligned import (
     response,
     undamped,
 )
-from torsion.analyses.misaligned_zones import Zone, zones
+from torsion.analyses.lateral.misaligned_zones import Zone, zones
 
 NAME = "zhu_wang"
 SPEEDS = (25.9, 26.2)  # rad/s of the paper's curves
@@ -69,7 +69,7 @@ def page() -> PageOfEquations:
                 "from notes on the paper."
             ),
         ),
-        computed_by="`torsion.analyses.misaligned`",
+        computed_by="`torsion.analyses.lateral.misaligned`",
         tested_by="test_zhu_wang.py",
     )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.analyses.misaligned import MisalignedShaft
+from torsion.analyses.lateral.misaligned import MisalignedShaft
 from torsion.kernels.misaligned import linearised, small_angle, small_angle_part
 
 Array = NDArray[np.float64]

@@ -7,8 +7,16 @@ import numpy as np
 from benchmarks.papers import zhu_wang_equations as paper
 from benchmarks.papers.writing import Misprint, apart, bound
 from benchmarks.papers.zhu_wang_motion import RADIUS, SHAFT
-from torsion.analyses.misaligned import EXACT, SMALL_ANGLE, MisalignedShaft, Model, growth, monodromies, undamped
-from torsion.analyses.misaligned_zones import Zone, zones
+from torsion.analyses.lateral.misaligned import (
+    EXACT,
+    SMALL_ANGLE,
+    MisalignedShaft,
+    Model,
+    growth,
+    monodromies,
+    undamped,
+)
+from torsion.analyses.lateral.misaligned_zones import Zone, zones
 from torsion.kernels import misaligned as kernel
 
 TURN = np.linspace(0.0, np.pi, 91)

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.papers import zhu_wang_space as space
-from torsion.analyses.misaligned import EXACT, MisalignedShaft, coefficients, response, undamped
-from torsion.kernels.floquet import radau, step_matrices
+from torsion.analyses.lateral.misaligned import EXACT, MisalignedShaft, coefficients, response, undamped
+from torsion.kernels.periodic.floquet import radau, step_matrices
 
 Array = NDArray[np.float64]
 SHAFT = MisalignedShaft(

@@ -7,7 +7,7 @@ from torsion.errors import Fault, InputError, SolveError, TorsionError
 
 if TYPE_CHECKING:
     from torsion.analyses.modes import modes
-    from torsion.analyses.response import response
+    from torsion.analyses.response.over_speed import response
     from torsion.assembly import assemble
     from torsion.findings import run
     from torsion.job import solve
@@ -24,7 +24,7 @@ _PLACES = {
     "modes": "torsion.analyses.modes",
     "parse": "torsion.schema.read",
     "read": "torsion.schema.read",
-    "response": "torsion.analyses.response",
+    "response": "torsion.analyses.response.over_speed",
     "run": "torsion.findings",
     "solve": "torsion.job",
 }

@@ -30,7 +30,7 @@ def highest_excited(study: Study, system: System) -> float:
     """The highest frequency (Hz) of the response that is asked for; 0 where none is."""
     if not response_is_asked(study):
         return 0.0
-    from torsion.analyses.excitation import excitations
+    from torsion.analyses.response.excitation import excitations
 
     frequencies = getattr(study.analyses.get("response"), "frequencies", None)
     highest = frequencies.last if frequencies is not None else 0.0

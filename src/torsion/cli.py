@@ -56,13 +56,13 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
 
     if as_json:
         from torsion.findings import run
-        from torsion.report.json import text
+        from torsion.report.json.results import text
         from torsion.schema.read import read
 
         findings = run(read(file))
         typer.echo(text(findings))
     else:
-        from torsion.report.text import progress, show
+        from torsion.report.terminal.tables import progress, show
 
         with progress() as report_progress:
             findings = job.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
@@ -97,11 +97,11 @@ def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) ->
 
     findings = job.joint(file, turns=turns)
     if as_json:
-        from torsion.report.json import joint_text
+        from torsion.report.json.results import joint_text
 
         typer.echo(joint_text(findings), nl=False)
     else:
-        from torsion.report.joint_text import show_joints
+        from torsion.report.terminal.joints import show_joints
 
         folder = job.folder_of(file, out)
         job.write_joints(findings, folder)
@@ -133,13 +133,13 @@ def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
     from torsion import job
 
     if as_json:
-        from torsion.report.json import check_text
+        from torsion.report.json.results import check_text
 
         findings = job.check(file)
         typer.echo(check_text(findings), nl=False)
         return findings
-    from torsion.report.check_text import show_check
-    from torsion.report.text import progress
+    from torsion.report.terminal.check import show_check
+    from torsion.report.terminal.tables import progress
 
     with progress() as report_progress:
         findings = job.check(file, progress=report_progress)
@@ -173,16 +173,16 @@ def study(
 
 def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick: bool) -> None:
     from torsion import job
-    from torsion.report.text import progress
+    from torsion.report.terminal.tables import progress
 
     with progress() as report_progress:
         findings, timings = job.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
     if as_json:
-        from torsion.report.study_pages import json_text
+        from torsion.report.pages.study import json_text
 
         typer.echo(json_text(findings, timings), nl=False)
         return
-    from torsion.report.study_text import show_study
+    from torsion.report.terminal.study import show_study
 
     folder = job.folder_of(file, out)
     job.write_study(findings, timings, folder)

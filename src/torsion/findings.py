@@ -18,17 +18,17 @@ from torsion.steps.sections import sections
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.check import Compared
+    from torsion.analyses.check.models import Compared
     from torsion.analyses.critical import CriticalSpeed
     from torsion.analyses.damped import DampedModes
-    from torsion.analyses.joints import Joints
-    from torsion.analyses.lateral import Lateral
-    from torsion.analyses.motion_map import StabilityMap
-    from torsion.analyses.motion_periodic import PeriodicResponse
-    from torsion.analyses.motion_stability import Stability
-    from torsion.analyses.response import FrequencyResponse, Response
+    from torsion.analyses.joints.joints import Joints
+    from torsion.analyses.lateral.bending import Lateral
+    from torsion.analyses.motion.map import StabilityMap
+    from torsion.analyses.motion.periodic import PeriodicResponse
+    from torsion.analyses.motion.stability import Stability
+    from torsion.analyses.response.over_speed import FrequencyResponse, Response
+    from torsion.analyses.response.synthesis import Synthesis
     from torsion.analyses.steady import Steady
-    from torsion.analyses.synthesis import Synthesis
     from torsion.rules.check import Check
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
@@ -172,8 +172,8 @@ def _response(
     if why:
         log.without("response over speed", why)
         return None, None
-    from torsion.analyses.response import response
-    from torsion.analyses.synthesis import synthesis
+    from torsion.analyses.response.over_speed import response
+    from torsion.analyses.response.synthesis import synthesis
 
     with log.step("response over speed", "asked" if "response" in study.analyses else "something excites") as step:
         answer = response(study, system, modes=found, damped=damped, progress=progress)
@@ -194,7 +194,7 @@ def _sweep(
     asked = study.analyses.get("response")
     if getattr(asked, "frequencies", None) is None:
         return None
-    from torsion.analyses.frequency_response import frequency_response
+    from torsion.analyses.response.over_frequency import frequency_response
 
     with log.step("response over frequency", "asked") as step:
         answer = frequency_response(study, system, modes=found, damped=damped)
@@ -224,7 +224,7 @@ def _steady(study: Study, system: System, log: Log) -> "Steady | None":
 
 
 def _critical(study: Study, system: System, found: Modes | None, log: Log) -> "tuple[CriticalSpeed, ...]":
-    from torsion.analyses.excitation import excitations
+    from torsion.analyses.response.excitation import excitations
 
     lines = tuple(excitation.line for excitation in excitations(system))
     if found is None or not any(line.order is not None for line in lines):
@@ -239,7 +239,7 @@ def _joints(study: Study, steady: "Steady | None", log: Log) -> "Joints | None":
     asked = study.analyses.get("joints")
     if asked is None and all(part.component.keyword != "joint" for part in study.train.parts):
         return None
-    from torsion.analyses.joints import Asked, joints
+    from torsion.analyses.joints.joints import Asked, joints
 
     with log.step("universal joints", "the train has joints" if asked is None else "asked") as step:
         found = joints(study.train, study.operation, asked if isinstance(asked, Asked) else None, steady)
@@ -251,7 +251,7 @@ def _joints(study: Study, steady: "Steady | None", log: Log) -> "Joints | None":
 
 
 def _lateral(study: Study, log: Log, progress: Progress) -> "Lateral":
-    from torsion.analyses.lateral import Asked, lateral
+    from torsion.analyses.lateral.bending import Asked, lateral
 
     asked = study.analyses.get("lateral")
     with log.step("bending of the shafts", "a shaft has a `support`" if asked is None else "asked") as step:
@@ -267,7 +267,7 @@ def compared_models(study: Study, log: Log, progress: Progress, *, always: bool 
     asked = study.analyses.get("check")
     if asked is None and not always:
         return None
-    from torsion.analyses.check import Asked, check
+    from torsion.analyses.check.models import Asked, check
 
     with log.step("comparison of the models", "asked") as step:
         found = check(study, asked if isinstance(asked, Asked) else None, progress=progress)

@@ -13,7 +13,7 @@ from torsion.plan import Log, Plan, versions
 from torsion.schema.read import located, read
 
 if TYPE_CHECKING:
-    from torsion.analyses.study_rows import Timings
+    from torsion.analyses.study.rows import Timings
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -65,7 +65,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
 
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
     """
-    from torsion.analyses.joints import Asked
+    from torsion.analyses.joints.joints import Asked
 
     study = read(file)
     if all(part.component.keyword != "joint" for part in study.train.parts):
@@ -82,7 +82,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
 
 def write_joints(findings: Findings, folder: Path) -> list[Path]:
     """Write joints.html, joints.json and joints.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.joint_pages import write_joints as write_pages
+    from torsion.report.pages.joints import write_joints as write_pages
 
     try:
         return write_pages(findings, folder)
@@ -109,7 +109,7 @@ def check(file: str | Path, *, progress: Callable[[str, float], None] | None = N
 
 def write_check(findings: Findings, folder: Path) -> list[Path]:
     """Write check.html and check.json; raises InputError where the folder cannot be written."""
-    from torsion.report.check_pages import write_check as write_pages
+    from torsion.report.pages.check import write_check as write_pages
 
     try:
         return write_pages(findings, folder)
@@ -130,7 +130,7 @@ def study(
     SolveError.
     """
     from torsion.analyses.division import assembled
-    from torsion.analyses.study_times import TOLERANCE, study_times
+    from torsion.analyses.study.times import TOLERANCE, study_times
     from torsion.asked import highest_excited, no_response
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
@@ -168,7 +168,7 @@ def _tolerance(given: str | float) -> float:
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Path]:
     """Write study.html, study.json and study.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.study_pages import write_study as write_pages
+    from torsion.report.pages.study import write_study as write_pages
 
     try:
         return write_pages(findings, timings, folder)

@@ -207,7 +207,7 @@ excitations: [{at: a, torque: 1}]
 analyses: {response: {frequencies: {from: 1.0e-6, to: 2.0e-6, steps: 2}}}
 """)
     system = torsion.assemble(scene.train, model, frequency=100.0)
-    from torsion.analyses.frequency_response import frequency_response
+    from torsion.analyses.response.over_frequency import frequency_response
 
     found = frequency_response(scene, system)
     inertia = system.inertia.sum()

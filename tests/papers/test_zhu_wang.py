@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.misaligned import (
+from torsion.analyses.lateral.misaligned import (
     EXACT,
     SMALL_ANGLE,
     Model,
@@ -18,7 +18,7 @@ from torsion.analyses.misaligned import (
     linear_rate,
     undamped,
 )
-from torsion.analyses.misaligned_zones import zones
+from torsion.analyses.lateral.misaligned_zones import zones
 from torsion.kernels.misaligned import linearised
 
 PAGES = Path(__file__).parents[2] / "reports" / "papers"

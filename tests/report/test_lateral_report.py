@@ -12,16 +12,16 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.analyses.lateral_response import extent
+from torsion.analyses.lateral.response import extent
 from torsion.findings import Findings, run
 from torsion.kernels.response import Status
 from torsion.report import lateral_tables
 from torsion.report.blocks import Figure, Paragraph, Table
 from torsion.report.chapters.lateral import chapter
 from torsion.report.figures import svg
-from torsion.report.json import results, text
-from torsion.report.json_keys import KEYS, LATERAL
-from torsion.report.text import tables
+from torsion.report.json.keys import KEYS, LATERAL
+from torsion.report.json.results import results, text
+from torsion.report.terminal.tables import tables
 
 RPM = 30.0 / math.pi
 TUBE = "length: 1.5 m, diameter: 60 mm, bore: 50 mm"

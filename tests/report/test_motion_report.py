@@ -9,15 +9,15 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.analyses.motion_periodic import Found
+from torsion.analyses.motion.periodic import Found
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Figure, Paragraph, Table
 from torsion.report.chapters import periodic, stability, verdict
 from torsion.report.figures import svg
-from torsion.report.json import results
-from torsion.report.json_keys import KEYS
+from torsion.report.json.keys import KEYS
+from torsion.report.json.results import results
 from torsion.report.motion import compared, exact_half_range, first_order_judged
-from torsion.report.text import show
+from torsion.report.terminal.tables import show
 
 TRAIN = """
 name: six stations

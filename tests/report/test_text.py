@@ -7,7 +7,7 @@ from rich.console import Console
 
 from torsion.findings import Findings
 from torsion.report.numbers import number
-from torsion.report.text import progress, show
+from torsion.report.terminal.tables import progress, show
 
 
 def printed(findings: Findings) -> str:

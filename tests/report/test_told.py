@@ -10,7 +10,7 @@ import torsion
 from torsion.findings import Findings
 from torsion.report.blocks import Figure, Table
 from torsion.report.chapters.frequencies import MOST_SEGMENTS, chapter
-from torsion.report.json import text
+from torsion.report.json.results import text
 from torsion.report.told import told
 
 SCENE = """

@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.response import Line
+from torsion.analyses.response.over_speed import Line
 from torsion.rules import coupling
 
 RPM = math.pi / 30.0

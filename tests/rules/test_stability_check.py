@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from torsion.analyses.motion_stability import Stability, UnstableRange
-from torsion.analyses.motion_zones import Zone
+from torsion.analyses.motion.stability import Stability, UnstableRange
+from torsion.analyses.motion.zones import Zone
 from torsion.rules.stability import stability_check
 from torsion.study import Operation
 

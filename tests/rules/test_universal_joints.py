@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from torsion.analyses.joints import joints
+from torsion.analyses.joints.joints import joints
 from torsion.assembly import assemble
 from torsion.components.joint import Joint
 from torsion.components.material import Material

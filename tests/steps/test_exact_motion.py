@@ -127,11 +127,11 @@ def test_scene_of_six_stations_fails_by_its_stability():
 
 LIGHT = """
 import sys, torsion
-from torsion.report.json import text
-from torsion.report.text import tables
+from torsion.report.json.results import text
+from torsion.report.terminal.tables import tables
 found = torsion.run(torsion.parse({scene!r}))
 text(found), tables(found)
-print([name for name in sys.modules if ".motion_" in name and not name.endswith("_text")])
+print([name for name in sys.modules if "analyses.motion" in name or ".periodic" in name])
 """
 
 

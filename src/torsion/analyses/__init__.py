@@ -2,11 +2,11 @@
 
 ANALYSES = {  # name: class of its settings
     "modes": "torsion.analyses.modes:Asked",
-    "response": "torsion.analyses.response:Asked",
-    "joints": "torsion.analyses.joints:Asked",
-    "stability": "torsion.analyses.motion_asked:Asked",
-    "lateral": "torsion.analyses.lateral:Asked",
-    "check": "torsion.analyses.check:Asked",
+    "response": "torsion.analyses.response.over_speed:Asked",
+    "joints": "torsion.analyses.joints.joints:Asked",
+    "stability": "torsion.analyses.motion.asked:Asked",
+    "lateral": "torsion.analyses.lateral.bending:Asked",
+    "check": "torsion.analyses.check.models:Asked",
 }
 UNBUILT = ("transient", "sweep")  # of the format, but not built yet
 MODELS = ("lumped", "fem", "exact")

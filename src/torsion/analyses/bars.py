@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.kernels.bar_counts import count_below
-from torsion.kernels.bar_search import SHARE_OF_LIMIT, brackets
-from torsion.kernels.bar_tree import BarTree
-from torsion.kernels.bars import Bars, ElementBars
+from torsion.kernels.bars.counts import count_below
+from torsion.kernels.bars.search import SHARE_OF_LIMIT, brackets
+from torsion.kernels.bars.spans import Bars, ElementBars
+from torsion.kernels.bars.tree import BarTree
 from torsion.kernels.reduction import rigidity
 from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
-    from torsion.kernels.bar_modes import BarModes
+    from torsion.kernels.bars.modes import BarModes
 
 JUST_ABOVE = 1e-3  # relative
 LARGEST_DENSE = 2000  # unknowns of finite elements that are solved at once where counts cannot reach
@@ -58,10 +58,10 @@ def referred_modes(tree: Tree, bars: Bars, count: int | None) -> "BarModes":
     known = reach(tree, bars)
     beyond = count is not None and count > known.count and math.isfinite(known.frequency)
     if count is not None and beyond and _unknowns(tree, bars) <= LARGEST_DENSE:
-        from torsion.kernels.bar_dense import element_modes_dense
+        from torsion.kernels.bars.dense import element_modes_dense
 
         return element_modes_dense(tree, bars, count)
-    from torsion.kernels.bar_modes import bar_modes
+    from torsion.kernels.bars.modes import bar_modes
 
     return bar_modes(tree, bars, known.count if count is None else count)
 

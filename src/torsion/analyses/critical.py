@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.damped import DampedModes
-from torsion.analyses.excitation import Line
 from torsion.analyses.modes import Modes
+from torsion.analyses.response.excitation import Line
 from torsion.study import Operation
 
 

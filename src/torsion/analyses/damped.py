@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.modes import modes, span_torques
-from torsion.analyses.solver import ground_damping
+from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -34,7 +34,7 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
     Raises SolveError for a train with closed loops or shafts of distributed inertia, InputError where a damping needs a
     mean torque that is not known.
     """
-    from torsion.kernels.damped import damped_modes
+    from torsion.kernels.damping.modes import damped_modes
 
     if system.bars is not None:
         message = f"damped modes of the model {system.model} are not built"

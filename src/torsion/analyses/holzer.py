@@ -12,7 +12,7 @@ from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars import Bars
+    from torsion.kernels.bars.spans import Bars
 
 
 @dataclass(frozen=True)

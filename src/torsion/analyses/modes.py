@@ -16,7 +16,7 @@ from torsion.fields import Declared, given
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
-    from torsion.kernels.bar_modes import BarModes
+    from torsion.kernels.bars.modes import BarModes
     from torsion.kernels.modes import TreeModes
 
 
@@ -93,7 +93,7 @@ def _referred_modes(
         from torsion.kernels.modes import tree_modes
 
         return tree_modes(tree, count, progress=progress)
-    from torsion.kernels.graph_modes import graph_modes
+    from torsion.kernels.loops.modes import graph_modes
 
     node = system.folded.node
     flexibility = (system.flexibility / system.span_ratio**2)[closing]

@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from torsion.assembly.section import resolved
+from torsion.assembly.section.resolved import resolved
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.assembly.shafts import is_uniform
-from torsion.kernels.bars import Bars, Law, element_bars, profile_bars, profile_points, uniform_bars
+from torsion.kernels.bars.spans import Bars, Law, element_bars, profile_bars, profile_points, uniform_bars
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:

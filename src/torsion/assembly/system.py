@@ -15,7 +15,7 @@ from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars import Bars
+    from torsion.kernels.bars.spans import Bars
 
 
 @dataclass(frozen=True)

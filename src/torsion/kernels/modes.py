@@ -10,7 +10,7 @@ from torsion.errors import SolveError
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.enclosure import bisect, enclose, expected_width
 from torsion.kernels.factors import start_frequencies
-from torsion.kernels.long_chain_modes import long_chain_modes
+from torsion.kernels.long_chain.modes import long_chain_modes
 from torsion.kernels.passes import FreeShapes, free_shapes, stiffness_passes
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes

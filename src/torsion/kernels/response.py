@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.bar_response import BarsOfResponse, BarTerms, bars_of_response
-from torsion.kernels.bars import Bars
+from torsion.kernels.bars.response import BarsOfResponse, BarTerms, bars_of_response
+from torsion.kernels.bars.spans import Bars
 from torsion.kernels.outward import Answer, Equations, solve, values_or_rows
 from torsion.kernels.residual import Amplitudes, equilibrium_residual
 from torsion.kernels.sweeps import EPS, Layout, layout

@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.motion_periodic import Found, PeriodicResponse
-from torsion.analyses.synthesis import common_cycle, extremes
+from torsion.analyses.motion.periodic import Found, PeriodicResponse
+from torsion.analyses.response.synthesis import common_cycle, extremes
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.elements import Element, elements

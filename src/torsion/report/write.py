@@ -21,7 +21,7 @@ def write(
     """
     from torsion.report.document import document
     from torsion.report.html import html
-    from torsion.report.json import text
+    from torsion.report.json.results import text
 
     target, made = Path(folder), document(findings, today or date.today(), also=("twisted_shaft",) if vtu else ())
     with _workshop(target) as workshop:
@@ -31,7 +31,7 @@ def write(
 
             finished.append(write_pdf(made, workshop))
         if vtu:
-            from torsion.report.vtu import write_vtu
+            from torsion.report.surface.vtu import write_vtu
 
             finished.append(write_vtu(findings, workshop))
         return [_placed(path, target / path.name) for path in finished]

@@ -18,7 +18,7 @@ from torsion.rules.judgement import EDITION, Clause, Curve, judge, largest_line,
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.response import Response
+    from torsion.analyses.response.over_speed import Response
     from torsion.assembly.system import System
 
 RULE = "coupling-maker"

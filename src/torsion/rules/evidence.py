@@ -15,9 +15,9 @@ from torsion.kernels.tree import FloatArray, IntArray
 from torsion.study import Operation, Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints_found import Joints
+    from torsion.analyses.joints.found import Joints
     from torsion.analyses.modes import Modes
-    from torsion.analyses.response import Response, Synthesis
+    from torsion.analyses.response.over_speed import Response, Synthesis
     from torsion.analyses.steady import Steady
     from torsion.assembly.system import System
 

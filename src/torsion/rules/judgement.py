@@ -11,7 +11,7 @@ from torsion.rules.check import Check
 from torsion.rules.evidence import in_rpm
 
 if TYPE_CHECKING:
-    from torsion.analyses.response import Line, Response
+    from torsion.analyses.response.over_speed import Line, Response
 
 EDITION = "to be verified against the edition in force"
 

@@ -9,7 +9,7 @@ from torsion.rules.check import Check
 from torsion.study import Operation
 
 if TYPE_CHECKING:
-    from torsion.analyses.motion_stability import Stability
+    from torsion.analyses.motion.stability import Stability
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
 WHOLE = "whole train"

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Annotated
 
-from torsion.analyses.joints_found import JointFound, Joints, LineFound
+from torsion.analyses.joints.found import JointFound, Joints, LineFound
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.rules.check import Check

@@ -31,7 +31,7 @@ def _check_faults(study: Study) -> list[Fault]:
     """Trains of which there is no exact model to compare the others with."""
     if "check" not in study.analyses:
         return []
-    from torsion.analyses.check import loop_faults
+    from torsion.analyses.check.models import loop_faults
 
     return loop_faults(study, ("analyses", "check"))
 
@@ -41,7 +41,7 @@ def _joint_faults(study: Study) -> list[Fault]:
     asked = study.analyses.get("joints")
     if asked is None:
         return []
-    from torsion.analyses.joints import Asked, settings_faults
+    from torsion.analyses.joints.joints import Asked, settings_faults
 
     return settings_faults(study.train, asked) if isinstance(asked, Asked) else []
 
@@ -51,7 +51,7 @@ def _motion_faults(study: Study) -> list[Fault]:
     exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
     if not exact and "stability" not in study.analyses:
         return []
-    from torsion.analyses.motion_faults import asked_faults
+    from torsion.analyses.motion.faults import asked_faults
 
     return asked_faults(study)
 
@@ -60,7 +60,7 @@ def _lateral_faults(study: Study) -> list[Fault]:
     """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
     if not study.bends:
         return []
-    from torsion.analyses.lateral import Asked, lateral_faults
+    from torsion.analyses.lateral.bending import Asked, lateral_faults
 
     asked = study.analyses.get("lateral")
     return lateral_faults(study.train, asked if isinstance(asked, Asked) else None)

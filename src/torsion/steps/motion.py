@@ -12,11 +12,11 @@ from torsion.plan import Log
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.motion_asked import Asked
-    from torsion.analyses.motion_map import StabilityMap
-    from torsion.analyses.motion_periodic import PeriodicResponse
-    from torsion.analyses.motion_stability import Stability
-    from torsion.analyses.response import Response
+    from torsion.analyses.motion.asked import Asked
+    from torsion.analyses.motion.map import StabilityMap
+    from torsion.analyses.motion.periodic import PeriodicResponse
+    from torsion.analyses.motion.stability import Stability
+    from torsion.analyses.response.over_speed import Response
     from torsion.rules.check import Check
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
@@ -59,7 +59,7 @@ def periodic(
         if asked or first_order is not None:
             log.without(PERIODIC, "`method: first-order`" if first_order is not None else "no response over speed")
         return None
-    from torsion.analyses.motion_periodic import is_advised
+    from torsion.analyses.motion.periodic import is_advised
 
     if not asked and not is_advised(system, first_order.joint_error):
         log.without(PERIODIC, SMALL)
@@ -72,9 +72,9 @@ def _periodic(
     study: Study, system: System, first_order: "Response", why: str, tell: tuple[Log, Progress], *, must: bool
 ) -> "PeriodicResponse | None":
     """must: there is no answer without it."""
-    from torsion.analyses.motion_faults import motion_faults
-    from torsion.analyses.motion_periodic import Found
-    from torsion.analyses.motion_speeds import periodic_over_speed
+    from torsion.analyses.motion.faults import motion_faults
+    from torsion.analyses.motion.periodic import Found
+    from torsion.analyses.motion.speeds import periodic_over_speed
 
     log, progress = tell
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
@@ -116,8 +116,8 @@ def stability(
     settings = study.analyses.get("stability")
     if settings is None:
         return None, None
-    from torsion.analyses.motion_asked import Asked
-    from torsion.analyses.motion_reduced import stability_asked
+    from torsion.analyses.motion.asked import Asked
+    from torsion.analyses.motion.reduced import stability_asked
 
     asked = settings if isinstance(settings, Asked) else Asked()
     speeds = asked.speeds or study.operation.speeds
@@ -147,7 +147,7 @@ def _map(study: Study, system: System, asked: "Asked", log: Log, progress: Progr
     speeds = asked.speeds or study.operation.speeds
     if asked.map is None or speeds is None:
         return None
-    from torsion.analyses.motion_map import stability_map
+    from torsion.analyses.motion.map import stability_map
 
     with log.step("stability map", "asked") as step:
         found = stability_map(

@@ -1,6 +1,6 @@
 """Step: the cross-sections by mesh."""
 
-from torsion.assembly.section import section_results
+from torsion.assembly.section.resolved import section_results
 from torsion.plan import Log
 from torsion.study import Study
 

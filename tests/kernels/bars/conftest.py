@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from torsion.kernels.bars import Bars, element_bars, profile_bars, profile_points, uniform_bars
+from torsion.kernels.bars.spans import Bars, element_bars, profile_bars, profile_points, uniform_bars
 from torsion.kernels.tree import Tree
 
 DIGITS = 60

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.bar_dense import element_modes_dense
-from torsion.kernels.bar_modes import bar_modes
-from torsion.kernels.bars import Bars, element_bars
+from torsion.kernels.bars.dense import element_modes_dense
+from torsion.kernels.bars.modes import bar_modes
+from torsion.kernels.bars.spans import Bars, element_bars
 from torsion.kernels.tree import Tree
 
 

@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.bars import Bars, element_bars, profile_bars, profile_points, uniform_bars
+from torsion.kernels.bars.spans import Bars, element_bars, profile_bars, profile_points, uniform_bars
 
 LENGTH, RIGIDITY, HEAVY = 1.3, 2e6, 0.7
 

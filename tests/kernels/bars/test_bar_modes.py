@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.bar_counts import count_below, count_bounds
-from torsion.kernels.bar_modes import bar_modes
-from torsion.kernels.bar_tree import BarTree
-from torsion.kernels.bars import Bars, uniform_bars
+from torsion.kernels.bars.counts import count_below, count_bounds
+from torsion.kernels.bars.modes import bar_modes
+from torsion.kernels.bars.spans import Bars, uniform_bars
+from torsion.kernels.bars.tree import BarTree
 from torsion.kernels.modes import tree_modes
 from torsion.kernels.tree import Tree
 

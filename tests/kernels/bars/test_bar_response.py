@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.bar_modes import bar_modes
-from torsion.kernels.bars import Bars, uniform_bars
+from torsion.kernels.bars.modes import bar_modes
+from torsion.kernels.bars.spans import Bars, uniform_bars
 from torsion.kernels.response import Status, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree
 

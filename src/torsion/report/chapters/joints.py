@@ -12,7 +12,7 @@ from torsion.report.numbers import number, order, rpm
 from torsion.report.reading import joint_model, largest, over_speed
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints import JointFound, Joints
+    from torsion.analyses.joints.joints import JointFound, Joints
 
 AXES = (
     "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "

@@ -15,7 +15,7 @@ from torsion.report.numbers import RPM, scale
 from torsion.report.reading import rated_rpm, reference
 
 if TYPE_CHECKING:
-    from torsion.analyses.lateral import Answer, ShaftFound
+    from torsion.analyses.lateral.bending import Answer, ShaftFound
 
 AXES = (
     "y lies along the normal of the plane of the joint before the shaft (else of the one behind it), z square to y and "
@@ -89,7 +89,7 @@ def _answers(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> list[Block
 
 def _bending(findings: Findings, shaft: "ShaftFound", number: int) -> Figure:
     """Largest displacement, moment and force of the shaft over speed, every order apart."""
-    from torsion.analyses.lateral_response import extent
+    from torsion.analyses.lateral.response import extent
 
     def over(of: "Callable[[Answer], FloatArray]") -> list[FloatArray]:
         return [of(one).max(axis=1) for one in shaft.answers]

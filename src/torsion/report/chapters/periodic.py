@@ -135,7 +135,7 @@ def joint_orders(findings: Findings) -> list[Fraction]:
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
-    from torsion.analyses.motion_periodic import Found
+    from torsion.analyses.motion.periodic import Found
     from torsion.report.motion import exact_amplitude, exact_response
 
     response, found = over_speed(findings), exact_response(findings)

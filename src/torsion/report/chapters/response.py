@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.analyses.response import Response
+from torsion.analyses.response.over_speed import Response
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray

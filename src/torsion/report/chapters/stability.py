@@ -10,8 +10,8 @@ from torsion.report.numbers import NONE, RPM, number, rpm
 from torsion.report.reading import rated_rpm, reference
 
 if TYPE_CHECKING:
-    from torsion.analyses.motion_map import StabilityMap
-    from torsion.analyses.motion_stability import Stability
+    from torsion.analyses.motion.map import StabilityMap
+    from torsion.analyses.motion.stability import Stability
 
 MODEL = (
     "A joint makes the stiffness of the train vary with the angle. About the periodic motion that the joints and the "

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.assembly.section import stress_modulus
+from torsion.assembly.section.resolved import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar

@@ -4,11 +4,11 @@ import numpy as np
 
 from torsion.analyses.modes import Modes
 from torsion.findings import Findings
-from torsion.report.axes import Axis, axes
 from torsion.report.blocks import Block, Figure, Heading, Paragraph
 from torsion.report.numbers import number
-from torsion.report.surface import TWIST, Rings, angles, rings, shapes, turned
-from torsion.report.vtu import NAME
+from torsion.report.surface.axes import Axis, axes
+from torsion.report.surface.surface import TWIST, Rings, angles, rings, shapes, turned
+from torsion.report.surface.vtu import NAME
 
 MOST_MODES = 6  # of which a picture is printed
 MOST_BODIES = 300  # in a picture

@@ -1,0 +1,1 @@
+"""The models of one train side by side."""

@@ -1,0 +1,1 @@
+"""Universal joints by themselves and in lines: kinematics, couples, the best phase."""

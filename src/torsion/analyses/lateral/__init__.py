@@ -1,0 +1,1 @@
+"""Bending of the shafts of a Cardan line, and the rigid misaligned shaft."""

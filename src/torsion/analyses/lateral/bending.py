@@ -1,0 +1,234 @@
+"""Bending of the shafts of a Cardan line: critical speeds, whirl, and the answer to the joints' secondary couples."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from torsion import fields
+from torsion.analyses.joints.line import Placed, placed
+from torsion.analyses.lateral.couples import couples_at, orders
+from torsion.analyses.lateral.planes import Planes, planes
+from torsion.analyses.lateral.response import Answer, answer, speeds_for
+from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
+from torsion.analyses.steady import has_mean_torque
+from torsion.analyses.steady import steady as mean_torques
+from torsion.assembly import assemble
+from torsion.assembly.lateral.elements import DEGREE
+from torsion.assembly.lateral.line import BendingShaft, bending_shafts
+from torsion.assembly.lateral.places import places
+from torsion.assembly.lateral.shaft import assemble_lateral
+from torsion.errors import Fault, InputError, Path, SolveError
+from torsion.fields import Declared, given
+from torsion.kernels.tree import FloatArray
+from torsion.study import Operation, SpeedRange
+from torsion.train import Train
+
+__all__ = ["Answer", "Asked", "Critical", "Lateral", "ShaftFound", "Whirl", "lateral", "lateral_faults"]
+
+Progress = Callable[[str, float], None]  # (what, share done 0..1)
+PLACE: Path = ("analyses", "lateral")
+_ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
+_SPARE = 4  # inner unknowns for every mode that is told
+_WHIRL_SPEEDS = 41  # speeds of the whirl map at most
+
+
+class Asked(Declared):
+    """Settings of `lateral`."""
+
+    modes: Annotated[int, Field(ge=1, le=20)] = given("bending modes of a plane", 4)
+    speeds: SpeedRange | None = given("speed range (default: operation.speeds)")
+    shear: bool = given("shear deflection and its effect on the frequencies (Timoshenko)", False)
+    torque: fields.Torque | None = given("torque in every joint (default: the mean torque, if known)")
+    carrier: Literal["driving", "driven"] = given("which end of a line of joints has the constant torque", "driving")
+
+
+@dataclass(frozen=True)
+class ShaftFound:
+    """One bending shaft; y lies along the normal of the plane of the joint before it (else behind it)."""
+
+    name: str
+    parts: tuple[int, ...]  # of its shafts
+    ratio: Fraction  # its speed / reference speed
+    length: float  # m
+    position: FloatArray  # (places,) m along it; the end between two elements is told twice
+    point: tuple[tuple[str, float], ...]  # what holds it: name and place, m
+    at_rest: tuple[FloatArray, FloatArray]  # (modes,) Hz of y and of z, without rotation
+    critical: tuple[Critical, ...]  # of order 1, then of the orders of the joints' couples, by speed
+    whirl: Whirl | None  # None where no speeds are given
+    answers: tuple[Answer, ...]  # to the secondary couples, one an order; empty where no torque is known
+    elements: int
+
+
+@dataclass(frozen=True)
+class Lateral:
+    """The bending side of the train."""
+
+    shafts: tuple[ShaftFound, ...]
+    remarks: tuple[str, ...]  # what was left out and why
+    shear: bool = False  # of the beams
+
+    @property
+    def method(self) -> str:
+        """Of the plan."""
+        beams = "with shear (Timoshenko)" if self.shear else "without shear"
+        return f"beams {beams} by finite elements of degree {DEGREE}, in all their modes"
+
+    @property
+    def size(self) -> str:
+        """Of the plan."""
+        return f"{len(self.shafts)} shafts, {sum(shaft.elements for shaft in self.shafts)} elements"
+
+
+def lateral(
+    train: Train, operation: Operation, asked: Asked | None = None, *, progress: Progress | None = None
+) -> Lateral:
+    """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
+
+    Raises InputError where no shaft is held, or a support or a material is at fault; SolveError where the modes asked
+    for are out of reach.
+    """
+    wanted = asked or Asked()
+    if faults := lateral_faults(train, asked):
+        raise InputError(faults)
+    every, (shafts, _) = placed(train), bending_shafts(train)
+    held = [shaft for shaft in shafts if not shaft.lacks]
+    torque = _Torques(train, operation, wanted, every)
+    found = []
+    for number, shaft in enumerate(held):
+        if progress is not None:
+            progress("bending of the shafts", number / len(held))
+        found.append(_found(every, shaft, wanted, operation, torque))
+    return Lateral(tuple(found), tuple(_remarks(shafts, operation, wanted, torque)), wanted.shear)
+
+
+def lateral_faults(train: Train, asked: Asked | None) -> list[Fault]:
+    """Supports and materials at fault; where bending is asked for and no shaft is held, that too."""
+    shafts, faults = bending_shafts(train)
+    held = [shaft for shaft in shafts if not shaft.lacks]
+    if not faults and not held:
+        faults.append(_none_held(train, asked is not None))
+    if asked is not None and asked.shear:
+        faults += [fault for shaft in held for fault in _shear_faults(train, shaft)]
+    return faults
+
+
+@dataclass(frozen=True)
+class _Torques:
+    """Mean torques in the driving shafts of all joints."""
+
+    train: Train
+    operation: Operation
+    asked: Asked
+    every: Sequence[Placed]
+
+    @property
+    def is_known(self) -> bool:
+        """The file says a torque."""
+        return bool(self.every) and (self.asked.torque is not None or has_mean_torque(self.operation))
+
+    def at(self, speed: FloatArray) -> FloatArray:
+        """(joints, speeds) N m at reference speeds, rad/s."""
+        if self.asked.torque is not None:
+            return np.full((len(self.every), len(speed)), self.asked.torque)
+        known = mean_torques(self.train, assemble(self.train), self.operation, speed)
+        return np.array([known.torque[place.span] for place in self.every])
+
+
+def _speeds(operation: Operation, asked: Asked) -> FloatArray | None:
+    """(speeds,) rad/s of the reference."""
+    chosen = asked.speeds or operation.speeds
+    return None if chosen is None else chosen.values()
+
+
+def _found(
+    every: Sequence[Placed], shaft: BendingShaft, asked: Asked, operation: Operation, torque: _Torques
+) -> ShaftFound:
+    reference, ratio = _speeds(operation, asked), float(shaft.ratio)
+    own = None if reference is None else reference * ratio
+    excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
+    both, critical = _divided(shaft, asked, own, excited)
+    map_of = None if own is None else whirl(both, _some(own), asked.modes)
+    answers: tuple[Answer, ...] = ()
+    if own is not None and shaft.joints and torque.is_known:
+        resonances = tuple(crossing for crossing in critical if crossing.order in excited)
+        grid = speeds_for(own, resonances)
+        couple = couples_at(every, shaft, torque.at(grid / ratio), asked.carrier)
+        answers = tuple(answer(both, order, grid, couple[order]) for order in couple)
+    system = both.system
+    return ShaftFound(
+        shaft.name, shaft.parts, shaft.ratio, shaft.beam.length, places(system).position,
+        tuple((point.name, point.at) for point in shaft.beam.points),
+        (_hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)),
+        critical, map_of, answers, len(system.cells),
+    )  # fmt: skip
+
+
+def _some(speeds: FloatArray) -> FloatArray:
+    """As many of the speeds as the whirl map shows, the first and the last among them."""
+    pick = np.linspace(0, len(speeds) - 1, min(len(speeds), _WHIRL_SPEEDS))
+    return np.asarray(speeds[np.round(pick).astype(np.int64)])
+
+
+def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
+    return np.asarray(frequency[:modes] / (2.0 * np.pi))
+
+
+def _divided(
+    shaft: BendingShaft, asked: Asked, speed: FloatArray | None, excited: tuple[int, ...]
+) -> tuple[Planes, tuple[Critical, ...]]:
+    """The shaft in as many elements as the highest frequency that is told of it needs."""
+    highest = 0.0 if speed is None else float(speed[-1]) * max((1, *excited))
+    elements = 1
+    for _ in range(_ROUNDS):
+        system = assemble_lateral(shaft.beam, frequency=highest, shear=asked.shear, elements=elements)
+        both = planes(system)
+        critical = tuple(
+            crossing for order in (1, *excited) for crossing in criticals(both, order, np.inf)[: 2 * asked.modes]
+        )
+        told = [np.array([crossing.frequency for crossing in critical])]
+        told += [_hertz(plane.frequency, asked.modes) for plane in (both.y, both.z)]
+        told += [] if speed is None else [whirl(both, speed[-1:], asked.modes).frequency]
+        reached = 2.0 * np.pi * float(max(part[np.isfinite(part)].max(initial=0.0) for part in told))
+        spare = len(system.free) >= _SPARE * asked.modes
+        if spare and reached <= highest:
+            return both, critical
+        highest, elements = max(highest, 1.01 * reached), elements if spare else 2 * elements
+    raise SolveError(f"{shaft.name}: its bending modes need too many elements; ask for fewer `modes`")
+
+
+def _none_held(train: Train, is_asked: bool) -> Fault:
+    """Told where bending is asked for, or else at the first support."""
+    hint = "a joint at either end, a joint and a `support`, or two supports would hold one"
+    held = [part.path for part in train.parts if getattr(part.component, "support", ())]
+    where: Path = PLACE if is_asked or not held else (*held[0], "support")
+    return Fault(where, "no shaft of the train is held sideways", hint, at_key=True)
+
+
+def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
+    """Young's and shear modulus of a shaft must belong together: their ratio says Poisson's."""
+    faults = []
+    for number, segment in zip(shaft.parts, shaft.beam.segments, strict=True):
+        poisson = segment.youngs_modulus / (2.0 * segment.shear_modulus) - 1.0
+        if not 0.0 <= poisson <= 0.5:
+            part = train.parts[number]
+            message = f"its `youngs_modulus` and `shear_modulus` make a Poisson's ratio of {poisson:.3g}"
+            faults.append(Fault((*part.path, "material"), message, "from 0 to 0.5 for `shear: true`"))
+    return faults
+
+
+def _remarks(shafts: Sequence[BendingShaft], operation: Operation, asked: Asked, torque: "_Torques") -> Iterator[str]:
+    """What a reader must know of what was left out."""
+    for shaft in shafts:
+        if shaft.lacks:
+            yield f"{shaft.name}: {shaft.lacks}"
+        elif shaft.loads:
+            names = ", ".join(shaft.loads)
+            yield f"{shaft.name}: it bends without the masses of {names}, which the file does not say"
+    if _speeds(operation, asked) is None:
+        yield "no speeds are given: whirl over speed and the answer to the secondary couples are left out"
+    elif torque.every and not torque.is_known:
+        yield "no torque is known: the answer to the secondary couples is left out"

@@ -1,0 +1,164 @@
+"""Answer of a turning shaft to couples at its points: at rest in space (order 0) and at orders of its speed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.analyses.lateral.planes import EPS, Planes
+from torsion.analyses.lateral.whirl import Critical, criticals
+from torsion.assembly.lateral.places import places
+from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
+from torsion.kernels.tree import ComplexArray, FloatArray
+
+SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is told
+UNDAMPED = 1e-9  # damping ratio below which the height of a resonance is not known
+REACH = 0.01  # of its speed: an amplitude so near an undamped resonance, 50 times the static one, is marked
+Lines = NDArray[np.uint8]
+CHUNK = 64  # speeds treated at once
+STEPS = np.tan(np.linspace(-0.5, 0.5, 13)[1:-1] * np.pi)  # equal steps of phase around a resonance
+ASIDE = np.array([-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03])  # around one without damping
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Complex amplitudes Re[X exp(i order Omega t)] in y and z (last axis); NaN where the status is singular.
+
+    Order 0 stands still and is real. Amplitudes are half ranges.
+    """
+
+    order: int
+    speed: FloatArray  # (speeds,) rad/s of the shaft
+    displacement: ComplexArray  # (speeds, places, 2) m
+    slope: ComplexArray  # (speeds, places, 2)
+    moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
+    force: ComplexArray  # (speeds, points, 2) N, of the shaft on its joints and supports
+    amplification: FloatArray  # (speeds,) growth of relative errors of the data
+    status: Lines  # (speeds,) uint8 of `Status`
+
+    @property
+    def orbit(self) -> FloatArray:
+        """(speeds, places) m, largest displacement in any direction."""
+        return extent(self.displacement)
+
+
+def extent(pairs: ComplexArray) -> FloatArray:
+    """(...) largest amplitude in any direction of amplitudes (..., 2) in y and z: half the long axis of the ellipse."""
+    y, z = pairs[..., 0], pairs[..., 1]
+    return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
+
+
+def speeds_for(asked: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:
+    """The speeds asked for, and more around the resonances between them, which are there themselves."""
+    added = [asked]
+    for resonance in resonances:
+        steps = ASIDE if resonance.damping_ratio < UNDAMPED else resonance.damping_ratio * np.append(STEPS, 0.0)
+        added.append(resonance.speed * (1.0 + steps[np.abs(steps) < 1.0]))
+    every: FloatArray = np.unique(np.concatenate(added))
+    inside: FloatArray = every[(every >= asked.min()) & (every <= asked.max())]
+    return inside
+
+
+def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) -> Answer:
+    """Answer to couples (speeds, points, 2) N m, M_y and M_z at the points, turning at speeds (speeds,) rad/s.
+
+    A loss factor of the shaft acts as E (1 + i eta) at orders from 2 on, as forward and backward whirl then bend it in
+    the sense in which they pass (Genta 2005); at order 0 it is left out. Raises ValueError for order 1.
+    """
+    if order == 1 or order < 0:
+        raise ValueError(f"order {order}: joints excite order 0 and orders from 2 on")
+    speeds = np.asarray(speed, dtype=np.float64)
+    y, z = _loads(planes, couple)
+    amplification = np.ones(len(speeds))
+    if order:
+        for part in (slice(k, k + CHUNK) for k in range(0, len(speeds), CHUNK)):
+            y[part], z[part], amplification[part] = _solved(planes, order, speeds[part], (y[part], z[part]))
+    status = _status(planes, order, speeds, amplification)
+    y[status == Status.SINGULAR] = z[status == Status.SINGULAR] = np.nan
+    x = np.stack([y @ planes.y.shape.T, z @ planes.z.shape.T], axis=-1)
+    return _told(planes, order, speeds, x, (amplification, status))
+
+
+def _loads(planes: Planes, couple: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """(speeds, n) of y and z: a couple M_y, M_z does the work M_z on the slope y' and -M_y on z'."""
+    slopes = planes.system.place + 1
+    return couple[..., 1] @ planes.y.shape[slopes], -couple[..., 0] @ planes.z.shape[slopes]
+
+
+def _solved(
+    planes: Planes, order: int, speeds: FloatArray, load: tuple[ComplexArray, ComplexArray]
+) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """(speeds, n) coordinates of y and z, and the growth of relative errors of stiffness and inertia (speeds,)."""
+    y, z = load
+    if planes.is_isotropic:
+        forward, grown = _solved_of(planes, order, speeds, 0.5 * (y + 1j * z))
+        backward, other = _solved_of(planes, -order, speeds, 0.5 * (y - 1j * z))
+        return forward + backward, -1j * (forward - backward), np.maximum(grown, other)
+    p, grown = _solved_of(planes, order, speeds, np.concatenate([y, 1j * z], axis=1))
+    n = len(planes.y.square)
+    return p[:, :n], -1j * p[:, n:], grown
+
+
+def _solved_of(planes: Planes, order: int, speeds: FloatArray, load: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """(speeds, coordinates); a negative order is the backward part, conjugate."""
+    w = abs(order) * speeds[:, None, None]
+    matrix = 1j * (w * planes.damping + planes.lossy) + order * speeds[:, None, None] ** 2 * planes.gyroscopic
+    index = np.arange(len(planes.square))
+    matrix[:, index, index] += 1.0 - w[:, :, 0] ** 2 * planes.square
+    size = len(planes.square)
+    right = np.concatenate([load[:, :, None], np.broadcast_to(np.eye(size), (len(load), size, size))], axis=2)
+    try:
+        found = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:  # exactly singular: moved by rounding, its growth then says so
+        found = np.linalg.solve(matrix + EPS * np.eye(size), right)
+    terms = found[:, :, 1:] * (1.0 + w**2 * planes.square)
+    answer: ComplexArray = np.asarray(found[:, :, 0], dtype=np.complex128)
+    grown: FloatArray = np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
+    return answer, grown
+
+
+def _status(planes: Planes, order: int, speeds: FloatArray, amplification: FloatArray) -> Lines:
+    """`Status` by the growth of errors, and by the neighbourhood of resonances that nothing damps."""
+    loss = EPS * amplification
+    lines = np.where(loss > NEAR_SINGULAR_LOSS, Status.NEAR_SINGULAR, Status.OK)
+    if order and len(speeds):
+        for resonance in criticals(planes, order, float(speeds.max()) * (1.0 + REACH)):
+            if resonance.damping_ratio < UNDAMPED:
+                away = np.abs(speeds / resonance.speed - 1.0)
+                lines[away <= REACH] = Status.NEAR_SINGULAR
+                lines[away <= NEAR_SINGULAR_LOSS] = Status.SINGULAR
+    lines[~(loss < SINGULAR_LOSS)] = Status.SINGULAR
+    return np.asarray(lines.astype(np.uint8))
+
+
+def _told(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray, judged: tuple[FloatArray, Lines]) -> Answer:
+    """The amplitudes along the shaft and at its points from its unknowns (speeds, unknowns, 2)."""
+    rows = places(planes.system)
+
+    def along(matrix: FloatArray) -> ComplexArray:
+        found: ComplexArray = matrix @ x
+        return found
+
+    bent = along(rows.moment + 1j * rows.moment_of_loss if order else rows.moment)
+    force = _forces(planes, order, speeds, x)
+    return Answer(order, speeds, along(rows.displacement), along(rows.slope), bent, force, *judged)
+
+
+def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> ComplexArray:
+    """(speeds, points, 2) N on supports, of springs and dampers, and on joints, what the shaft lacks to balance."""
+    system = planes.system
+    w = order * speeds[:, None]
+    at = system.place
+    shaft = system.stiffness[at] + 1j * system.lossy[at] if order else system.stiffness[at]
+    pushed = shaft @ x - w[:, :, None] ** 2 * (system.inertia[at] @ x)
+    turned = (1j * w * speeds[:, None])[:, :, None] * (system.gyroscopic[at] @ x)
+    pushed[..., 0] += turned[..., 1]
+    pushed[..., 1] -= turned[..., 0]
+    force = np.zeros_like(pushed)
+    for k, point in enumerate(system.beam.points):
+        if point.held != "free":
+            force[:, k] = -pushed[:, k]
+        else:
+            spring = np.array(point.stiffness) + 1j * w * np.array(point.damping)
+            force[:, k] = spring * x[:, at[k]]
+    return force

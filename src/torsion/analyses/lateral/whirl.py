@@ -1,0 +1,177 @@
+"""Whirl of a turning shaft: frequencies and decay over speed, and the speeds at which an order meets them.
+
+The inverse v = 1/w of a frequency solves v p = -Omega G p - N r, v r = -N p with N N = M: a symmetric matrix, so that
+the lowest frequencies, its largest values, keep all their digits. With dampers z = 1/s, s = i w, in place of v.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.analyses.lateral.planes import EPS, Planes
+from torsion.analyses.lateral.refined import OVERDAMPED, refined
+from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+
+SPARE_MODES, TIMES_MODES = 8, 1  # modes at rest among which damped ones are sought: these, and so many times those told
+
+
+@dataclass(frozen=True)
+class Whirl:
+    """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
+
+    speed: FloatArray  # (speeds,) rad/s of the shaft
+    frequency: FloatArray  # (speeds, modes) Hz of the oscillation; NaN where fewer modes oscillate
+    log_decrement: FloatArray  # (speeds, modes); negative: the shaft is unstable
+    direction: FloatArray  # (speeds, modes) 1 forward, -1 backward, between them an ellipse
+
+
+@dataclass(frozen=True, slots=True)
+class Critical:
+    """A speed at which a frequency of the shaft is `order` times its speed; damping is left out of the speed."""
+
+    order: int  # 1: unbalance; 2: the couples of cross joints
+    mode: int  # counted from 1 by ascending speed
+    speed: float  # rad/s of the shaft
+    frequency: float  # Hz
+    direction: float  # 1 forward, -1 backward, between them an ellipse
+    damping_ratio: float  # first order: half width of the resonance over speed / speed; 0: the amplitude has no bound
+
+
+def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
+    """The lowest modes over speeds (speeds,) rad/s: `modes` backward and as many forward ones.
+
+    Loss factors of the shaft enter the decrement to first order; they drive a forward whirl slower than the shaft
+    (Genta 2005). With unequal supports the 2 `modes` lowest are told, in ascending order.
+    """
+    speeds = np.atleast_1d(np.asarray(speed, dtype=np.float64))
+    columns = np.full((3, len(speeds), 2 * modes), np.nan)
+    for k, omega in enumerate(speeds.tolist()):
+        root, shape = _roots(planes, omega, 2 * modes)
+        turns = [-1.0, 1.0] if planes.is_isotropic else [1.0]
+        wanted = 2 * modes // len(turns)
+        for group, sign in enumerate(turns):
+            chosen = np.flatnonzero(sign * root.imag > OVERDAMPED * np.abs(root))[:wanted]
+            told = _told(planes, omega, root[chosen], _both(planes, shape[:, chosen], sign))
+            columns[:, k, group * wanted : group * wanted + len(chosen)] = told
+    return Whirl(speeds, columns[0], columns[1], columns[2])
+
+
+def _both(planes: Planes, p: ComplexArray, sign: float) -> ComplexArray:
+    """Shapes of y and i z, (2 n, modes), from those of y + i z where the supports are isotropic; sign 1 is forward."""
+    if not planes.is_isotropic:
+        return p
+    return np.asarray(np.vstack([p, sign * p]) / math.sqrt(2.0), dtype=np.complex128)
+
+
+def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, ComplexArray]:
+    """Roots s by ascending modulus, and shapes (coordinates, roots); at least the `modes` lowest that oscillate."""
+    every = np.arange(len(planes.square))
+    if not planes.is_damped:
+        return roots_among(planes, speed, every)
+    if (found := refined(planes, speed, roots_among(planes, speed, lowest(planes, modes)), modes)) is not None:
+        return found
+    return roots_among(planes, speed, every)
+
+
+def lowest(planes: Planes, modes: int) -> IntArray:
+    """Coordinates of the lowest modes at rest, a few times as many as are told."""
+    return np.argsort(-planes.square, kind="stable")[: SPARE_MODES + TIMES_MODES * modes]
+
+
+def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexArray, ComplexArray]:
+    """All roots and shapes (coordinates, roots) of the coordinates that are kept."""
+    square = planes.square[kept]
+    moving = np.flatnonzero(square > 0)
+    n, m = len(kept), len(moving)
+    symmetric = np.zeros((n + m, n + m))
+    symmetric[:n, :n] = -speed * planes.gyroscopic[np.ix_(kept, kept)]
+    symmetric[moving, n + np.arange(m)] = symmetric[n + np.arange(m), moving] = -np.sqrt(square[moving])
+    if planes.is_damped:  # i v = z
+        damped = -1j * symmetric
+        damped[:n, :n] -= planes.damping[np.ix_(kept, kept)]
+        inverse, vectors = np.linalg.eig(damped)
+    else:
+        value, real = np.linalg.eigh(symmetric)
+        inverse, vectors = (-1j * value).astype(np.complex128), real.astype(np.complex128)
+    size = np.abs(inverse)
+    last = np.argsort(-size, kind="stable")
+    last = last[size[last] > (n + m) * EPS * size.max()]
+    shape = np.zeros((len(planes.square), len(last)), dtype=np.complex128)
+    shape[kept] = vectors[:n, last]
+    return np.asarray(1.0 / inverse[last]), shape
+
+
+def _told(planes: Planes, speed: float, root: ComplexArray, p: ComplexArray) -> FloatArray:
+    """(3, modes) Hz, decrement and direction of shapes of both planes.
+
+    Loss factors add to first order 2 pi lossy energy/(elastic + kinetic energy).
+    """
+    w = np.abs(root.imag)
+    square = np.concatenate([planes.y.square, planes.z.square])
+    energy = np.sum(np.abs(p) ** 2 * (1.0 + w**2 * square[:, None]), axis=0)
+    forward, backward = lossy_energies(planes, p)
+    lost = (np.sign(w - speed) * forward + backward) / energy
+    return np.stack([w / (2.0 * math.pi), 2.0 * math.pi * (-root.real / w + lost), direction(planes, p)])
+
+
+def _energy(p: ComplexArray, matrix: FloatArray, other: ComplexArray) -> FloatArray:
+    """(modes,) real part of p* matrix other."""
+    return np.asarray(np.sum(p.conj() * (matrix @ other), axis=0).real)
+
+
+def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    """(modes,) of the loss factors in the forward and in the backward part of shapes of both planes."""
+    n = len(planes.y.square)
+    if planes.is_isotropic:
+        same = 0.5 * (_energy(p[:n], planes.lossy, p[:n]) + _energy(p[n:], planes.lossy, p[n:]))
+    else:
+        same = 0.5 * _energy(p, planes.lossy, p)
+    cross = _energy(p[:n], planes.crossed, p[n:])
+    return same + cross, same - cross
+
+
+def direction(planes: Planes, p: ComplexArray) -> FloatArray:
+    """(modes,) forward less backward share of the orbits, weighted by the inertia, of shapes of both planes."""
+    y, z = planes.of_planes(p)
+    y, z = planes.y.shape @ y, planes.z.shape @ z
+    forward, backward = (_energy(u, planes.system.inertia, u) for u in (y + 1j * z, y - 1j * z))
+    return np.asarray((forward - backward) / (forward + backward))
+
+
+def criticals(planes: Planes, order: int, highest: float) -> tuple[Critical, ...]:
+    """Every speed up to the highest, rad/s, at which `order` times the speed is a frequency, ascending.
+
+    1 = Omega2 (order2 M - order G): a definite problem in 1/Omega2, so that none is missed.
+    """
+    inertia = order**2 * np.diag(planes.square)
+    rows: list[tuple[float, float, float]] = []
+    for sign in (-1.0, 1.0) if planes.is_isotropic else (1.0,):
+        speed, shape = _pencil(inertia - sign * order * planes.gyroscopic)
+        inside = np.flatnonzero(speed <= highest)
+        p = _both(planes, shape[:, inside].astype(np.complex128), sign)
+        ratio = _ratios(planes, p, order, speed[inside])
+        rows += zip(speed[inside].tolist(), direction(planes, p).tolist(), ratio.tolist(), strict=True)
+    rows.sort()
+    return tuple(
+        Critical(order, number, speed, order * speed / (2.0 * math.pi), turns, ratio)
+        for number, (speed, turns, ratio) in enumerate(rows, start=1)
+    )
+
+
+def _pencil(matrix: np.ndarray) -> tuple[FloatArray, np.ndarray]:
+    """Speeds ascending and shapes of the positive values 1/speed2 of a matrix."""
+    inverse, shape = np.linalg.eigh(matrix)
+    above = np.flatnonzero(inverse > len(inverse) * EPS * np.abs(inverse).max())[::-1]
+    return np.asarray(1.0 / np.sqrt(inverse[above])), shape[:, above]
+
+
+def _ratios(planes: Planes, p: ComplexArray, order: int, speed: FloatArray) -> FloatArray:
+    """(modes,) half of the damping terms of shapes of elastic energy 1/2, at the resonance."""
+    n = len(planes.y.square)
+    if planes.is_isotropic:
+        viscous = _energy(p[:n], planes.damping, p[:n]) + _energy(p[n:], planes.damping, p[n:])
+    else:
+        viscous = _energy(p, planes.damping, p)
+    forward, backward = lossy_energies(planes, p)
+    return np.asarray((order * speed * viscous + np.sign(order - 1) * forward + backward) / 2.0)

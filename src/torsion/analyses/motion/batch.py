@@ -1,0 +1,249 @@
+"""Periodic motions and Floquet multipliers of many variants of one train side by side, on a few modes.
+
+The variants lie behind one another on the axis of time: the equations of motion are those of one train.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsion.analyses.motion.equations import Loading, State, entries, gathered, state
+from torsion.analyses.motion.layout import Layout
+from torsion.analyses.motion.loading import Scene, operating, rigid_deviation
+from torsion.analyses.motion.modes import Basis
+from torsion.kernels.periodic.harmonic_balance import Motion, harmonics_of
+from torsion.kernels.periodic.hill import from_real_parts, real_blocks, real_parts, toeplitz
+from torsion.kernels.tree import FloatArray
+
+SMALL = 1e-5  # relative step of Newton's method after which the next would be rounding
+FOUND = 1e-3  # relative step at the end that is still a solution
+MOST_STEPS = 16
+SLOW = 0.1  # shrinking of the steps from which the matrix is renewed
+FARTHEST = 10.0  # a larger step is none (rad, with inertias of the order of 1 kg m2)
+LEFT_OUT = 1e-7  # q^harmonics
+SAMPLES = 4  # points in time per harmonic
+
+
+@dataclass(frozen=True)
+class Stack:
+    """A train, its reduced modes, and how its variants differ."""
+
+    at: Scene
+    reduced: Basis
+    vary: Callable[[FloatArray], Scene]
+    values: FloatArray  # (variants,)
+    uneven: float  # largest of all joints
+
+    @property
+    def count(self) -> int:
+        """Harmonics kept."""
+        share = float(self.at.layout.order / self.at.order)
+        rank = np.log(LEFT_OUT) / np.log(self.uneven) if 0 < self.uneven < 1 else 1.0
+        return int(max(5, np.ceil(rank * share) + 2))
+
+    @property
+    def times(self) -> int:
+        """Points in time of a period, odd."""
+        return SAMPLES * self.count + 1
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """Coefficients of the linearised equations of all variants on the modes, (modes, modes, variants, times)."""
+
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    force: FloatArray  # (variants, modes * harmonics, loads) real parts: of the residual over each unknown load
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Periodic motions of all variants at one speed."""
+
+    loading: Loading
+    harmonic: FloatArray  # (variants, modes, 2 count + 1) real parts, of the share beside the rigid motion
+    load: FloatArray  # (variants, loads)
+    is_found: np.ndarray  # (variants,)
+    around: Periodic
+    turning: FloatArray  # (variants, 2 modes) the motion itself at time 0: rate and acceleration
+    swing: FloatArray  # (variants,) rad, largest vibration of a coordinate, half range; NaN where none was found
+
+
+def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution:
+    """The motions at a speed (rad/s), from those of a neighbouring speed.
+
+    One matrix serves several steps as long as they shrink quickly; the first is that of the neighbouring speed.
+    """
+    variants, count, modes = len(stack.values), stack.count, len(stack.reduced.frequency)
+    plain = operating(stack.at, speed)
+    there = _lossless(stack.vary(np.repeat(stack.values, stack.times)))
+    loading, factor = _loading(plain.loading, there), _each(there.damping, stack)
+    turned = np.tile(2.0 * np.pi / loading.order * np.arange(stack.times) / stack.times, variants)
+    rigid = rigid_deviation(there.layout, loading.steady, plain.twist[:, None] * there.mean, turned)
+    base = _course(rigid.reshape(-1, variants, stack.times), loading.w0)
+    if before is None:
+        harmonic, load = np.zeros((variants, modes, 2 * count + 1)), plain.load * _each(there.mean, stack)
+    else:
+        harmonic, load = before.harmonic, before.load
+    size, factors, around = np.full(variants, np.inf), None, None if before is None else before.around
+    for _ in range(MOST_STEPS):
+        motion, modal = _motion(stack, base, harmonic, loading.w0)
+        now = state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
+        if np.all(size < SMALL):
+            break
+        if factors is None:
+            around = around or _periodic(stack, there.layout, loading, now, factor)
+            factors = _factored(stack, loading, around)
+        move, change = _step(stack, factors, _residual(stack, there.layout, now, modal, factor))
+        is_near = np.abs(move).max(axis=(1, 2)) < FARTHEST
+        harmonic = harmonic + np.where(is_near[:, None, None], move, 0.0)
+        load = load + np.where(is_near[:, None], change, 0.0)
+        swing, shift = np.abs(harmonic).max(axis=(1, 2)), np.abs(move).max(axis=(1, 2))
+        reached = np.where(swing > 0, shift / np.where(swing > 0, swing, 1.0), 0.0)
+        if np.any((reached > SLOW * size) & (reached > SMALL)) or not is_near.all():
+            factors, around = None, None
+        size = np.where(is_near, reached, np.inf)
+    found = size < FOUND
+    if not found.all():
+        harmonic, load = np.where(found[:, None, None], harmonic, 0.0), np.where(found[:, None], load, plain.load)
+        motion, _ = _motion(stack, base, harmonic, loading.w0)
+        now = state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
+    around = _periodic(stack, there.layout, loading, now, factor)
+    onto = stack.reduced.shape.T * stack.reduced.inertia
+    start = [(onto @ one.reshape(-1, variants, stack.times)[:, :, 0]).T for one in (motion.speed, motion.acceleration)]
+    start[0] = start[0] + speed * onto.sum(axis=1)
+    swing = np.where(found, half_range(motion.deviation.reshape(-1, variants, stack.times)), np.nan)
+    return Solution(loading, harmonic, load, found, around, np.concatenate(start, axis=1), swing)
+
+
+def half_range(deviation: FloatArray) -> FloatArray:
+    """(...) rad: half of the largest range of a coordinate over the period, from (coordinates, ..., times)."""
+    return np.asarray(np.ptp(deviation, axis=-1).max(axis=0) / 2.0)
+
+
+def _lossless(there: Scene) -> Scene:
+    """The scene without loss factors, which the modes' own damping stands for."""
+    whole = there.layout
+    return replace(there, layout=replace(whole, hysteretic=np.zeros(len(whole.spring))))
+
+
+def _each(value: float | FloatArray, stack: Stack) -> FloatArray:
+    """(variants, 1) from a value that is the same for all, or that lies along the axis of time."""
+    if np.ndim(value):
+        return np.reshape(value, (-1, stack.times))[:, :1]
+    return np.full((len(stack.values), 1), value)
+
+
+def _loading(plain: Loading, there: Scene) -> Loading:
+    """The loading of all variants: damping and torque (bodies, variants * times) where they differ."""
+    damping, torque = plain.damping, plain.torque
+    if np.ndim(there.damping):
+        damping = damping[:, None] * there.damping
+    if np.ndim(there.mean):
+        torque = torque[:, None] * there.mean
+    return replace(plain, damping=damping, torque=torque)
+
+
+def _course(samples: FloatArray, w0: float) -> list[FloatArray]:
+    """Deviation, speed and acceleration (coordinates, variants * times) from samples (coordinates, variants, times)."""
+    times = samples.shape[-1]
+    spectrum = np.fft.rfft(samples)
+    rate = 1j * w0 * np.arange(spectrum.shape[-1])
+    return [np.fft.irfft(spectrum * rate**k, times).reshape(len(samples), -1) for k in range(3)]
+
+
+def _motion(stack: Stack, base: list[FloatArray], harmonic: FloatArray, w0: float) -> tuple[Motion, FloatArray]:
+    """Rigid motion and modes together, (coordinates, variants * times), and the modes' speeds (modes, ...)."""
+    full = np.zeros((*harmonic.shape[:2], stack.times // 2 + 1), dtype=complex)
+    full[..., : stack.count + 1] = from_real_parts(harmonic)[..., stack.count :]
+    rate = 1j * w0 * np.arange(full.shape[-1])
+    parts, modal = [], []
+    for k, rigid in enumerate(base):
+        one = np.fft.irfft(full * rate**k, stack.times) * stack.times  # (variants, modes, times)
+        modal.append(one.transpose(1, 0, 2).reshape(harmonic.shape[1], -1))
+        parts.append(rigid + stack.reduced.shape @ modal[-1])
+    return Motion(parts[0], parts[1], parts[2]), modal[1]
+
+
+def _residual(stack: Stack, layout: Layout, now: State, speed: FloatArray, factor: FloatArray) -> FloatArray:
+    """(variants, modes * harmonics) real parts of what the modes lack for equilibrium."""
+    variants, modes = len(stack.values), len(speed)
+    missing = stack.reduced.shape.T @ gathered(layout, now.turning.first * now.residual)[: layout.free]
+    missing = missing.reshape(modes, variants, stack.times)
+    if stack.reduced.loss.any():
+        missing = missing + (stack.reduced.loss @ speed).reshape(missing.shape) * factor
+    return real_parts(harmonics_of(missing, stack.count)).transpose(1, 0, 2).reshape(variants, -1)
+
+
+def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State, factor: FloatArray) -> Periodic:
+    """The linearised equations on the modes."""
+    shape, variants = stack.reduced.shape, len(stack.values)
+    modes = shape.shape[1]
+    whole = entries(layout, loading, now)
+    inside = np.flatnonzero((whole.row < layout.free) & (whole.column < layout.free))
+    row, column = whole.row[inside], whole.column[inside]
+    outer = (shape[row][:, :, None] * shape[column][:, None, :]).reshape(len(row), -1).T
+    heavy = np.flatnonzero(inside < len(layout.root))  # the first entries are the coordinates' own
+    form = (modes, modes, variants, stack.times)
+    mass = (outer[:, heavy] @ whole.mass[inside[heavy]]).reshape(form)
+    damping = (outer @ whole.damping[inside]).reshape(form)
+    if stack.reduced.loss.any():
+        damping += stack.reduced.loss[:, :, None, None] * factor
+    force = np.empty((variants, modes * (2 * stack.count + 1), len(loading.drive)))
+    for k, drive in enumerate(loading.drive):
+        one = -shape.T @ gathered(layout, now.turning.first * drive[:, None])[: layout.free]
+        one = real_parts(harmonics_of(one.reshape(modes, variants, stack.times), stack.count))
+        force[:, :, k] = one.transpose(1, 0, 2).reshape(variants, -1)
+    return Periodic(mass, damping, (outer @ whole.stiffness[inside]).reshape(form), force)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """Factored matrices of Newton's step, each scaled by its largest element."""
+
+    scale: FloatArray  # (variants,)
+    factors: list[tuple[FloatArray, FloatArray]]
+
+
+def _factored(stack: Stack, loading: Loading, around: Periodic) -> Factors:
+    variants, count = len(stack.values), stack.count
+    number, modes, loads = 2 * count + 1, around.mass.shape[0], around.force.shape[2]
+    w, upper = 1j * loading.w0 * np.arange(-count, count + 1), np.arange(count + 1)
+    complex_blocks = toeplitz(around.stiffness, count, upper)
+    complex_blocks += w * toeplitz(around.damping, count, upper)
+    complex_blocks += w**2 * toeplitz(around.mass, count, upper)
+    blocks = real_blocks(complex_blocks)
+    total = modes * number
+    scale, factors = np.empty(variants), []
+    for k in range(variants):
+        whole = np.zeros((total + loads, total + loads), order="F")
+        whole[:total, :total] = blocks[:, :, k].transpose(0, 2, 1, 3).reshape(total, total)
+        scale[k] = np.abs(whole).max()
+        whole[:total, :total] /= scale[k]
+        whole[:total, total:] = around.force[k]
+        for load in range(loads):
+            whole[total + load, np.arange(modes) * number] = stack.reduced.shape[loading.steady[load]]
+        factors.append(_lu(whole))
+    return Factors(scale, factors)
+
+
+def _lu(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
+    from scipy.linalg.lapack import dgetrf
+
+    factors, pivots, _ = dgetrf(matrix, overwrite_a=True)
+    return factors, pivots
+
+
+def _step(stack: Stack, factors: Factors, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Newton's step of all variants: change of the modes' harmonics and of the loads; not a number where singular."""
+    from scipy.linalg.lapack import dgetrs
+
+    variants, total = residual.shape
+    found = np.zeros((variants, factors.factors[0][0].shape[0]))
+    found[:, :total] = -residual / factors.scale[:, None]
+    for k, (matrix, pivots) in enumerate(factors.factors):
+        found[k] = dgetrs(matrix, pivots, found[k])[0]
+    found[~np.isfinite(found).all(axis=1)] = FARTHEST
+    return found[:, :total].reshape(variants, -1, 2 * stack.count + 1), found[:, total:] * factors.scale[:, None]

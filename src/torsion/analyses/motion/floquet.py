@@ -1,0 +1,147 @@
+"""Floquet exponents of a train about its periodic motion at one speed, by the monodromy matrix or by Hill's matrix."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.analyses.motion.equations import linearised
+from torsion.analyses.motion.loading import Scene
+from torsion.analyses.motion.modes import Basis
+from torsion.analyses.motion.periodic import Orbit
+from torsion.errors import SolveError
+from torsion.kernels.periodic.floquet import exponents, monodromy, steps_for
+from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
+from torsion.kernels.periodic.hill import couplings_of, hill_exponents
+from torsion.kernels.tree import ComplexArray, FloatArray
+
+KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
+NEAR_TRIVIAL = 1e-4  # of w0: an exponent of Hill's matrix this near to 0 with the vector of the motion itself is it
+SAME_VECTOR = 0.95  # cosine
+MOST_HILL = 2500  # rows of the eigenvalue problem
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Linear equations of a small deviation from a periodic motion, over one common period."""
+
+    mass: FloatArray  # (times, size, size)
+    damping: FloatArray
+    stiffness: FloatArray
+    period: float  # s
+    repeated: FloatArray  # (motions, 2 size, times) motions (y, y') that repeat themselves exactly
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates or modes."""
+        return int(self.mass.shape[1])
+
+    @property
+    def w0(self) -> float:
+        """rad/s."""
+        return 2.0 * np.pi / self.period
+
+    def on(self, reduced: Basis) -> "Variation":
+        """The same on a basis of modes."""
+        shape = reduced.shape
+        onto = shape.T * reduced.inertia  # its inverse on the modes
+        mass, damping, stiffness = (shape.T @ part @ shape for part in (self.mass, self.damping, self.stiffness))
+        moves = [np.concatenate([onto @ one[: self.size], onto @ one[self.size :]]) for one in self.repeated]
+        repeated = np.array(moves).reshape(len(moves), 2 * shape.shape[1], self.mass.shape[0])
+        return Variation(mass, damping, stiffness, self.period, repeated)
+
+
+def variation(at: Scene, orbit: Orbit, whole: Basis) -> Variation:
+    """The variation of the equations about an orbit; loss factors act as the viscous damping of each mode alone."""
+    loading, free = orbit.now.loading, at.layout.free
+    times = points_in_time(orbit.found.count)
+    motion = motion_of(orbit.found.harmonic, loading.w0, times)
+    around = linearised(at.layout, loading, motion, orbit.found.load, 1)
+    mass, damping, stiffness = around.entries.full(free)
+    if at.layout.hysteretic.any():
+        damping = damping + whole.hysteretic
+    moves = []
+    for group in at.layout.floating:
+        members = np.isin(np.arange(free), group)[:, None]
+        moves.append(np.concatenate([members * (loading.speed + motion.speed), members * motion.acceleration]))
+    repeated = np.array(moves).reshape(len(moves), 2 * free, times)
+    return Variation(mass, damping, stiffness, loading.period, repeated)
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Floquet exponents of a train, without those of its free turning, the fastest growing first."""
+
+    exponent: ComplexArray  # (exponents,) 1/s, imaginary part within half of w0
+    vector: ComplexArray  # (coordinates or modes, exponents) deviation at reference angle zero; NaN where not computed
+    speed: ComplexArray  # (coordinates or modes, exponents) its rate of change
+    period: float  # s
+
+    @property
+    def growth(self) -> float:
+        """1/s of the fastest growing motion; negative where all die out."""
+        return float(self.exponent.real[0]) if self.exponent.size else -np.inf
+
+    @property
+    def multiplier(self) -> ComplexArray:
+        """(exponents,) factor over one common period."""
+        return np.asarray(np.exp(self.exponent * self.period))
+
+
+def by_monodromy(around: Variation, highest: float) -> Multipliers:
+    """Exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
+    size = around.size
+    scale = np.concatenate([np.ones(size), np.full(size, around.w0)])
+    whole = monodromy(around.mass, around.damping, around.stiffness, around.period, steps_for(around.period, highest))
+    whole = whole / scale[:, None] * scale
+    back = np.eye(2 * size)
+    for one in around.repeated:
+        start = whole @ (back.T @ (one[:, 0] / scale))  # once around: what has no inertia follows
+        if np.linalg.norm(whole @ start - start) <= KEPT_VECTOR * np.linalg.norm(start):
+            turned = _beside(start)
+            whole, back = turned.T @ whole @ turned, back @ turned
+    value, vector = np.linalg.eig(whole)
+    order = np.argsort(-np.abs(value), kind="stable")
+    shape = (back @ vector[:, order]) * scale[:, None]
+    return Multipliers(exponents(value[order], around.period), shape[:size], shape[size:], around.period)
+
+
+def _beside(known: FloatArray) -> FloatArray:
+    """(size, size - 1) orthonormal, at right angles to a vector."""
+    unit = known / np.linalg.norm(known)
+    return np.asarray(np.linalg.qr(np.column_stack([unit, np.eye(len(unit))]))[0][:, 1 : len(unit)])
+
+
+def by_hill(around: Variation, count: int) -> Multipliers:
+    """Exponents by the eigenvalues of Hill's matrix with harmonics up to `count` of the common period."""
+    size = around.size
+    if 2 * size * (2 * count + 1) > MOST_HILL:
+        raise SolveError(f"Hill's matrix of {size} coordinates and {count} harmonics is too large; use the monodromy")
+    entries = couplings_of(around.mass, around.damping, around.stiffness)
+    found = hill_exponents(entries, around.w0, count, size)
+    own = _harmonics(around.repeated[:, :size], count)
+    kept = np.ones(len(found.exponent), dtype=bool)
+    for one in own:
+        for k, (value, vector) in enumerate(zip(found.exponent, found.vector, strict=True)):
+            shift = round(value.imag / around.w0)
+            if abs(value - 1j * shift * around.w0) < NEAR_TRIVIAL * around.w0:
+                moved = np.roll(vector, shift, axis=1)
+                cosine = abs(np.vdot(moved, one)) / (np.linalg.norm(moved) * np.linalg.norm(one))
+                kept[k] &= cosine < SAME_VECTOR
+    value = found.exponent[kept]
+    order = np.argsort(-value.real, kind="stable")
+    start = found.vector[kept][order]
+    rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
+    folded = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
+    return Multipliers(folded, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
+
+
+def _harmonics(samples: FloatArray, count: int) -> ComplexArray:
+    """(..., 2 count + 1) harmonics -count..count of (..., times); 0 beyond what the samples tell."""
+    times = samples.shape[-1]
+    rank = np.arange(-count, count + 1)
+    return np.where(np.abs(rank) <= (times - 1) // 2, np.fft.fft(samples)[..., rank % times], 0.0)
+
+
+def hill_count(around: Variation, highest: float, orbit_count: int) -> int:
+    """Harmonics for Hill's matrix: those of the orbit, and those up to a highest frequency (rad/s)."""
+    return int(max(orbit_count, np.ceil(highest / around.w0) + 4))

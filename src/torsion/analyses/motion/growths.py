@@ -1,0 +1,62 @@
+"""Floquet multipliers of many variants of one train side by side."""
+
+import numpy as np
+
+from torsion.analyses.motion.batch import Solution, Stack
+from torsion.kernels.periodic.floquet import radau, step_matrices, steps_for
+from torsion.kernels.tree import FloatArray
+
+BEYOND = 1.5  # times the highest mode kept: what the steps resolve
+STAGES = 4  # order 7: growth rates of a map need no more
+
+
+def growths(stack: Stack, solution: Solution) -> FloatArray:
+    """(variants,) 1/s of the fastest growing motion; NaN where no periodic motion was found."""
+    loading, modes = solution.loading, len(stack.reduced.frequency)
+    period, rule = loading.period, radau(STAGES)
+    steps = steps_for(period, BEYOND * stack.reduced.highest)
+    share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
+    around = solution.around
+    mass, damping, stiffness = (
+        _between(part, share).reshape(-1, steps, STAGES, modes, modes)
+        for part in (around.mass, around.damping, around.stiffness)
+    )
+    each = step_matrices(mass, damping, stiffness, period / steps, rule)
+    scale = np.concatenate([np.ones(modes), np.full(modes, loading.w0)])
+    whole = each[:, 0]
+    for k in range(1, steps):
+        whole = each[:, k] @ whole
+    whole = whole / scale[:, None] * scale
+    if len(loading.drive):
+        whole = _without(whole, np.einsum("pij,pj->pi", whole, solution.turning / scale))
+    value = np.abs(np.linalg.eigvals(np.where(np.isfinite(whole), whole, 0.0))).max(axis=1)
+    with np.errstate(divide="ignore"):
+        return np.where(solution.is_found, np.log(value) / period, np.nan)
+
+
+def _between(samples: FloatArray, share: FloatArray) -> FloatArray:
+    """(variants, shares, modes, modes) periodic functions between even samples (modes, modes, variants, times)."""
+    modes, _, variants, times = samples.shape
+    found = samples.reshape(-1, times) @ _kernel(times, share).T
+    return np.ascontiguousarray(found.reshape(modes, modes, variants, -1).transpose(2, 3, 0, 1))
+
+
+def _kernel(times: int, share: FloatArray) -> FloatArray:
+    """(shares, times) weights of the trigonometric interpolation on an odd number of even points."""
+    apart = np.pi * (share[:, None] - np.arange(times) / times)
+    below = np.sin(apart)
+    near = np.abs(below) < 1e-14
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weight = np.sin(times * apart) / (times * below)
+    return np.where(near, 1.0, weight)
+
+
+def _without(matrix: FloatArray, known: FloatArray) -> FloatArray:
+    """(variants, size - 1, size - 1): each matrix beside an eigenvector that is known, by a reflection."""
+    unit = known / np.linalg.norm(known, axis=1, keepdims=True)
+    mirror = unit.copy()
+    mirror[:, 0] += np.where(unit[:, 0] < 0, -1.0, 1.0)
+    mirror /= np.linalg.norm(mirror, axis=1, keepdims=True)
+    turned = matrix - 2.0 * mirror[:, :, None] * np.einsum("pi,pij->pj", mirror, matrix)[:, None]
+    turned -= 2.0 * np.einsum("pij,pj->pi", turned, mirror)[:, :, None] * mirror[:, None]
+    return np.asarray(turned[:, 1:, 1:])

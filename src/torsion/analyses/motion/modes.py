@@ -1,0 +1,110 @@
+"""Modes of the train with its joints straight: the basis in which its stability is computed and its zones are named."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+from torsion.analyses.motion.layout import Layout
+from torsion.errors import SolveError
+from torsion.kernels.tree import FloatArray
+
+SAME = 1e-6  # of the largest: static shapes that are others combined
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Undamped modes of the free coordinates with a speed ratio of 1 in every joint, by ascending frequency.
+
+    A reduced basis holds more: static shapes about the joints, and coordinates without inertia as they are.
+    """
+
+    frequency: FloatArray  # (shapes,) rad/s; 0 of a rigid motion, NaN of a coordinate without inertia
+    shape: FloatArray  # (coordinates, shapes), generalised inertia 1
+    inertia: FloatArray  # (coordinates,) kg m2
+    loss: FloatArray  # (shapes, shapes) 1/s: viscous damping that loses in each mode what its loss factors lose
+    modes: int  # how many of the shapes, the first ones, are modes
+
+    @property
+    def rigid(self) -> int:
+        """How many rigid motions come first."""
+        return int(np.count_nonzero(self.frequency == 0.0))
+
+    @property
+    def highest(self) -> float:
+        """rad/s of the highest mode; 0 where all are rigid."""
+        return float(self.frequency[: self.modes].max(initial=0.0))
+
+    @property
+    def hysteretic(self) -> FloatArray:
+        """(coordinates, coordinates) N m s/rad: `loss` as a damping of the coordinates."""
+        onto = self.inertia[:, None] * self.shape
+        return np.asarray(onto @ self.loss @ onto.T)
+
+
+def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
+    """The lowest `count` modes with what the joints excite of the others statically.
+
+    What a joint's varying ratio adds to the equations of the straight train acts at its coordinate and at those that
+    its springs lead to. The deflection of the modes left out under forces there is taken along.
+    """
+    if count >= len(shapes.frequency):
+        return shapes
+    at = [step.outer for step in whole.steps]
+    near = np.isin(whole.driving, at) | np.isin(whole.driven, at)
+    touched = np.concatenate(
+        [whole.coordinate[at], whole.coordinate[whole.driving[near]], whole.coordinate[whole.driven[near]]]
+    )
+    touched = np.unique(touched[touched < whole.free])
+    light = np.flatnonzero(shapes.inertia == 0)
+    beyond = shapes.shape[:, count:]
+    onto = (beyond[touched] / shapes.frequency[count:] ** 2).T
+    left, size, _ = np.linalg.svd(onto / np.linalg.norm(onto, axis=0), full_matrices=False)
+    left = left[:, size > SAME * size[0]]
+    square, turned = eigh(left.T @ (shapes.frequency[count:, None] ** 2 * left))
+    choice = np.zeros((len(shapes.frequency), count + len(square)))
+    choice[:count, :count] = np.eye(count)
+    choice[count:, count:] = left @ turned
+    alone = np.zeros((whole.free, len(light)))
+    alone[light, np.arange(len(light))] = 1.0
+    number = choice.shape[1] + len(light)
+    loss = np.zeros((number, number))
+    loss[: choice.shape[1], : choice.shape[1]] = choice.T @ shapes.loss @ choice
+    frequency = np.concatenate([shapes.frequency[:count], np.sqrt(square), np.full(len(light), np.nan)])
+    return Basis(frequency, np.column_stack([shapes.shape @ choice, alone]), shapes.inertia, loss, count)
+
+
+def basis(whole: Layout) -> Basis:
+    """All modes of finite frequency; coordinates without inertia follow the others statically."""
+    free = whole.free
+    mass = np.zeros(len(whole.root))
+    np.add.at(mass, whole.coordinate, whole.inertia)
+    mass = mass[:free]
+    stiffness, lossy = (_assembled(whole, part) for part in (whole.stiffness, whole.hysteretic))
+    heavy, light = np.flatnonzero(mass > 0), np.flatnonzero(mass == 0)
+    if not heavy.size:
+        raise SolveError("no component has an inertia; nothing can vibrate")
+    follow = np.zeros((free, len(heavy)))
+    follow[heavy, np.arange(len(heavy))] = 1.0
+    if light.size:
+        follow[light] = -np.linalg.lstsq(stiffness[np.ix_(light, light)], stiffness[np.ix_(light, heavy)], rcond=None)[
+            0
+        ]
+    root = np.sqrt(mass[heavy])
+    square, vector = eigh((follow.T @ stiffness @ follow) / np.outer(root, root))
+    frequency = np.sqrt(np.maximum(square, 0.0))
+    frequency[: len(whole.floating)] = 0.0
+    shape = follow @ (vector / root[:, None])
+    slow = np.sqrt(np.divide(1.0, frequency, out=np.zeros_like(frequency), where=frequency > 0))
+    loss = slow[:, None] * (shape.T @ lossy @ shape) * slow
+    return Basis(frequency, shape, mass, loss, len(frequency))
+
+
+def _assembled(whole: Layout, spring: FloatArray) -> FloatArray:
+    """(free, free) sum over the springs."""
+    number = len(whole.root)
+    out = np.zeros((number, number))
+    a, b = whole.coordinate[whole.driving], whole.coordinate[whole.driven]
+    for row, column, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
+        np.add.at(out, (row, column), sign * spring)
+    return out[: whole.free, : whole.free]

@@ -1,0 +1,201 @@
+"""The exact periodic response of a train with joints over speed, by harmonic balance."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.motion.equations import linearised
+from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_motion, scene
+from torsion.analyses.motion.torques import course
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.kernels.periodic.harmonic_balance import Balance, Linearised, Motion, balance, harmonics_of, resized
+from torsion.kernels.tree import BoolArray, ComplexArray, FloatArray
+from torsion.study import Study
+
+Progress = Callable[[str, float], None]  # (what, share done 0..1)
+
+ACCURACY = 1e-10  # harmonics left out / largest kept
+FEWEST, MOST = 6, 400  # harmonics of the common period
+GROWTH = 1.4  # of the number of harmonics from one trial to the next
+KEPT = 1e-14  # of the largest amplitude: orders that stay smaller at every speed are rounding
+SUBDIVISIONS = 6  # halvings of a step of speed before a solution is given up
+LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
+LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
+GROWS = 1e-5  # over one common period: less may be the error of few modes
+SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be asked to hold
+
+
+class Found(IntEnum):
+    """What there is at a speed."""
+
+    OK = 0
+    COARSE = 1  # periodic, but the harmonics that were left out exceed ACCURACY
+    NONE = 2  # no periodic solution found
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A periodic motion at one speed."""
+
+    now: Operating
+    found: Balance
+
+    @property
+    def status(self) -> Found:
+        """OK or COARSE."""
+        return Found.OK if self.found.truncation <= ACCURACY else Found.COARSE
+
+
+@dataclass(frozen=True)
+class PeriodicResponse:
+    """Complex amplitudes of the exact periodic response (half ranges, phase at reference angle zero).
+
+    NaN where no periodic solution was found.
+    """
+
+    speed: FloatArray  # (speeds,) rad/s of the reference station
+    orders: tuple[Fraction, ...]  # per turn of the reference station, ascending
+    angle: ComplexArray  # (speeds, orders, stations) rad at own speed
+    torque: ComplexArray  # (speeds, orders, spans) N m at the driving station's speed
+    mean: FloatArray  # (speeds, spans) N m
+    drive: FloatArray  # (speeds,) N m of all drives together, at the reference speed; NaN where the train is held
+    harmonics: np.ndarray  # (speeds,) int: of the common period
+    truncation: FloatArray  # (speeds,) estimated largest harmonic left out / largest kept
+    status: np.ndarray  # (speeds,) uint8: Found
+    why: tuple[str, ...]  # (speeds,) of no solution; else empty
+    orbits: tuple[Orbit | None, ...]  # (speeds,)
+    growth: FloatArray | None = None  # (speeds,) 1/s of small deviations from it; None where it was not computed
+
+    @property
+    def is_unstable(self) -> BoolArray:
+        """(speeds,) small deviations grow: the motion is not the one that the train settles in."""
+        if self.growth is None:
+            return np.zeros(len(self.speed), dtype=bool)
+        periods = np.array([np.nan if one is None else one.now.loading.period for one in self.orbits])
+        return np.asarray(np.nan_to_num(self.growth * periods) > GROWS)
+
+
+def is_advised(system: System, first_order: FloatArray | None = None) -> bool:
+    """Whether the exact response is the default: a joint beyond 10 deg, or a first-order estimate of error beyond 1 %.
+
+    first_order: the estimates (speeds, lines) of a first-order response, where there is one.
+    """
+    joints = (system.train.parts[span.part].component for span in system.spans if span.error)
+    if any(getattr(joint, "angle", 0.0) > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
+        return True
+    return first_order is not None and bool(np.nanmax(first_order, initial=0.0) > LARGE_ERROR)
+
+
+def periodic_response(
+    study: Study, system: System, speeds: FloatArray, *, progress: Progress | None = None
+) -> PeriodicResponse:
+    """The periodic response at ascending reference speeds (speeds,) rad/s, each started from the one before it."""
+    at = scene(study, system)
+    tell = progress or (lambda what, share: None)
+    orbits, why = list[Orbit | None](), list[str]()
+    for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
+        tell("harmonic balance", k / len(speeds))
+        orbit, reason = continued(at, speed, orbits[-1] if orbits else None)
+        orbits.append(orbit)
+        why.append(reason)
+    return told(at, np.asarray(speeds, dtype=float), orbits, tuple(why))
+
+
+def continued(at: Scene, speed: float, before: Orbit | None) -> tuple[Orbit | None, str]:
+    """The orbit at a speed (rad/s) from its neighbour, else from the rigid motion, else by smaller steps of speed."""
+    if before is not None:
+        try:
+            return orbit(at, speed, before), ""
+        except SolveError:
+            pass
+    try:
+        return orbit(at, speed), ""
+    except SolveError as fault:
+        why = str(fault)
+    if before is None:
+        return None, why
+    here, reached, step = before, before.now.loading.speed, (speed - before.now.loading.speed) / 2.0
+    least = abs(step) / 2.0**SUBDIVISIONS
+    while abs(step) > least:
+        ahead = reached + step if abs(speed - reached) > abs(step) * (1 + 1e-9) else speed
+        try:
+            here, reached = orbit(at, ahead, here), ahead
+        except SolveError as fault:
+            step, why = step / 2.0, str(fault)
+            continue
+        if reached == speed:
+            return here, ""
+    return None, why
+
+
+def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
+    """The periodic motion at a speed (rad/s), from the rigid motion or a neighbour; raises SolveError.
+
+    The number of harmonics is raised until those left out are small.
+    """
+    now = operating(at, speed)
+    count = _first_count(at) if start is None else start.found.count
+    harmonic = rigid_motion(at, now, count) if start is None else start.found.harmonic
+    load = now.load if start is None else start.found.load
+    found = _solved(at, now, harmonic, load)
+    most = min(MOST, 20_000 // max(1, at.layout.free))
+    while found.truncation > ACCURACY and found.count < most:
+        more = min(most, int(np.ceil(GROWTH * found.count)))
+        found = _solved(at, now, resized(found.harmonic, more), found.load)
+    _refuse_slipping(found, now)
+    return Orbit(now, found)
+
+
+def _first_count(at: Scene) -> int:
+    """Harmonics with which to begin: enough for the joints' own errors and for the torques."""
+    uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
+    rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
+    highest = max((order for order, _ in at.torques), default=Fraction(0))
+    share = max(float(at.layout.order / at.order), 1.0)
+    return int(min(max(FEWEST, rank * share, float(highest / at.order) + 2), MOST))
+
+
+def _solved(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray) -> Balance:
+    def equations(motion: Motion, loads: FloatArray, count: int) -> Linearised:
+        return linearised(at.layout, now.loading, motion, loads, count)
+
+    return balance(equations, harmonic, load, now.loading.steady, now.loading.w0)
+
+
+def _refuse_slipping(found: Balance, now: Operating) -> None:
+    """A load that stands for a drive which is not there must come out as nothing."""
+    known = float(np.abs(now.loading.torque).max(initial=0.0))
+    others = np.abs(np.where(now.load == 0.0, found.load, 0.0))[1:]
+    if np.any(others > SLIPS * max(known, float(np.abs(found.load).max(initial=0.0)))):
+        raise SolveError("a coupling without stiffness would have to carry a mean torque; give it a stiffness")
+
+
+def told(at: Scene, speed: FloatArray, orbits: list[Orbit | None], why: tuple[str, ...]) -> PeriodicResponse:
+    """The response at speeds (speeds,) rad/s whose orbits are known: all orders that are more than rounding."""
+    most = max((one.found.count for one in orbits if one is not None), default=0)
+    stations, spans, number = len(at.system.stations), len(at.system.spans), len(speed)
+    angle = np.full((number, most, stations), np.nan, dtype=complex)
+    torque = np.full((number, most, spans), np.nan, dtype=complex)
+    mean, drive, truncation = np.full((number, spans), np.nan), np.full(number, np.nan), np.full(number, np.nan)
+    harmonics, status = np.zeros(number, dtype=int), np.full(number, Found.NONE, dtype=np.uint8)
+    for k, one in enumerate(orbits):
+        if one is None:
+            continue
+        count, moving = one.found.count, course(at, one.now, one.found)
+        angle[k], torque[k] = 0.0, 0.0
+        angle[k, :count] = 2.0 * harmonics_of(moving.angle, count)[:, count + 1 :].T
+        torque[k, :count] = 2.0 * harmonics_of(moving.torque, count)[:, count + 1 :].T
+        mean[k] = moving.torque.mean(axis=1)
+        drive[k] = one.found.load[0] if one.found.load.size else np.nan
+        harmonics[k], truncation[k], status[k] = count, one.found.truncation, one.status
+    size = np.nan_to_num(np.abs(torque)).max(axis=(0, 2), initial=0.0)
+    swing = np.nan_to_num(np.abs(angle)).max(axis=(0, 2), initial=0.0)
+    kept = np.flatnonzero((size > KEPT * size.max(initial=0.0)) | (swing > KEPT * swing.max(initial=0.0)))
+    orders = tuple(at.order * int(rank + 1) for rank in kept)
+    return PeriodicResponse(
+        speed, orders, angle[:, kept], torque[:, kept], mean, drive, harmonics, truncation, status, why, tuple(orbits)
+    )

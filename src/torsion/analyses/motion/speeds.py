@@ -1,0 +1,121 @@
+"""The speeds at which the exact periodic response is computed: a few everywhere, more around its peaks.
+
+Harmonic balance costs far more than a first-order line, so that the speeds are counted out by the size of the train.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from torsion.analyses.motion.floquet import by_monodromy, variation
+from torsion.analyses.motion.layout import layout
+from torsion.analyses.motion.loading import Scene, scene
+from torsion.analyses.motion.modes import basis
+from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, Progress, continued, told
+from torsion.analyses.motion.reduced import modes_that_matter
+from torsion.analyses.response.amplitudes import Response
+from torsion.assembly.system import System
+from torsion.kernels.tree import FloatArray
+from torsion.study import Study
+
+WORK = 2400  # speeds times coordinates: about 10 s on one slow core
+FEWEST, MOST = 24, 201  # speeds
+EVERYWHERE = 0.5  # of the speeds: spread over the range; the others are for peaks
+AT_PEAKS = 0.25  # of the speeds: at the peaks of the first order
+RESOLVED = 0.02  # of a peak: how far its neighbours may lie below it
+WORTH = 0.02  # of the largest amplitude of its span: lower peaks are not followed
+CLOSEST = 1e-5  # relative distance of two speeds
+BEYOND = 2.0  # times the highest of them: what the steps in time resolve
+EDGE = 1e-3  # the same beside a speed without a periodic motion
+
+
+def number_of_speeds(system: System) -> int:
+    """How many speeds the exact response of a train is worth."""
+    return int(np.clip(WORK // max(1, layout(system).free), FEWEST, MOST))
+
+
+def periodic_over_speed(
+    study: Study, system: System, first_order: Response, *, most: int | None = None, progress: Progress | None = None
+) -> PeriodicResponse:
+    """The exact periodic response over the range of a first-order response; `most` speeds, else as many as it is worth.
+
+    Every speed is started from the nearest that is solved.
+    """
+    tell, number = progress or (lambda what, share: None), most or number_of_speeds(system)
+    at = scene(study, system)
+    known: dict[float, tuple[Orbit | None, str]] = {}
+
+    def solve(speeds: FloatArray) -> PeriodicResponse:
+        for speed in speeds.tolist():
+            if speed not in known:
+                tell("harmonic balance", len(known) / number)
+                known[speed] = _continued(at, speed, known)
+        order = sorted(known)
+        orbits = [known[speed][0] for speed in order]
+        return told(at, np.array(order), orbits, tuple(known[speed][1] for speed in order))
+
+    found = solve(start(study, first_order, number))
+    while len(known) < number:
+        more = around_peaks(found)[: number - len(known)]
+        if not more.size:
+            break
+        found = solve(np.sort(more))
+    tell("stability of the periodic motion", 1.0)
+    return replace(found, growth=growths(at, found))
+
+
+def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
+    """(speeds,) 1/s of small deviations from each periodic motion, on the lowest modes; NaN where there is none."""
+    shapes = basis(at.layout)
+    fewer = modes_that_matter(at, shapes, float(found.speed[-1]))
+    return np.array([
+        np.nan if orbit is None else by_monodromy(variation(at, orbit, shapes).on(fewer), BEYOND * fewer.highest).growth
+        for orbit in found.orbits
+    ])  # fmt: skip
+
+
+def _continued(at: Scene, speed: float, known: dict[float, tuple[Orbit | None, str]]) -> tuple[Orbit | None, str]:
+    solved = [there for there, (orbit, _) in known.items() if orbit is not None]
+    near = min(solved, key=lambda there: abs(there - speed), default=None)
+    return continued(at, speed, None if near is None else known[near][0])
+
+
+def start(study: Study, first_order: Response, number: int) -> FloatArray:
+    """(speeds,) rad/s to begin with: of those asked for, the rated one, and the highest peaks of the first order."""
+    asked = first_order.speed[first_order.asked]
+    few = max(2, int(EVERYWHERE * number))
+    spread = asked if len(asked) <= few else asked[np.linspace(0, len(asked) - 1, few).round().astype(int)]
+    size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
+    chosen = [first_order.speed[row] for row, _, _ in _peaks(size)]
+    highest = np.array(list(dict.fromkeys(float(speed) for speed in chosen))[: int(AT_PEAKS * number)])
+    rated = study.operation.rated
+    inside = [] if rated is None or not asked[0] <= rated.speed <= asked[-1] else [rated.speed]
+    return np.unique(np.concatenate([spread, highest, inside]))
+
+
+def around_peaks(found: PeriodicResponse) -> FloatArray:
+    """(speeds,) rad/s half way to the neighbours of every peak that they do not resolve, the worst resolved first."""
+    size = np.abs(found.torque)
+    worst: dict[float, float] = {}
+    for row, line, span in _peaks(size):
+        for beside in (row - 1, row + 1):
+            drop = 1.0 - size[beside, line, span] / size[row, line, span]
+            here, there = float(found.speed[row]), float(found.speed[beside])
+            closest = EDGE if np.isnan(drop) else CLOSEST
+            if not drop <= RESOLVED and abs(there - here) > closest * here:
+                middle = (here + there) / 2.0
+                worst[middle] = max(worst.get(middle, 0.0), 1.0 if np.isnan(drop) else drop)
+    return np.array(sorted(worst, key=lambda speed: -worst[speed]))
+
+
+def _peaks(size: FloatArray) -> list[tuple[int, int, int]]:
+    """Inner maxima over the first axis of (speeds, orders, spans), the largest of its span first.
+
+    A neighbour without a value is no obstacle.
+    """
+    filled = np.where(np.isnan(size), -np.inf, size)
+    highest = np.max(filled, axis=(0, 1), initial=0.0)
+    inner = (filled[1:-1] >= filled[:-2]) & (filled[1:-1] >= filled[2:]) & (filled[1:-1] > WORTH * highest)
+    row, line, span = np.nonzero(inner)
+    order = np.argsort(-filled[row + 1, line, span] / highest[span], kind="stable")
+    return list(zip((row + 1)[order].tolist(), line[order].tolist(), span[order].tolist(), strict=True))

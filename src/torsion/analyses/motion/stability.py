@@ -1,0 +1,282 @@
+"""Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from torsion.analyses.motion.asked import Method
+from torsion.analyses.motion.floquet import Multipliers, by_hill, by_monodromy, hill_count, variation
+from torsion.analyses.motion.loading import Scene, scene
+from torsion.analyses.motion.modes import Basis, basis, reduced
+from torsion.analyses.motion.periodic import Orbit, continued
+from torsion.analyses.motion.zones import Zone, candidates, modal_energy, zone
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.study import Study
+
+Progress = Callable[[str, float], None]  # (what, share done 0..1)
+
+UNSTABLE = 1e-7  # growth over one common period: less is rounding
+WITHIN = 1e-10  # relative: boundaries are sought this closely
+BISECTIONS = 10  # before a boundary of a train without damping is sought by the gap of its multipliers
+MOST_SEEDS = 60  # combination resonances that are looked at between the speeds asked for
+LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
+UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
+BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
+CHECKED = 3  # speeds at which the other method checks the growth rate
+
+
+@dataclass(frozen=True)
+class UnstableRange:
+    """Speeds between which small deviations grow."""
+
+    first: float  # rad/s of the reference station
+    last: float
+    is_open: tuple[bool, bool]  # the range goes on beyond the speeds asked for
+    growth: float  # 1/s, the greatest found within
+    at: float  # rad/s, where
+    zone: Zone
+
+
+@dataclass(frozen=True)
+class Stability:
+    """Growth rates over speed; NaN where there is no periodic motion."""
+
+    speed: FloatArray  # (speeds,) rad/s of the reference station, ascending, with those added in and around zones
+    asked: np.ndarray  # (speeds,) bool
+    growth: FloatArray  # (speeds,) 1/s of the fastest growing motion
+    frequency: FloatArray  # (speeds,) rad/s of that motion, modulo w0 and within half of it
+    amplitude_growth: FloatArray  # (speeds,) factor over one turn of the reference station
+    ranges: tuple[UnstableRange, ...]
+    modes: FloatArray  # (modes,) rad/s of the train with straight joints, elastic ones
+    method: str
+    check: float  # 1/s: largest difference of the two methods where both were used; NaN where they were not
+    unsolved: FloatArray  # (speeds,) rad/s of the reference station without a periodic motion
+    loses: bool  # something damps; where nothing does, a growth of 0 is the best there is
+    kept: int | None = None  # elastic modes that the train was reduced to; None: all
+    left_out: float = 0.0  # 1/s: estimated error of that
+
+
+@dataclass
+class Search:
+    """A train whose growth rate is asked at many speeds; remembers what it computed."""
+
+    at: Scene
+    shapes: Basis
+    reduced: Basis | None
+    method: Method
+    known: dict[float, tuple[Orbit, Multipliers] | None]
+
+    def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
+        """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
+        if speed not in self.known:
+            solved = [(abs(there - speed), one) for there, one in self.known.items() if one is not None]
+            near = min(solved, key=lambda one: one[0])[1][0] if solved else None
+            orbit, _ = continued(self.at, speed, near)
+            self.known[speed] = None if orbit is None else (orbit, self.exponents(orbit, self.method))
+        return self.known[speed]
+
+    def exponents(self, orbit: Orbit, method: Method) -> Multipliers:
+        """By one of the methods."""
+        around = variation(self.at, orbit, self.shapes)
+        highest = self.shapes.highest
+        if self.reduced is not None:
+            around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
+        if method == "hill":
+            return by_hill(around, hill_count(around, highest, orbit.found.count))
+        return by_monodromy(around, highest)
+
+    def growth(self, speed: float) -> float:
+        """1/s; NaN where there is no periodic motion."""
+        found = self(speed)
+        return np.nan if found is None else found[1].growth
+
+    def is_unstable(self, speed: float) -> bool:
+        """Growth beyond rounding."""
+        found = self(speed)
+        return found is not None and found[1].growth * found[1].period > UNSTABLE
+
+    @property
+    def loses(self) -> bool:
+        """Something damps."""
+        return self.at.system.damps and self.at.damping > 0
+
+
+def search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:
+    """A train ready to be asked; `modes`: reduce to so many elastic modes."""
+    at = scene(study, system, vibratory=False)
+    shapes = basis(at.layout)
+    fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
+    return Search(at, shapes, fewer, method, {})
+
+
+def stability(
+    study: Study,
+    system: System,
+    speeds: FloatArray,
+    *,
+    method: Method = "monodromy",
+    modes: int | None = None,
+    progress: Progress | None = None,
+) -> Stability:
+    """Growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
+
+    Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
+    they shift the orbit, not its stability, to first order.
+    """
+    tell = progress or (lambda what, share: None)
+    ask = search(study, system, method=method, modes=modes)
+    asked = np.unique(np.asarray(speeds, dtype=float))
+    for k, speed in enumerate(asked.tolist()):
+        tell("stability", 0.6 * k / len(asked))
+        ask(speed)
+    _look_between(ask, asked, tell)
+    ranges = _ranges(ask, tell)
+    speed = np.array(sorted(ask.known))
+    solved = [ask.known[one] for one in speed.tolist()]
+    growth = np.array([np.nan if one is None else one[1].growth for one in solved])
+    frequency = np.array(
+        [np.nan if one is None or not one[1].exponent.size else one[1].exponent.imag[0] for one in solved]
+    )
+    with np.errstate(over="ignore"):
+        factor = np.exp(growth * 2.0 * np.pi / speed)
+    unsolved = speed[np.isnan(growth)]
+    shapes = ask.shapes.frequency[ask.shapes.rigid :]
+    return Stability(
+        speed, np.isin(speed, asked), growth, frequency, factor, ranges, shapes, method, _check(ask, asked), unsolved,
+        ask.loses,
+    )  # fmt: skip
+
+
+def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
+    """Ask around each combination resonance for zones that fall between the speeds."""
+    if len(asked) < 2:
+        return
+    seeds = candidates(ask.shapes, float(ask.at.order), float(asked[0]), float(asked[-1]))
+    uneven = max((abs(step.joint.unevenness) for step in ask.at.layout.steps), default=0.0)
+    if uneven == 0.0:
+        return
+    around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
+    for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
+        tell("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
+        low, high = max(seed * (1.0 - around), float(asked[0])), min(seed * (1.0 + around), float(asked[-1]))
+        inside = [speed for speed in ask.known if low <= speed <= high]
+        if any(ask.is_unstable(speed) for speed in [*inside, seed]):
+            continue
+
+        def height(speed: float) -> float:
+            value = _indicator(ask, speed, None)
+            return np.inf if np.isnan(value) else -value
+
+        minimize_scalar(
+            height, bounds=(low, high), method="bounded", options={"xatol": around * seed * 1e-2, "maxiter": 10}
+        )
+
+
+def _indicator(ask: Search, speed: float, at: complex | None) -> float:
+    """Smooth over speed, positive where unstable: growth, or without damping the squared gap of two multipliers.
+
+    at: unit complex number near which the two meet; None: wherever they lie closest.
+    """
+    found = ask(speed)
+    if found is None:
+        return np.nan
+    multipliers = found[1]
+    if ask.loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and at is None):
+        return multipliers.growth
+    value = multipliers.multiplier
+    if at is None:
+        apart = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
+        first, second = np.unravel_index(int(np.argmin(apart)), apart.shape)
+    else:
+        first, second = np.argsort(np.abs(value - at))[:2]
+    gap = np.log(value[first] / value[second]) / (2.0 * multipliers.period)
+    return float((gap * gap).real)
+
+
+def _ranges(ask: Search, tell: Progress) -> tuple[UnstableRange, ...]:
+    """Unstable ranges between neighbouring stable speeds, with their boundaries."""
+    speed = sorted(one for one, found in ask.known.items() if found is not None)
+    grows = [ask.is_unstable(one) for one in speed]
+    out, first = list[UnstableRange](), 0
+    while first < len(speed):
+        if not grows[first]:
+            first += 1
+            continue
+        last = first
+        while last + 1 < len(speed) and grows[last + 1]:
+            last += 1
+        tell("boundaries", 0.8 + 0.2 * first / len(speed))
+        opens, closes = first == 0, last == len(speed) - 1
+        lower = speed[0] if opens else _boundary(ask, speed[first], speed[first - 1])
+        upper = speed[-1] if closes else _boundary(ask, speed[last], speed[last + 1])
+        out.append(_named(ask, lower, upper, speed[first : last + 1], (opens, closes)))
+        first = last + 1
+    return tuple(out)
+
+
+def _boundary(ask: Search, inner: float, outer: float) -> float:
+    """The speed (rad/s) between an unstable and a stable one at which the growth begins."""
+    if ask.loses:
+        return float(brentq(lambda x: _growth(ask, x), inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
+    for _ in range(BISECTIONS):
+        middle = (inner + outer) / 2.0
+        inner, outer = (middle, outer) if ask.is_unstable(middle) else (inner, middle)
+    found = ask(inner)
+    if found is None:
+        raise SolveError("no periodic motion at the boundary of an unstable range")
+    at = np.exp(1j * np.angle(found[1].multiplier[0]))
+    try:
+        return float(brentq(lambda x: _indicator(ask, x, at), inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
+    except ValueError:
+        return (inner + outer) / 2.0
+
+
+def _growth(ask: Search, speed: float) -> float:
+    value = ask.growth(speed)
+    if np.isnan(value):
+        raise SolveError(f"no periodic motion at {speed:.8g} rad/s, beside an unstable range; ask for closer speeds")
+    return value
+
+
+def _named(ask: Search, lower: float, upper: float, inside: list[float], is_open: tuple[bool, bool]) -> UnstableRange:
+    """The range with its greatest growth and its name."""
+    if not ask.is_unstable((lower + upper) / 2.0):
+        worst = max(inside, key=ask.growth)
+    else:
+        worst = max([*inside, (lower + upper) / 2.0], key=ask.growth)
+    found = ask(worst)
+    if found is None:
+        raise SolveError("no periodic motion within an unstable range")
+    _, multipliers = found
+    energy = modal_energy(multipliers, ask.shapes, ask.reduced)
+    return UnstableRange(
+        lower, upper, is_open, multipliers.growth, worst, zone(energy, ask.shapes, 2.0 * np.pi / multipliers.period)
+    )
+
+
+def _check(ask: Search, asked: FloatArray) -> float:
+    """1/s: largest difference between the growth rates of both methods at a few speeds."""
+    other: Method = "monodromy" if ask.method == "hill" else "hill"
+    worst = np.nan
+    for speed in asked[np.unique(np.linspace(0, len(asked) - 1, CHECKED).astype(int))].tolist():
+        found = ask(speed)
+        if found is None:
+            continue
+        try:
+            apart = abs(ask.exponents(found[0], other).growth - found[1].growth)
+        except SolveError:
+            continue
+        worst = apart if np.isnan(worst) else max(worst, apart)
+    return float(worst)
+
+
+def exponents_at(ask: Search, speed: float) -> ComplexArray:
+    """(exponents,) 1/s at a speed; raises SolveError where there is no periodic motion."""
+    found = ask(speed)
+    if found is None:
+        raise SolveError(f"no periodic motion at {speed:.8g} rad/s")
+    return found[1].exponent

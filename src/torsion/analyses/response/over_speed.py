@@ -1,0 +1,146 @@
+"""Forced response: complex amplitudes of every order and fixed frequency over the speed range."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator
+
+from torsion import fields
+from torsion.analyses.damped import DampedModes
+from torsion.analyses.joints.first_order import joint_errors
+from torsion.analyses.modes import Modes
+from torsion.analyses.response import grid
+from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, merged
+from torsion.analyses.response.excitation import Excitation, Line, excitations, sources
+from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.steady import steady_if_known
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError
+from torsion.fields import Declared, given, refuse
+from torsion.kernels.response import Status
+from torsion.kernels.tree import FloatArray
+from torsion.study import FrequencyRange, Study
+
+Progress = Callable[[str, float], None]  # (what, share done 0..1)
+
+__all__ = ["Asked", "FrequencyResponse", "Line", "Response", "Synthesis", "response"]
+
+
+def _read_orders(value: Any) -> Any:
+    if value == "all":
+        return value
+    if isinstance(value, str) or not isinstance(value, list | tuple) or not value:
+        raise refuse("orders are `all` or a list", "for example [1, 5/2, 4], per turn of the reference station")
+    return tuple(fields.read_exact(order) for order in value)
+
+
+class Asked(Declared):
+    """Settings of `response`."""
+
+    orders: Annotated[Any, BeforeValidator(_read_orders)] = given(
+        "`all`, or a list of orders of the reference station", "all"
+    )
+    frequencies: FrequencyRange | None = given("also the response to the torques that act at every frequency")
+    method: Literal["first-order", "harmonic-balance"] | None = given(
+        "how joints are treated (default: `harmonic-balance` beside the first order where a joint is bent by more than "
+        "10 degrees or the first order estimates its own error as more than 1 %)"
+    )
+
+
+def response(
+    study: Study,
+    system: System,
+    *,
+    damped: DampedModes | None = None,
+    modes: Modes | None = None,
+    speeds: FloatArray | None = None,
+    progress: Progress | None = None,
+) -> Response:
+    """The response over `speeds` (rad/s of the reference station), else over the operation's speed range.
+
+    `modes` and `damped` spare work and sharpen the grid where they were computed already. Speeds are added around
+    every resonance, and wherever a peak shows between two of them. Raises InputError where speeds, or a mean torque
+    that an excitation or a damping follows, are not given.
+    """
+    asked = _asked_speeds(study, speeds)
+    orders: Any = getattr(study.analyses.get("response"), "orders", "all")
+    found = excitations(system, None if orders == "all" else orders)
+    scene = _Scene(study, system, found, progress or (lambda what, share: None))
+    speed, remark = _refined_speeds(scene, asked, damped, modes)
+    result = _solve(scene, speed)
+    for _ in range(grid.ROUNDS_FOR_PEAKS):
+        missed, left_out = grid.missed_peaks(result.speed, result.torque, result.status == Status.OK)
+        remark = left_out or remark
+        if missed.size == 0:
+            break
+        result = merged(result, _solve(scene, missed))
+    return replace(result, asked=np.isin(result.speed, asked), remark=remark)
+
+
+@dataclass(frozen=True)
+class _Scene:
+    study: Study
+    system: System
+    found: tuple[Excitation, ...]
+    tell: Progress
+
+
+def _asked_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
+    """(speeds,) rad/s, ascending."""
+    if speeds is not None:
+        return np.unique(np.asarray(speeds, dtype=np.float64))
+    if study.operation.speeds is None:
+        hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
+        raise InputError([Fault(("operation", "speeds"), "a response over speed needs the speeds", hint)])
+    return study.operation.speeds.values()
+
+
+def _refined_speeds(
+    scene: _Scene, asked: FloatArray, damped: DampedModes | None, modes: Modes | None
+) -> tuple[FloatArray, str]:
+    """The speeds asked for and those around each meeting of an order with a mode; and what was left out."""
+    orders = np.array([float(one.line.order) for one in scene.found if one.line.order is not None])
+    if not orders.size:
+        return asked, ""
+    known = grid.resonances(scene.system, float(orders.max() * asked[-1]), modes, damped)
+    where = grid.places(known, orders, float(asked[0]), float(asked[-1]))
+    ground = ground_damping(scene.system, where.at, steady_if_known(scene.study, scene.system, where.at))
+    return grid.refined(asked, where, grid.damping_ratios(known, where, ground))
+
+
+def _solve(scene: _Scene, speed: FloatArray) -> Response:
+    """Every line at every speed (rad/s), ascending."""
+    system, number = scene.system, len(scene.found)
+    mean = steady_if_known(scene.study, system, speed)
+    ground = ground_damping(system, speed, mean)
+    shape = (len(speed), number)
+    angle = np.empty((*shape, len(system.stations)), dtype=np.complex128)
+    torque = np.empty((*shape, len(system.spans)), dtype=np.complex128)
+    frequency, residual, joint_error = np.empty(shape), np.empty(shape), np.empty(shape)
+    status = np.empty(shape, dtype=np.uint8)
+    for k, one in enumerate(scene.found):
+        scene.tell("response", k / number)
+        w = _frequencies(one.line, speed)
+        found = answer(system, w, sources(system, one, speed, mean), ground)
+        frequency[:, k] = w / (2.0 * math.pi)
+        angle[:, k], torque[:, k], residual[:, k], status[:, k] = (
+            found.angle,
+            found.torque,
+            found.residual,
+            found.status,
+        )
+        joint_error[:, k] = joint_errors(system, one, found.angle)
+    steady_torque = np.zeros((len(speed), len(system.spans))) if mean is None else mean.torque.T
+    lines = tuple(one.line for one in scene.found)
+    asked = np.zeros(len(speed), dtype=bool)
+    return Response(speed, asked, lines, frequency, angle, torque, steady_torque, residual, status, joint_error)
+
+
+def _frequencies(line: Line, speed: FloatArray) -> FloatArray:
+    """(speeds,) rad/s."""
+    if line.order is not None:
+        return float(line.order) * speed
+    return np.full(len(speed), 2.0 * math.pi * (line.frequency or 0.0))

@@ -1,0 +1,1 @@
+"""Error against run time for one train: every model and method."""

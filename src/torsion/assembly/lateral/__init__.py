@@ -1,0 +1,1 @@
+"""Shafts that bend, as beams."""

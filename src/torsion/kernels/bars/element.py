@@ -1,0 +1,180 @@
+"""Finite elements of a shaft as spans: the unknowns inside are eliminated at each frequency (dynamic condensation).
+
+The angles inside an element are told relative to its static bend, and there in its modes with both ends held, of
+stiffness 1 and inertia c_j. With the whole inertia between static bends (a, b at the ends, c across) and the coupling
+g_j of the modes to both, the dynamic stiffness across is -1/h with
+
+    1/h = k + s c + s^2 sum g_inner g_outer/(1 - s c_j),    J = row sum of the inertia + s sum g_end g_turn/(1 - s c_j),
+
+where g_turn couples to the turning of the element as a whole, which has no stiffness at all: no torque, exactly.
+Without unknowns inside, 1/h = k + s c and J is constant: linear elements keep full relative accuracy.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsion.kernels.bars.law import UNIT_ROUNDOFF, Pi, Slopes
+from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+
+_ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
+_NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the element turns by 1
+
+
+@dataclass(frozen=True)
+class ElementBars:
+    """Condensed elements; modes inside, held at both ends, as (bars, inside)."""
+
+    stiffness: FloatArray  # (bars,) N m/rad, k of the static bend
+    across: FloatArray  # (bars,) kg m2, c
+    inner: FloatArray  # (bars,) kg m2, row sum at the inner end
+    outer: FloatArray  # (bars,) kg m2
+    modes: FloatArray  # (bars, inside) s2, c_j = 1/frequency^2
+    coupling_inner: FloatArray  # (bars, inside) g of the inner end
+    coupling_outer: FloatArray  # (bars, inside)
+    coupling_turn: FloatArray  # (bars, inside) g of the turning as a whole: not the rounded sum of the other two
+
+    @property
+    def size(self) -> int:
+        """Number of bars."""
+        return len(self.stiffness)
+
+    @cached_property
+    def limit(self) -> float:
+        """Lowest frequency (rad/s) of any element with both ends held; infinite without unknowns inside."""
+        largest = float(self.modes.max(initial=0.0))
+        return 1.0 / math.sqrt(largest) if largest > 0.0 else math.inf
+
+    @property
+    def reach(self) -> float:
+        """Angular frequency (rad/s) up to which the law holds; no end."""
+        return math.inf
+
+    @cached_property
+    def _distinct(self) -> tuple["ElementBars", IntArray]:
+        """The different elements, and which one each bar is."""
+        columns = [getattr(self, name) for name in self.__dataclass_fields__]
+        table = np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1)
+        _, first, position = np.unique(table, axis=0, return_index=True, return_inverse=True)
+        return ElementBars(*(column[first] for column in columns)), position.reshape(-1)
+
+    def at(self, square: NDArray[Any]) -> Pi:
+        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2 (m,) or (bars, m)."""
+        if square.ndim > 1:
+            return self._values(square)
+        few, position = self._distinct
+        flexibility, inner, outer = few._values(np.broadcast_to(square, (few.size, len(square))))
+        return flexibility[position], inner[position], outer[position]
+
+    def _values(self, s: NDArray[Any]) -> Pi:
+        spring, inner, outer = (np.zeros(s.shape, dtype=s.dtype) for _ in range(3))
+        for j in range(self.modes.shape[1]):
+            answer = s / (1.0 - s * self.modes[:, j, None])
+            inward, outward = self.coupling_inner[:, j, None], self.coupling_outer[:, j, None]
+            turn = self.coupling_turn[:, j, None] * answer
+            spring += (inward * outward) * answer
+            inner += inward * turn
+            outer += outward * turn
+        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + spring))
+        return spring, self.inner[:, None] + inner, self.outer[:, None] + outer
+
+    def slopes(self, square: FloatArray) -> Slopes:
+        """Values and derivatives with respect to s, each (bars, m), at s (m,)."""
+        few, position = self._distinct
+        s = np.broadcast_to(square, (few.size, len(square)))
+        h, inner, outer = few._values(s)
+        stiffness_slope, inner_slope, outer_slope = few.across[:, None] + np.zeros(s.shape), *np.zeros((2, *s.shape))
+        for j in range(few.modes.shape[1]):
+            answer = 1.0 / (1.0 - s * few.modes[:, j, None])
+            inward, outward = few.coupling_inner[:, j, None], few.coupling_outer[:, j, None]
+            stiffness_slope += (inward * outward) * s * answer * (1.0 + answer)
+            turn = few.coupling_turn[:, j, None] * (answer * answer)
+            inner_slope += inward * turn
+            outer_slope += outward * turn
+        rows = (h, inner, outer, -(h * h) * stiffness_slope, inner_slope, outer_slope)
+        return Slopes(square, *(row[position] for row in rows))
+
+    def rounding(self, square: FloatArray) -> FloatArray:
+        """Relative error (m,) of the values at s (m,), besides that of s itself."""
+        nearest = 1.0 - square * self.modes.max(initial=0.0)
+        return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF / np.maximum(nearest, UNIT_ROUNDOFF))
+
+    def turned(self, which: BoolArray) -> "ElementBars":
+        """The same with inner and outer end exchanged in `which` (bars,)."""
+        row = np.asarray(which)
+        swap = row[:, None]
+        return ElementBars(
+            self.stiffness,
+            self.across,
+            np.where(row, self.outer, self.inner),
+            np.where(row, self.inner, self.outer),
+            self.modes,
+            np.where(swap, self.coupling_outer, self.coupling_inner),
+            np.where(swap, self.coupling_inner, self.coupling_outer),
+            self.coupling_turn,
+        )
+
+
+def element_bars(stiffness: ArrayLike, inertia: ArrayLike) -> ElementBars:
+    """Elements with matrices N m/rad and kg m2, (bars, unknowns, unknowns) each: first the inner, then the outer end.
+
+    The unknowns inside may be angles (nodal elements) or factors of bubbles (hierarchic ones): which, is read off the
+    stiffness. Raises ValueError where turning the element as a whole bends it.
+    """
+    k, m = (np.asarray(matrix, dtype=np.float64) for matrix in (stiffness, inertia))
+    if k.ndim != 3 or k.shape != m.shape or k.shape[1] != k.shape[2] or k.shape[1] < 2:
+        raise ValueError(f"matrices have shapes {k.shape} and {m.shape}; expected (bars, unknowns, unknowns) twice")
+    if not len(k):
+        return ElementBars(*np.zeros((4, 0)), *np.zeros((4, 0, k.shape[1] - 2)))
+    return _condensed(k, m) if k.shape[1] > 2 else _linear(k, m)
+
+
+def _linear(k: FloatArray, m: FloatArray) -> ElementBars:
+    across = 0.5 * (m[:, 0, 1] + m[:, 1, 0])
+    none = np.zeros((len(k), 0))
+    spring = -0.5 * (k[:, 0, 1] + k[:, 1, 0])
+    return ElementBars(spring, across, m[:, 0, 0] + across, m[:, 1, 1] + across, none, none, none, none)
+
+
+def _condensed(k: FloatArray, m: FloatArray) -> ElementBars:
+    bars, unknowns, _ = k.shape
+    inside = k[:, 2:, 2:]
+    bend = np.zeros((bars, unknowns))  # static, under the outer end's angle 1, the inner end held
+    bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
+    turn = np.ones((bars, unknowns))
+    turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])
+    other = turn - bend
+    lower = np.linalg.cholesky(inside)
+    half = np.linalg.solve(lower, m[:, 2:, 2:])
+    held = np.linalg.solve(lower, half.transpose(0, 2, 1))
+    modes, vectors = np.linalg.eigh(0.5 * (held + held.transpose(0, 2, 1)))
+    shapes = np.linalg.solve(lower.transpose(0, 2, 1), vectors)
+
+    def product(one: FloatArray, two: FloatArray) -> FloatArray:
+        return np.asarray(np.einsum("bi,bij,bj->b", one, m, two))
+
+    def coupling(shape: FloatArray) -> FloatArray:
+        return np.asarray(np.einsum("bji,bjl,bl->bi", shapes, m[:, 2:], shape))
+
+    return ElementBars(
+        np.einsum("bi,bij,bj->b", bend, k, bend),
+        product(other, bend),
+        product(other, turn),
+        product(bend, turn),
+        np.maximum(modes, 0.0),
+        coupling(other),
+        coupling(bend),
+        coupling(turn),
+    )
+
+
+def _rigid(inside: FloatArray) -> FloatArray:
+    """Unknowns inside (bars, inside) when the element turns by 1, exactly 0 or 1, from what solving has left."""
+    exact = np.rint(inside)
+    if np.any(np.abs(inside - exact) > _NEARLY) or np.any((exact != 0.0) & (exact != 1.0)):
+        raise ValueError("turning an element as a whole bends it: its stiffness has no rigid motion")
+    return exact

@@ -1,0 +1,96 @@
+"""Spans with distributed inertia: which stations of a tree have one, and what it is like at each frequency."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsion.kernels.bars.element import ElementBars, element_bars
+from torsion.kernels.bars.law import Law, Pi, Slopes
+from torsion.kernels.bars.profile import ProfileBars, profile_bars, profile_points
+from torsion.kernels.bars.uniform import UniformBars, uniform_bars
+from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+
+__all__ = [
+    "Bars", "ElementBars", "Law", "ProfileBars", "UniformBars", "element_bars", "profile_bars", "profile_points",
+    "uniform_bars",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Spans of a tree that are pieces of a shaft, or finite elements of one; the bars of one law after another."""
+
+    node: IntArray  # (bars,) station at the outer end of each, which is the number of its span
+    laws: tuple[Law, ...]  # of all bars in the order of `node`
+
+    @property
+    def size(self) -> int:
+        """Number of bars."""
+        return len(self.node)
+
+    @cached_property
+    def limit(self) -> float:
+        """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
+        return min((law.limit for law in self.laws), default=np.inf)
+
+    @cached_property
+    def reach(self) -> float:
+        """Angular frequency (rad/s) up to which the laws hold at all; counts need `limit`, responses only this."""
+        return min((law.reach for law in self.laws), default=np.inf)
+
+    @cached_property
+    def parts(self) -> tuple[slice, ...]:
+        """The bars of each law."""
+        edges = np.cumsum([0, *(law.size for law in self.laws)]).tolist()
+        if edges[-1] != self.size:
+            raise ValueError(f"the laws are those of {edges[-1]} bars; expected {self.size}")
+        return tuple(slice(a, b) for a, b in pairwise(edges))
+
+    def at(self, square: ArrayLike) -> Pi:
+        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2.
+
+        `square` (m,), or (bars, m), real or complex, rad2/s2.
+        """
+        s = np.asarray(square)
+        found = [
+            law.at(s if s.ndim == 1 else s[part]) for law, part in zip(self.laws, self.parts, strict=True) if law.size
+        ]
+        if len(found) == 1:
+            return found[0]
+        if not found:
+            none = np.empty((0, s.shape[-1]), dtype=s.dtype)
+            return none, none, none
+        flexibility, inner, outer = (np.concatenate(rows) for rows in zip(*found, strict=True))
+        return flexibility, inner, outer
+
+    def lossy(self, square: FloatArray, loss: FloatArray) -> Pi:
+        """The same of a material with the loss factors `loss` (bars,), complex, at real s (m,)."""
+        shapes = (self.size, len(square))
+        flexibility, inner, outer = (np.empty(shapes, dtype=np.complex128) for _ in range(3))
+        for law, part in zip(self.laws, self.parts, strict=True):
+            for eta in np.unique(loss[part]).tolist():
+                turn = 1.0 + 1j * eta
+                rows = np.flatnonzero(loss[part] == eta) + part.start
+                h, near, far = law.at(square / turn)
+                kept = rows - part.start
+                flexibility[rows], inner[rows], outer[rows] = h[kept] / turn, near[kept], far[kept]
+        return flexibility, inner, outer
+
+    def slopes(self, square: FloatArray) -> Slopes:
+        """Values and derivatives with respect to s, each (bars, m), at real s (m,)."""
+        parts = [law.slopes(square) for law in self.laws if law.size]
+        return Slopes.joined(parts) if parts else Slopes(square, *np.empty((6, 0, len(square))))
+
+    def rounding(self, square: FloatArray) -> FloatArray:
+        """Relative error (m,) that rounding may leave in the values at s (m,), besides that of s itself."""
+        largest = np.zeros(len(square))
+        for law in self.laws:
+            np.maximum(largest, law.rounding(square) if law.size else 0.0, out=largest)
+        return largest
+
+    def turned(self, which: BoolArray) -> "Bars":
+        """The same with inner and outer end exchanged in `which` (bars,)."""
+        return Bars(self.node, tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True)))

@@ -1,0 +1,1 @@
+"""Damped modes of a tree."""

@@ -1,0 +1,87 @@
+"""Modes of a tree whose stations lie in one long row: solved as a chain, told in the tree's own numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.kernels.long_chain.lapack import are_available
+from torsion.kernels.long_chain.lowest import ChainMode, Progress, lowest_modes
+from torsion.kernels.long_chain.path import Path, path_of
+from torsion.kernels.long_chain.reduction import Reduction, reduce_path
+from torsion.kernels.repeated import orthogonalise
+from torsion.kernels.tree import FloatArray, Tree
+
+_CLOSE = 1e-2  # relative distance of frequencies, beyond which shapes differ by themselves
+_SAME = 1e-6  # inner product of two shapes, from which each is taken to hold a part of the other
+
+
+@dataclass(frozen=True)
+class LongModes:
+    """The lowest elastic modes, as `TreeModes` tells them; every enclosure is proven."""
+
+    frequency: FloatArray  # (m,) rad/s
+    lower: FloatArray  # (m,) rad/s
+    upper: FloatArray  # (m,) rad/s
+    angle: FloatArray  # (stations, m) rad
+    torque: FloatArray  # (stations, m) N m
+    rigid_angle: FloatArray  # (stations, rigid motions) rad
+
+
+def long_chain_modes(tree: Tree, count: int, *, progress: Progress | None = None) -> LongModes | None:
+    """The lowest `count` elastic modes of a tree that is a row of stations, in a time that grows with both alike.
+
+    None where it is no row, has no elastic mode, two of them are one to rounding, or this scipy lacks the routines:
+    `tree_modes` then finds them otherwise. `progress` is told the number of modes done and wanted. Raises SolveError
+    for frequencies out of range.
+    """
+    if not are_available():
+        return None
+    path = path_of(tree)
+    known = None if path is None else reduce_path(path)
+    if path is None or known is None:
+        return None
+    wanted = min(count, len(known.chain.inertia) - int(known.chain.is_free))
+    result = _Collected(tree, path, known, wanted)
+    lowest_modes(known.chain, wanted, result.put, progress)
+    modes = result.modes
+    if not _are_distinct(tree, modes):
+        return None
+    orthogonalise(tree, modes.frequency, modes.angle, modes.torque)
+    return modes
+
+
+def _are_distinct(tree: Tree, modes: LongModes) -> bool:
+    """Whether shapes of close frequencies came out as different ones."""
+    for mode in np.flatnonzero(np.diff(modes.frequency) < _CLOSE * modes.frequency[1:]).tolist():
+        one, other = modes.angle[:, mode], modes.angle[:, mode + 1]
+        if abs(float((tree.moving_inertia * one * other).sum())) > _SAME:
+            return False
+    return True
+
+
+class _Collected:
+    """Room for the modes, filled one by one, so that no more than one is held twice."""
+
+    def __init__(self, tree: Tree, path: Path, known: Reduction, wanted: int) -> None:
+        self.path, self.known = path, known
+        angle, torque = np.zeros((2, wanted, tree.size))
+        frequency, lower, upper = np.empty((3, wanted))
+        self.modes = LongModes(frequency, lower, upper, angle.T, torque.T, _rigid_angle(path, tree.size))
+
+    def put(self, mode: int, found: ChainMode) -> None:
+        """Take one mode in."""
+        modes, rounding = self.modes, self.known.rounding
+        modes.frequency[mode] = found.frequency
+        modes.lower[mode], modes.upper[mode] = found.lower * (1.0 - rounding), found.upper * (1.0 + rounding)
+        angle, torque = self.known.shape(found.angle, found.torque, found.frequency)
+        if self.path.is_in_order:
+            modes.angle[:, mode], modes.torque[1:, mode] = angle, torque
+            return
+        modes.angle[self.path.station, mode] = angle
+        modes.torque[self.path.span, mode] = self.path.sign * torque
+
+
+def _rigid_angle(path: Path, stations: int) -> FloatArray:
+    if path.first_held or path.last_held:
+        return np.empty((stations, 0))
+    return np.full((stations, 1), 1.0 / np.sqrt(path.inertia.sum()))

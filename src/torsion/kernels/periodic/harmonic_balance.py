@@ -1,0 +1,222 @@
+"""Harmonic balance: the periodic solution of non-linear equations by Newton's method with Hill's matrix as Jacobian."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from torsion.errors import SolveError
+from torsion.kernels.periodic.hill import (
+    Couplings,
+    assembled,
+    from_real_parts,
+    hill_blocks,
+    real_blocks,
+    real_parts,
+    scattered,
+)
+from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+
+OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not folded back
+MOST_NEWTON = 40
+QUADRATIC = 1e-7  # relative step from which one more step of Newton's method reaches rounding
+ROUNDING = 1e-14  # of the largest mean: smaller steps are rounding
+HALVINGS = 12
+DENSE = 300  # unknowns up to which a dense solution is the faster one
+MOST_UNKNOWNS = 40_000
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Deviations of the coordinates at evenly spaced times of one period."""
+
+    deviation: FloatArray  # (coordinates, times) rad
+    speed: FloatArray  # (coordinates, times) rad/s
+    acceleration: FloatArray  # (coordinates, times) rad/s2
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """Residual of the equations at a motion and its derivatives; `force` holds one load of unknown size a row."""
+
+    residual: FloatArray  # (coordinates, times) N m
+    entries: Couplings
+    force: FloatArray  # (unknown loads, coordinates, times): derivative of the residual with respect to each
+    extra: Sequence[tuple[int, int, ComplexArray]] = ()  # (row, column, block): frequency-domain terms
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A periodic solution."""
+
+    harmonic: ComplexArray  # (coordinates, 2 count + 1) rad; deviation = sum_k harmonic exp(i k w0 t)
+    load: FloatArray  # (unknown loads,)
+    steps: int  # of Newton's method
+    truncation: float  # estimated size of the harmonics left out / the largest one kept
+
+    @property
+    def count(self) -> int:
+        """Highest harmonic kept."""
+        return int(self.harmonic.shape[1] - 1) // 2
+
+
+Equations = Callable[[Motion, FloatArray, int], Linearised]  # (motion, loads, harmonics kept)
+
+
+def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
+    """Deviation, speed and acceleration at `times` points of the period from harmonics (coordinates, 2 count + 1)."""
+    count = (harmonic.shape[1] - 1) // 2
+    half = np.zeros((harmonic.shape[0], times // 2 + 1), dtype=complex)
+    half[:, : count + 1] = harmonic[:, count:]
+    rate = 1j * w0 * np.arange(half.shape[1])
+    return Motion(*(np.fft.irfft(half * rate**k, times, axis=1) * times for k in range(3)))
+
+
+def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
+    """(..., 2 count + 1) Fourier coefficients of a real function sampled over its period (..., times)."""
+    spectrum = np.fft.fft(samples) / samples.shape[-1]
+    return np.asarray(spectrum[..., np.arange(-count, count + 1)])
+
+
+def resized(harmonic: ComplexArray, count: int) -> ComplexArray:
+    """The harmonics up to `count`: those that are missing are 0, those beyond are left out."""
+    old = (harmonic.shape[1] - 1) // 2
+    if count <= old:
+        return harmonic[:, old - count : old + count + 1]
+    return np.pad(harmonic, ((0, 0), (count - old, count - old)))
+
+
+def points_in_time(count: int) -> int:
+    """Odd number of points of a period for harmonics up to `count`."""
+    points = next_fast_len(OVERSAMPLED * count + 1)
+    while points % 2 == 0:
+        points = next_fast_len(points + 1)
+    return int(points)
+
+
+def balance(
+    equations: Equations, start: ComplexArray, load: FloatArray, held: IntArray, w0: float, *, steps: int = MOST_NEWTON
+) -> Balance:
+    """The periodic solution near `start` (coordinates, 2 count + 1) with frequency w0 (rad/s).
+
+    load: first guess of the unknown loads; each goes with one coordinate of `held`, whose mean stays as it starts.
+    Raises SolveError where Newton's method finds no solution.
+    """
+    count = (start.shape[1] - 1) // 2
+    if start.size > MOST_UNKNOWNS:
+        raise SolveError(f"a harmonic balance of {start.size} unknowns is too large; the common period is too long")
+    times = points_in_time(count)
+    harmonic, load = np.array(start, dtype=complex), np.array(load, dtype=float)
+    here = equations(motion_of(harmonic, w0, times), load, count)
+    size = _norm(here, count)
+    last = False
+    for step in range(1, steps + 1):
+        move, change = _newton(here, held, w0, count)
+        part, found = 1.0, None
+        for _ in range(HALVINGS):
+            trial, trial_load = harmonic + part * move, load + part * change
+            there = equations(motion_of(trial, w0, times), trial_load, count)
+            reached = _norm(there, count)
+            if last or reached < size or _is_small(part * move, trial):
+                found = there
+                break
+            part /= 2.0
+        if found is None:
+            break
+        harmonic, load, here, size = trial, trial_load, found, reached
+        if last:
+            return Balance(harmonic, load, step, _truncation(here, harmonic, w0, count))
+        last = _is_small(move, harmonic) and part == 1.0
+    raise SolveError("no periodic solution found; start nearer to it, or with more harmonics or damping")
+
+
+def _is_small(move: ComplexArray, harmonic: ComplexArray) -> bool:
+    middle = harmonic.shape[1] // 2
+    swing = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
+    return bool(np.abs(move).max() <= QUADRATIC * swing + ROUNDING * np.abs(harmonic).max())
+
+
+def _norm(at: Linearised, count: int) -> float:
+    return float(np.linalg.norm(harmonics_of(at.residual, count)))
+
+
+def _newton(at: Linearised, held: IntArray, w0: float, count: int) -> tuple[ComplexArray, FloatArray]:
+    """One step of Newton's method: the change of the harmonics and of the loads."""
+    size, number, loads = len(at.residual), 2 * count + 1, len(held)
+    upper = np.arange(count + 1)
+    row, column, blocks = at.entries.row, at.entries.column, hill_blocks(at.entries, w0, count, upper)
+    if at.extra:
+        row = np.append(row, [one[0] for one in at.extra])
+        column = np.append(column, [one[1] for one in at.extra])
+        blocks = np.concatenate([blocks, [one[2][count:] for one in at.extra]])
+    right = -real_parts(harmonics_of(at.residual, count)).ravel()
+    force = real_parts(harmonics_of(at.force, count)).reshape(loads, size * number).T
+    found = _solve((row, column, real_blocks(blocks)), force, held * number, right)
+    return from_real_parts(found[: size * number].reshape(size, number)), found[size * number :]
+
+
+def _solve(
+    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
+) -> FloatArray:
+    """Solve with the loads as further unknowns and the means at `place` held as further equations."""
+    total, loads = force.shape
+    size = float(np.abs(entries[2]).max())
+    scaled = (entries[0], entries[1], entries[2] / size)
+    right = np.append(right / size, np.zeros(loads))
+    try:
+        found = (_dense if total <= DENSE else _sparse)(scaled, force, place, right)
+    except (np.linalg.LinAlgError, RuntimeError):
+        raise SolveError("the harmonic balance is singular; the train is in resonance without damping") from None
+    found[total:] *= size
+    if not np.isfinite(found).all():
+        raise SolveError("the harmonic balance is singular; the train is in resonance without damping")
+    return found
+
+
+def _dense(
+    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
+) -> FloatArray:
+    total, loads = force.shape
+    whole = np.zeros((total + loads, total + loads))
+    whole[:total, :total] = assembled(*entries, total // entries[2].shape[-1])
+    whole[:total, total:] = force
+    whole[total + np.arange(loads), place] = 1.0
+    return np.asarray(np.linalg.solve(whole, right))
+
+
+def _sparse(
+    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
+) -> FloatArray:
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
+
+    total, loads = force.shape
+    matrix = scattered(*entries, total // entries[2].shape[-1])
+    if loads:
+        stays = sparse.coo_matrix((np.ones(loads), (np.arange(loads), place)), shape=(loads, total))
+        matrix = sparse.bmat([[matrix, sparse.coo_matrix(force)], [stays, None]])
+    return np.asarray(splu(matrix.tocsc()).solve(right))
+
+
+def _truncation(at: Linearised, harmonic: ComplexArray, w0: float, count: int) -> float:
+    """The largest harmonic left out / the largest kept, by what its residual moves each coordinate alone.
+
+    A residual below the rounding of the forces it is the sum of says nothing and is left out.
+    """
+    size = len(at.residual)
+    spectrum = np.fft.rfft(at.residual, axis=1)[:, count + 1 :] / at.residual.shape[1]
+    w = w0 * np.arange(count + 1, count + 1 + spectrum.shape[1])
+    own = at.entries.row == at.entries.column
+    mass, damping, stiffness = (np.zeros(size) for _ in range(3))
+    for total, part in ((mass, at.entries.mass), (damping, at.entries.damping), (stiffness, at.entries.stiffness)):
+        np.add.at(total, at.entries.row[own], part[own].mean(axis=1))
+    alone = np.abs(stiffness[:, None] - w**2 * mass[:, None] + 1j * w * damping[:, None])
+    floor = np.maximum(alone, w**2 * mass[:, None] + 1e-3 * np.abs(stiffness)[:, None])
+    noise = np.zeros(size)  # rounding of the forces that each residual is the sum of
+    acts = np.abs(at.entries.stiffness).max(axis=1) * np.abs(harmonic).sum(axis=1)[at.entries.column]
+    np.add.at(noise, at.entries.row, ROUNDING * acts)
+    missed = (np.maximum(np.abs(spectrum) - noise[:, None], 0.0) / floor).max(initial=0.0)
+    middle = harmonic.shape[1] // 2
+    swing = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
+    return float(missed / swing) if swing > 0 else 0.0

@@ -1,0 +1,1 @@
+"""Stand-alone reports of the commands joint, check and study."""

@@ -1,0 +1,1 @@
+"""What is printed on the terminal: tables of 80 columns."""

@@ -1,0 +1,111 @@
+"""The sum of all lines over the common cycle."""
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from torsion.analyses.response.over_speed import Line, Response
+from torsion.analyses.response.synthesis import common_cycle, extremes, synthesis
+from torsion.kernels.response import Status
+
+
+def _response(orders: list, torque: np.ndarray, mean: np.ndarray | None = None) -> Response:
+    """A response of one speed from phasors (lines, spans); an order that is text is a fixed frequency."""
+    lines = tuple(
+        Line(None, float(order), ()) if isinstance(order, str) else Line(Fraction(order), None, ()) for order in orders
+    )
+    blank = np.zeros((1, len(lines)))
+    torque = np.asarray(torque, dtype=complex)[None]
+    mean = np.zeros((1, torque.shape[2])) if mean is None else mean[None]
+    return Response(
+        np.array([1.0]), np.array([True]), lines, blank, torque, torque, mean, blank, blank.astype(np.uint8), blank
+    )
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_half_range_agrees_with_brute_force(seed):
+    random = np.random.default_rng(seed)
+    harmonics = np.sort(random.choice(np.arange(1, 13), size=random.integers(2, 6), replace=False))
+    phasors = random.normal(size=(20, len(harmonics))) + 1j * random.normal(size=(20, len(harmonics)))
+    highest, lowest = extremes(phasors, harmonics)
+    angle = np.linspace(0.0, 2 * np.pi, 60001)
+    wave = (phasors @ np.exp(1j * np.outer(harmonics, angle))).real
+    loss = 0.5 * (12 * np.pi / 60000) ** 2 * np.abs(phasors).sum(axis=1)  # that a sample may lie below the extreme
+    assert (highest >= wave.max(axis=1) - 1e-12).all()
+    assert (highest <= wave.max(axis=1) + loss + 1e-12).all()
+    assert (lowest <= wave.min(axis=1) + 1e-12).all()
+    assert (lowest >= wave.min(axis=1) - loss - 1e-12).all()
+
+
+def test_two_orders_at_their_closed_form():
+    """cos t + b cos 2t: the largest value is 1 + b, the smallest -b - 1/(8 b) for b > 1/4."""
+    highest, lowest = extremes(np.array([[1.0, 0.7]]), np.array([1, 2]))
+    assert highest[0] == pytest.approx(1.7, rel=1e-14)
+    assert lowest[0] == pytest.approx(-0.7 - 1 / 5.6, rel=1e-14)
+
+
+def test_half_range_does_not_depend_on_where_the_cycle_starts():
+    random = np.random.default_rng(3)
+    harmonics = np.array([2, 3, 7])
+    phasors = random.normal(size=(1, 3)) + 1j * random.normal(size=(1, 3))
+    plain = np.array(extremes(phasors, harmonics))
+    turned = np.array(extremes(phasors * np.exp(0.777j * harmonics), harmonics))
+    assert turned == pytest.approx(plain, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("orders", "turns", "harmonics"),
+    [
+        ([Fraction(1, 2), Fraction(1), Fraction(3, 2)], Fraction(2), [1, 2, 3]),
+        ([Fraction(6), Fraction(4)], Fraction(1, 2), [3, 2]),
+        ([Fraction(40, 21), Fraction(80, 21)], Fraction(21, 40), [1, 2]),
+        ([Fraction(2, 3), Fraction(4, 5)], Fraction(15, 2), [5, 6]),
+    ],
+)
+def test_common_cycle_is_the_inverse_of_the_greatest_common_divisor(orders, turns, harmonics):
+    found = common_cycle(orders)
+    assert found[0] == turns
+    assert found[1].tolist() == harmonics
+
+
+def test_sum_is_true_to_phase_and_not_a_sum_of_magnitudes():
+    found = synthesis(None, _response([1, 3], [[1.0], [1.0 / 9.0]]))
+    assert found.half_range[0, 0] == pytest.approx(10 / 9, rel=1e-14)
+    found = synthesis(None, _response([1, 3], [[1.0], [-1.0 / 3.0]]))
+    assert found.half_range[0, 0] == pytest.approx(2 * np.sqrt(2) / 3, rel=1e-14)
+    assert found.bound[0, 0] == pytest.approx(4 / 3, rel=1e-15)
+    assert found.rms[0, 0] == pytest.approx(np.sqrt((1 + 1 / 9) / 2), rel=1e-15)
+
+
+def test_peak_holds_the_mean_torque_and_its_sign():
+    found = synthesis(None, _response([1, 2], [[1.0], [0.7]], np.array([-5.0])))
+    assert found.peak[0, 0] == pytest.approx(5.7 + 1 / 5.6, rel=1e-14)
+
+
+def test_fixed_frequencies_add_their_magnitude():
+    found = synthesis(None, _response([1, 3, "35"], [[1.0], [1.0 / 9.0], [0.5j]], np.array([2.0])))
+    assert found.half_range[0, 0] == pytest.approx(10 / 9 + 0.5, rel=1e-14)
+    assert found.peak[0, 0] == pytest.approx(2 + 10 / 9 + 0.5, rel=1e-14)
+    assert found.turns == 1
+
+
+def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
+    found = synthesis(None, _response([Fraction(1), Fraction(1001, 1000)], [[1.0], [0.5j]]))
+    assert found.turns == 0
+    assert found.half_range[0, 0] == pytest.approx(1.5, rel=1e-15)
+
+
+def test_line_flagged_as_singular_leaves_no_finite_number():
+    response = _response([1, 2], [[1.0], [1e15]])
+    found = synthesis(None, replace(response, status=np.array([[Status.OK, Status.SINGULAR]], dtype=np.uint8)))
+    assert np.isinf([found.half_range, found.peak, found.rms, found.bound]).all()
+
+
+def test_line_without_a_value_leaves_no_finite_number():
+    found = synthesis(None, _response([1, 2], [[1.0, np.nan], [0.7, 1.0]]))
+    assert np.isfinite(found.half_range[0, 0])
+    assert np.isinf(found.half_range[0, 1])
+    assert np.isinf(found.rms[0, 1])
+    assert np.isinf(found.peak[0, 1])
