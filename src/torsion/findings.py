@@ -14,6 +14,7 @@ from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.plan import Log, Plan, versions
 from torsion.steps import motion
+from torsion.steps.bending import bending as bend
 from torsion.steps.sections import sections
 from torsion.study import Study
 
@@ -91,8 +92,8 @@ def _run(study: Study, progress: Progress, bending: bool) -> Findings:
     steady = _steady(study, system, log)
     critical = _critical(study, system, found, log)
     joints = _joints(study, steady, log)
-    bent = _lateral(study, log, progress) if bending and study.bends else None
-    checks = (*moved.checks, *_checks(study, system, (found, steady, response, synthesis, joints), log))
+    bent, held = bend(study, log, progress) if bending and study.bends else (None, ())
+    checks = (*moved.checks, *held, *_checks(study, system, (found, steady, response, synthesis, joints), log))
     compared = compared_models(study, log, progress)
     plan = Plan(tuple(log.lines), tuple(log.left_out), versions(system, bent is not None))
     return Findings(
@@ -247,18 +248,6 @@ def _joints(study: Study, steady: "Steady | None", log: Log) -> "Joints | None":
         step.size = f"{len(found.joints)} joints on {len(found.lines)} lines, {found.angle.size} angles"
     for remark in found.remarks:
         log.without("universal joints, in part", remark)
-    return found
-
-
-def _lateral(study: Study, log: Log, progress: Progress) -> "Lateral":
-    from torsion.analyses.lateral.bending import Asked, lateral
-
-    asked = study.analyses.get("lateral")
-    with log.step("bending of the shafts", "a shaft has a `support`" if asked is None else "asked") as step:
-        settings = asked if isinstance(asked, Asked) else None
-        found = lateral(study.train, study.operation, settings, progress=progress)
-        step.method, step.size = found.method, found.size
-    log.left_out += [("bending, in part", remark) for remark in found.remarks]
     return found
 
 

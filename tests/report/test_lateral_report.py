@@ -5,6 +5,7 @@ import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,12 @@ def solved(*, loss: float = 0.0, first: float = 300.0, last: float = 3000.0, bef
 def undamped() -> Findings:
     """The order 2 of the couples meets the tube in the range, and nothing damps."""
     return solved()
+
+
+@pytest.fixture(scope="module")
+def tilting() -> Findings:
+    """A tail shaft on one soft bearing, unstable in three ranges of its speeds."""
+    return run(torsion.read(Path(__file__).parents[2] / "shafting_specs" / "tilting_tail.yaml"))
 
 
 @pytest.fixture(scope="module")
@@ -134,10 +141,27 @@ def test_forces_are_told_at_every_joint_with_its_name(undamped: Findings) -> Non
     assert float(rows[0][4]) == pytest.approx(extent(first.force)[:, 0].max(), rel=1e-4)
 
 
-def test_every_key_is_documented_and_there(undamped: Findings) -> None:
-    found = paths(results(undamped)["lateral"], "lateral")
-    assert found == set(LATERAL)
+def test_every_key_is_documented_and_there(undamped: Findings, tilting: Findings) -> None:
+    absent = {"lateral.shafts[].tilting"}  # null
+    found = paths(results(undamped)["lateral"], "lateral") | paths(results(tilting)["lateral"], "lateral")
+    assert found - absent == set(LATERAL)
     assert json.loads(text(undamped))["lateral"]["shafts"][0]["name"] == "tube"
+
+
+def test_ranges_in_which_the_tilt_grows_are_marked_in_table_verdict_and_figure(tilting: Findings) -> None:
+    (shaft,) = tilting.lateral.shafts
+    found = table(tilting, "Unstable ranges of the tilt")
+    assert [row[3] for row in found.rows] == [zone.kind for zone in shaft.tilting.zones]
+    assert [row[-1] for row in found.rows] == ["UNSTABLE"] * 3
+    assert set(found.marks) == {"fail"}
+    first = shaft.tilting.zones[0]
+    assert float(found.rows[0][1]) == pytest.approx(first.lower * 30.0 / np.pi, rel=1e-8)
+    assert tilting.failed
+    drawn = svg(figure(tilting, "stability"))
+    assert "principal of 2" in drawn
+    assert "unstable" in drawn
+    shown = results(tilting)["lateral"]["shafts"][0]["tilting"]["unstable"]
+    assert shown[0]["from_rad_per_s"] == pytest.approx(first.lower, rel=1e-12)
 
 
 def test_a_support_alone_asks_for_the_bending_and_joints_alone_leave_it_out() -> None:

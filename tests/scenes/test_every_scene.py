@@ -109,7 +109,8 @@ def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str,
 @every_scene
 def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str, solved) -> None:
     found = solved(scene)
-    asked = {name for name, _ in found.study.rules} | {name for name in found.study.analyses if name == "stability"}
+    asked = {name for name, _ in found.study.rules}
+    asked |= {"stability" for name in found.study.analyses if name in ("stability", "lateral")}
     assert asked == {check.rule for check in found.checks}
     for check in found.checks:
         assert math.isfinite(check.value)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property, partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from torsion.analyses.joints.line import Placed, placed
 from torsion.analyses.lateral.couples import couples_at, orders
 from torsion.analyses.lateral.planes import Planes, planes
 from torsion.analyses.lateral.response import Answer, answer, speeds_for
+from torsion.analyses.lateral.tilting import Tilting, tilting
 from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
 from torsion.analyses.steady import has_mean_torque
 from torsion.analyses.steady import steady as mean_torques
@@ -21,13 +23,14 @@ from torsion.assembly.lateral.elements import DEGREE
 from torsion.assembly.lateral.line import BendingShaft, bending_shafts
 from torsion.assembly.lateral.places import places
 from torsion.assembly.lateral.shaft import assemble_lateral
+from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.kernels.tree import FloatArray
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
 
-__all__ = ["Answer", "Asked", "Critical", "Lateral", "ShaftFound", "Whirl", "lateral", "lateral_faults"]
+__all__ = ["Answer", "Asked", "Critical", "Lateral", "ShaftFound", "Tilting", "Whirl", "lateral", "lateral_faults"]
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
 PLACE: Path = ("analyses", "lateral")
@@ -61,6 +64,8 @@ class ShaftFound:
     whirl: Whirl | None  # None where no speeds are given
     answers: tuple[Answer, ...]  # to the secondary couples, one an order; empty where no torque is known
     elements: int
+    tilting: Tilting | None = None  # of a driven shaft on supports, where a torque is known and it is nearly rigid
+    remark: str = ""  # why its tilting was left out
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,9 @@ def lateral(
         if progress is not None:
             progress("bending of the shafts", number / len(held))
         found.append(_found(every, shaft, wanted, operation, torque))
-    return Lateral(tuple(found), tuple(_remarks(shafts, operation, wanted, torque)), wanted.shear)
+    remarks = [*_remarks(shafts, operation, wanted, torque)]
+    remarks += [f"{shaft.name}: {shaft.remark}" for shaft in found if shaft.remark]
+    return Lateral(tuple(found), tuple(remarks), wanted.shear)
 
 
 def lateral_faults(train: Train, asked: Asked | None) -> list[Fault]:
@@ -134,8 +141,16 @@ class _Torques:
         """(joints, speeds) N m at reference speeds, rad/s."""
         if self.asked.torque is not None:
             return np.full((len(self.every), len(speed)), self.asked.torque)
-        known = mean_torques(self.train, assemble(self.train), self.operation, speed)
+        known = mean_torques(self.train, self._system, self.operation, speed)
         return np.array([known.torque[place.span] for place in self.every])
+
+    @cached_property
+    def _system(self) -> System:
+        return assemble(self.train)
+
+    def of(self, part: int, speed: FloatArray) -> FloatArray:
+        """(speeds,) N m of one joint."""
+        return np.asarray(self.at(speed)[next(k for k, place in enumerate(self.every) if place.part == part)])
 
 
 def _speeds(operation: Operation, asked: Asked) -> FloatArray | None:
@@ -152,8 +167,11 @@ def _found(
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
     both, critical = _divided(shaft, asked, own, excited)
     map_of = None if own is None else whirl(both, _some(own), asked.modes)
+    rest = _hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)
     answers: tuple[Answer, ...] = ()
-    if own is not None and shaft.joints and torque.is_known:
+    tilt, remark = None, ""
+    if own is not None and reference is not None and shaft.joints and torque.is_known:
+        tilt, remark = tilting(shaft, every, partial(torque.of, shaft.joints[0].part), reference, rest)
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
         grid = speeds_for(own, resonances)
         couple = couples_at(every, shaft, torque.at(grid / ratio), asked.carrier)
@@ -162,8 +180,7 @@ def _found(
     return ShaftFound(
         shaft.name, shaft.parts, shaft.ratio, shaft.beam.length, places(system).position,
         tuple((point.name, point.at) for point in shaft.beam.points),
-        (_hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)),
-        critical, map_of, answers, len(system.cells),
+        rest, critical, map_of, answers, len(system.cells), tilt, remark,
     )  # fmt: skip
 
 

@@ -1,9 +1,11 @@
 """Rigid shaft of two angles on an elastic bearing, driven by a universal joint: frequencies, growth, response.
 
 The joint's secondary couple shakes the shaft at twice its speed and, as it follows the shaft's own angles, makes its
-stiffness vary: the shaft can become unstable. The driving shaft turns evenly and carries a constant torque.
+stiffness vary: the shaft can become unstable. The driving shaft turns evenly and carries a constant torque, which may
+be another one at every speed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -31,6 +33,7 @@ class MisalignedShaft:
     damping: tuple[float, float]  # N s/m along i and j
     torque: float  # N m of the driving shaft
     tilt: float  # rad between the shafts
+    load: Callable[[FloatArray], FloatArray] = np.ones_like  # of speeds, rad/s: the torque there / `torque`
 
     @property
     def square(self) -> FloatArray:
@@ -46,6 +49,10 @@ class MisalignedShaft:
     def pull(self) -> float:
         """Torque / inertia, rad/s2."""
         return self.torque / self.inertia
+
+    def pull_at(self, speeds: FloatArray) -> FloatArray:
+        """(speeds,) rad/s2, the same at speeds in rad/s."""
+        return self.pull * self.load(np.asarray(speeds, dtype=float))
 
 
 @dataclass(frozen=True)
@@ -110,11 +117,12 @@ def coefficients(
     shaft: MisalignedShaft, turned: FloatArray, speeds: FloatArray, model: Model = EXACT
 ) -> tuple[FloatArray, FloatArray]:
     """Damping and stiffness, each (speeds, angles, 2, 2), of y'' + C y' + K y = pull * forcing at driving angles."""
-    stiffness = np.diag(shaft.square) + shaft.pull * model.couple(turned, shaft.tilt)
+    pull = shaft.pull_at(speeds)[:, None, None, None]
+    stiffness = np.diag(shaft.square) + pull * model.couple(turned, shaft.tilt)
     ratio = np.ones_like(turned) if model.is_even else _ratio(turned, shaft.tilt)
     spin = np.asarray(speeds)[:, None, None, None] * ratio[:, None, None]
     damping = np.diag(shaft.decay) + shaft.polar * spin * SPINNING
-    return damping, np.broadcast_to(stiffness, damping.shape)
+    return damping, stiffness
 
 
 def _ratio(turned: FloatArray, tilt: float) -> FloatArray:
@@ -125,7 +133,7 @@ def _ratio(turned: FloatArray, tilt: float) -> FloatArray:
 def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT) -> FloatArray:
     """(speeds, 4, 4): what half a turn of the driving shaft, the period of the couple, makes of angles and rates."""
     at, rule = np.atleast_1d(np.asarray(speeds, dtype=float)), radau()
-    highest = float(np.sqrt(shaft.square.max() + abs(shaft.pull)))
+    highest = float(np.sqrt(shaft.square.max() + np.abs(shaft.pull_at(at)).max()))
     steps = max(FEWEST_STEPS, int(np.ceil(2.0 * np.pi * highest / (ANGLE_PER_STEP * at.min()))))
     turned = (np.pi * (np.arange(steps)[:, None] + rule.node) / steps).ravel()
     parts = np.array_split(at, -(-at.size * steps // MOST_STEPS_AT_A_TIME))
@@ -172,12 +180,12 @@ def response(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT, c
     """Periodic answer of the linear equations to the couple's forcing by Hill's matrix; unstable speeds are marked."""
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     turned = _instants(count)
-    force = shaft.pull * harmonics_of(kernel.forcing(turned, shaft.tilt).T, count)
+    force, pull = harmonics_of(kernel.forcing(turned, shaft.tilt).T, count), shaft.pull_at(at)
     angle = np.empty((at.size, 2, count + 1), dtype=complex)
     for k, speed in enumerate(at.tolist()):
         entries = _entries(shaft, turned, speed, model)
         matrix = scattered(entries.row, entries.column, hill_blocks(entries, 2.0 * speed, count), 2).toarray()
-        angle[k] = np.linalg.solve(matrix, force.ravel()).reshape(2, -1)[:, count:]
+        angle[k] = np.linalg.solve(matrix, pull[k] * force.ravel()).reshape(2, -1)[:, count:]
     angle[..., 1:] *= 2.0
     unstable = growth(shaft, at, model).is_unstable
     status = tuple("unstable" if bad else "ok" for bad in unstable.tolist())
@@ -198,18 +206,16 @@ def linear_rate(time: float, state: FloatArray, shaft: MisalignedShaft, speed: f
     """(4,) derivative of (angles, rates) of the linear equations, driven: for integration in time."""
     turned = np.array([speed * time])
     damping, stiffness = coefficients(shaft, turned, np.array([speed]), model)
-    force = shaft.pull * kernel.forcing(turned[0], shaft.tilt)
+    force = shaft.pull_at(np.array([speed])) * kernel.forcing(turned[0], shaft.tilt)
     return np.concatenate([state[2:], force - damping[0, 0] @ state[2:] - stiffness[0, 0] @ state[:2]])
 
 
 def exact_rate(time: float, state: FloatArray, shaft: MisalignedShaft, speed: float) -> FloatArray:
     """(4,) derivative of (angles, rates) of the exact equations at an even driven speed: for integration in time."""
     angles, rates = state[:2], state[2:]
-    own = shaft.torque * kernel.moment(speed * time, shaft.tilt, angles[0], angles[1])[:2]
-    held = kernel.bearing(angles, rates, shaft.stiffness, shaft.damping, shaft.length)
-    return np.concatenate(
-        [rates, kernel.accelerations(angles, rates, (own + held) / shaft.inertia, speed, shaft.polar)]
-    )
+    own = shaft.pull_at(np.array([speed])) * kernel.moment(speed * time, shaft.tilt, angles[0], angles[1])[:2]
+    held = kernel.bearing(angles, rates, shaft.stiffness, shaft.damping, shaft.length) / shaft.inertia
+    return np.concatenate([rates, kernel.accelerations(angles, rates, own + held, speed, shaft.polar)])
 
 
 def undamped(shaft: MisalignedShaft) -> MisalignedShaft:

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
-from torsion.report import lateral_tables
+from torsion.report import lateral_tables, tilting
 from torsion.report.blocks import Block, Figure, Heading, Paragraph, Points
 from torsion.report.lateral_tables import MICRO, Range, inside, near, sound, unstable
 from torsion.report.numbers import RPM, scale
@@ -38,6 +38,7 @@ def chapter(findings: Findings) -> list[Block]:
         blocks += [Heading("Whirl over the speed", 2), *_verdict(table.marks), table]
         blocks += [made for k, shaft in enumerate(found.shafts) if (made := _whirl(findings, shaft, k))]
     blocks += _answers(findings, found.shafts)
+    blocks += tilting.section(findings, found.shafts)
     if found.remarks:
         blocks += [Heading("What could not be said of the bending", 2), Points(found.remarks)]
     return blocks

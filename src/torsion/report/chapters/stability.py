@@ -65,7 +65,7 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
 
 
 def _verdict(findings: Findings, found: "Stability") -> Paragraph:
-    check = next(check for check in findings.checks if check.rule == "stability")
+    check = next(check for check in findings.checks if check.clause == "stability")
     where = "the operation" if findings.study.operation.speeds is not None else "the speeds asked for"
     if check.verdict == "pass":
         return Paragraph(f"No deviation grows at any speed of {where}.", "pass")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from torsion.report.json.numbers import exact, finite, numbers, pairs, statuses
 
 if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import Answer, Critical, Lateral, ShaftFound
+    from torsion.analyses.lateral.bending import Answer, Critical, Lateral, ShaftFound, Tilting
 
 
 def lateral(found: "Lateral | None") -> dict[str, Any] | None:
@@ -32,6 +32,7 @@ def _shaft(shaft: "ShaftFound") -> dict[str, Any]:
         "critical_speeds": [_critical(one, ratio) for one in shaft.critical],
         "whirl": _whirl(shaft, ratio),
         "answers": [_answer(one, ratio) for one in shaft.answers],
+        "tilting": _tilting(shaft.tilting),
     }
 
 
@@ -69,4 +70,28 @@ def _answer(one: "Answer", ratio: float) -> dict[str, Any]:
         "force_N": pairs(one.force),
         "amplification": numbers(one.amplification),
         "status": statuses(one.status),
+    }
+
+
+def _tilting(one: "Tilting | None") -> dict[str, Any] | None:
+    if one is None:
+        return None
+    return {
+        "joint": one.joint,
+        "transverse_inertia_kgm2": finite(one.shaft.inertia),
+        "polar_inertia_kgm2": finite(one.shaft.polar * one.shaft.inertia),
+        "frequency_Hz": {"y": finite(one.frequency[0]), "z": finite(one.frequency[1])},
+        "speed_rad_per_s": numbers(one.speed / one.ratio),
+        "growth_per_s": numbers(one.growth),
+        "unstable": [
+            {
+                "from_rad_per_s": finite(zone.lower / one.ratio),
+                "to_rad_per_s": finite(zone.upper / one.ratio),
+                "is_open": list(zone.is_open),
+                "type": zone.kind,
+                "growth_per_s": finite(zone.rate),
+                "at_rad_per_s": finite(zone.worst / one.ratio),
+            }
+            for zone in one.zones
+        ],
     }

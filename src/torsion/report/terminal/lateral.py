@@ -18,6 +18,7 @@ def bending_speeds(found: "Lateral", speeds: Range) -> Grid:
     rows = []
     for shaft in found.shafts:
         grows = shaft.whirl is not None and bool(unstable(shaft.whirl.log_decrement).any())
+        grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
         for one in near(shaft, speeds):
             name, order, _, speed, hertz, sense, ratio = critical_row(shaft, one)
             mark = "*" if inside(shaft, one, speeds) else ""
