@@ -160,7 +160,7 @@ def test_growth_rate_is_that_of_the_motion_in_time():
     at = scene(study, system)
     shapes = basis(at.layout)
     there = orbit(at, 79.0)
-    found = by_monodromy(variation(at, there, shapes), float(shapes.frequency[-1]))
+    found = by_monodromy(variation(at, there), float(shapes.frequency[-1]))
     motion = motion_of(there.found.harmonic, there.now.loading.w0, points_in_time(there.found.count))
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
     away = 1e-5 * np.concatenate([found.vector[:, 0], found.speed[:, 0]]).real
@@ -233,7 +233,7 @@ def test_hill_and_monodromy_agree_about_the_orbit():
     at = scene(study, system)
     shapes = basis(at.layout)
     there = orbit(at, 100.0)
-    around = variation(at, there, shapes)
+    around = variation(at, there)
     highest = float(shapes.frequency[-1])
     first, second = by_monodromy(around, highest), by_hill(around, hill_count(around, highest, there.found.count))
     assert second.growth == pytest.approx(first.growth, abs=1e-8)
@@ -268,6 +268,6 @@ def test_zones_are_named_by_the_modes_that_take_part(energy, w0, name):
 def test_hill_with_more_harmonics_than_the_orbit_has_agrees_with_the_monodromy():
     ask = search(*six_stations(20, 90, 1.5))
     orbit, expected = ask(56.0)
-    around = variation(ask.at, orbit, ask.shapes)
+    around = variation(ask.at, orbit)
     count = around.mass.shape[0] // 2 + 4
     assert by_hill(around, count).growth == pytest.approx(expected.growth, abs=1e-9)
