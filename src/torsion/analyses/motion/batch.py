@@ -39,7 +39,7 @@ class Stack:
     @property
     def count(self) -> int:
         """Harmonics kept."""
-        share = float(self.at.layout.order / self.at.order)
+        share = float(max(self.at.layout.orders) / self.at.order)
         rank = np.log(LEFT_OUT) / np.log(self.uneven) if 0 < self.uneven < 1 else 1.0
         return int(max(5, np.ceil(rank * share) + 2))
 

@@ -51,12 +51,17 @@ class Layout:
     hysteretic: FloatArray  # (springs,) N m/rad: stiffness times loss factor
     dampers: Dampers  # what stands for loss factors that are not in `hysteretic`; none unless put there
     floating: tuple[tuple[int, ...], ...]  # coordinates that hang together by springs and by nothing held
-    order: Fraction  # of the common period of all joints, per turn of the reference station; 0 without joints
+    orders: tuple[Fraction, ...]  # of the joints, per turn of the reference station, ascending
 
     @property
     def bodies(self) -> int:
         """Number of bodies."""
         return len(self.inertia)
+
+    @property
+    def order(self) -> Fraction:
+        """Of the common period of all joints, per turn of the reference station; 0 without joints."""
+        return common_order(list(self.orders))
 
     @property
     def loose(self) -> BoolArray:
@@ -94,7 +99,7 @@ def layout(system: System) -> Layout:
         body, inertia, coordinate, root, free, steps, springs, driving, driven, stiffness,
         system.viscous[springs] * ratio2, stiffness * system.loss_factor[springs],
         Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
-        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), _joint_order(system, joints),
+        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), _joint_orders(system, joints),
     )  # fmt: skip
 
 
@@ -106,9 +111,9 @@ def common_order(orders: list[Fraction]) -> Fraction:
     return Fraction(gcd(*(order.numerator * (below // order.denominator) for order in orders)), below)
 
 
-def _joint_order(system: System, joints: BoolArray) -> Fraction:
+def _joint_orders(system: System, joints: BoolArray) -> tuple[Fraction, ...]:
     spans = [system.spans[k] for k in np.flatnonzero(joints).tolist()]
-    return common_order([order * system.stations[span.driving].ratio for span in spans for order, _ in span.error])
+    return tuple(sorted({order * system.stations[span.driving].ratio for span in spans for order, _ in span.error}))
 
 
 def _roots(number: int, first: IntArray, second: IntArray) -> IntArray:

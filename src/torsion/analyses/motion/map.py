@@ -16,7 +16,8 @@ from torsion.analyses.motion.growths import growths
 from torsion.analyses.motion.joints import JointMap
 from torsion.analyses.motion.layout import JointStep
 from torsion.analyses.motion.loading import Scene, scene
-from torsion.analyses.motion.modes import Basis, basis, reduced
+from torsion.analyses.motion.modes import Basis, basis
+from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.stability import Search, damped
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -31,8 +32,6 @@ SIDE_BY_SIDE = 25  # values solved at a time, to stay within the caches
 SAME_SWING = 0.02  # relative: periodic motions that differ by more are not the same
 CHECKED = 9  # points at which the unreduced train is computed too
 MOST_ALONE = 1000  # points that are solved one by one where they found no solution side by side
-HIGHEST = 3.0  # times w0 of the highest speed: modes up to there are kept
-FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
 
 
 @dataclass(frozen=True)
@@ -78,14 +77,6 @@ def _bent(step: JointStep, uneven: Any) -> JointStep:
     return replace(step, joint=replace(joint, unevenness=np.copysign(1.0, joint.unevenness) * uneven))
 
 
-def kept(at: Scene, shapes: Basis, highest: float, asked: int | None) -> Basis:
-    """The rigid motions and the elastic modes up to a highest frequency (rad/s), or as many as asked."""
-    elastic = shapes.frequency[shapes.rigid :]
-    number = int(np.count_nonzero(elastic <= highest))
-    number = min(max(number, FEWEST_MODES), MOST_MODES) if asked is None else asked
-    return reduced(at.layout, shapes, shapes.rigid + min(number, len(elastic)))
-
-
 def stability_map(
     study: Study,
     system: System,
@@ -102,7 +93,7 @@ def stability_map(
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")
     shapes = basis(at.layout)
-    fewer = kept(at, shapes, HIGHEST * float(at.order) * float(np.max(speeds)), modes)
+    fewer = modes_that_matter(at, shapes, float(np.max(speeds)), modes)
     lossy = damped(at, fewer)
     growth, swing = np.full((2, len(speeds), len(values)), np.nan)
     for first in range(0, len(values), SIDE_BY_SIDE):

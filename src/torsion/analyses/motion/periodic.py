@@ -164,7 +164,7 @@ def _first_count(at: Scene) -> int:
     uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
     rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
     highest = max((order for order, _ in at.torques), default=Fraction(0))
-    share = max(float(at.layout.order / at.order), 1.0)
+    share = max(float(max(at.layout.orders, default=Fraction(0)) / at.order), 1.0)
     return int(min(max(FEWEST, rank * share, float(highest / at.order) + 2), MOST))
 
 

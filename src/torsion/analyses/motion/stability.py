@@ -161,10 +161,10 @@ def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
     """Ask around each combination resonance for zones that fall between the speeds."""
     if len(asked) < 2:
         return
-    seeds = candidates(ask.shapes, float(ask.at.order), float(asked[0]), float(asked[-1]))
-    uneven = max((abs(step.joint.unevenness) for step in ask.at.layout.steps), default=0.0)
+    uneven = max((step.joint.strength for step in ask.at.layout.steps), default=0.0)
     if uneven == 0.0:
         return
+    seeds = candidates(ask.shapes, ask.at.layout.orders, float(asked[0]), float(asked[-1]))
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
     for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
         tell("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
