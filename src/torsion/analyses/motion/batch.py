@@ -112,9 +112,8 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
         motion = _motion(stack, base, harmonic, loading.w0)
         now = state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
     around = _periodic(stack, there.layout, loading, now)
-    onto = stack.reduced.shape.T * stack.reduced.inertia
-    start = [(onto @ one.reshape(-1, variants, stack.times)[:, :, 0]).T for one in (motion.speed, motion.acceleration)]
-    start[0] = start[0] + speed * onto.sum(axis=1)
+    first = [one.reshape(-1, variants, stack.times)[:, :, 0] for one in (speed + motion.speed, motion.acceleration)]
+    start = [stack.reduced.share(one).T for one in first]
     swing = np.where(found, half_range(motion.deviation.reshape(-1, variants, stack.times)), np.nan)
     return Solution(loading, harmonic, load, found, around, np.concatenate(start, axis=1), swing)
 

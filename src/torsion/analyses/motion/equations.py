@@ -86,6 +86,13 @@ def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArra
     return np.asarray(constant + (loading.vibratory @ phase).real)
 
 
+def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
+    """(bodies, times) N m/s by which the vibratory torques change."""
+    order = loading.order * loading.multiple
+    phase = np.exp(1j * np.outer(order, turned))
+    return np.asarray(((1j * loading.speed * order * loading.vibratory) @ phase).real)
+
+
 def over_time(values: FloatArray) -> FloatArray:
     """(..., 1) where there is one value for all times; arrays that hold one for every time stay as they are."""
     return values[:, None] if values.ndim == 1 else values

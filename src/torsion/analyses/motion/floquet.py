@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.motion.equations import linearised, mean_angle, state
+from torsion.analyses.motion.equations import Loading, gathered, linearised, mean_angle, state, torque_rates
 from torsion.analyses.motion.layout import Layout
 from torsion.analyses.motion.loading import Scene
 from torsion.analyses.motion.losses import at_coordinates
@@ -17,6 +17,7 @@ from torsion.kernels.periodic.hill import couplings_of, hill_exponents
 from torsion.kernels.tree import ComplexArray, FloatArray
 
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
+REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats itself
 APART = 1e-10  # relative: of a motion that others combine to, less is left
 MOST_HILL = 2500  # rows of the eigenvalue problem
 
@@ -42,19 +43,37 @@ class Variation:
         return 2.0 * np.pi / self.period
 
     def on(self, reduced: Basis) -> "Variation":
-        """The same on a basis of modes."""
-        shape = reduced.shape
-        onto = shape.T * reduced.inertia  # its inverse on the modes
+        """The same on a basis of modes and, behind them, of what the motions that repeat themselves have beside it.
+
+        Without that they would not quite repeat themselves, and seem to grow or to die out.
+        """
+        missed = _beyond(reduced, self.repeated[:, : self.size])
+        shape = np.column_stack([reduced.shape, missed])
         mass, damping, stiffness = (shape.T @ part @ shape for part in (self.mass, self.damping, self.stiffness))
-        moves = [np.concatenate([onto @ one[: self.size], onto @ one[self.size :]]) for one in self.repeated]
-        repeated = np.array(moves).reshape(len(moves), 2 * shape.shape[1], self.mass.shape[0])
-        return Variation(mass, damping, stiffness, self.period, repeated)
+        repeated = np.zeros((len(self.repeated), 2, shape.shape[1], self.mass.shape[0]))
+        for one, motion in zip(repeated, self.repeated, strict=True):
+            for own, part in zip(one, np.split(motion, 2), strict=True):
+                own[:] = np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part])
+        form = len(repeated), 2 * shape.shape[1], self.mass.shape[0]
+        return Variation(mass, damping, stiffness, self.period, repeated.reshape(form))
+
+
+def _beyond(reduced: Basis, motions: FloatArray) -> FloatArray:
+    """(size, shapes) of generalised inertia 1: what motions (motions, size, times) have that a basis has not."""
+    heavy = np.sqrt(reduced.inertia)[:, None]
+    weighted = heavy * np.concatenate([np.zeros((len(heavy), 0)), *motions], axis=1)
+    within = heavy * reduced.shape
+    rest = weighted - within @ (within.T @ weighted)
+    left, size, _ = np.linalg.svd(rest, full_matrices=False)
+    left = left[:, size > REST * np.linalg.norm(weighted)]
+    return np.asarray(np.divide(left, heavy, out=np.zeros_like(left), where=heavy > 0))
 
 
 def variation(at: Scene, orbit: Orbit) -> Variation:
     """The variation of the equations about an orbit.
 
-    Of a train with loss factors, scene and orbit must be those of the dampers that stand for them (`losses.viscous`):
+    A vibratory torque goes by the angle of its own station: by the clock it would hold the train to a phase. Of a train
+    with loss factors, scene and orbit must be those of the dampers that stand for them (`losses.viscous`):
     a loss factor has no meaning for a deviation that grows.
     """
     loading, free = orbit.now.loading, at.layout.free
@@ -62,28 +81,34 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
     motion = motion_of(orbit.found.harmonic, loading.w0, times)
     around = linearised(at.layout, loading, motion, orbit.found.load, 1)
     mass, damping, stiffness = around.entries.full(free)
+    turned = mean_angle(loading, times)
+    now = state(at.layout, loading, motion, orbit.found.load, turned)
+    if loading.multiple.size:
+        own = np.arange(free)
+        stiffness[:, own, own] -= gathered(at.layout, now.turning.first * torque_rates(loading, turned) / now.rate)[
+            :free
+        ].T
     if at.layout.dampers.size.size:
-        now = state(at.layout, loading, motion, orbit.found.load, mean_angle(loading, times))
         twist = at_coordinates(at.layout, now.turning.first).transpose(2, 0, 1)
         pull = np.swapaxes(twist * at.layout.dampers.size[:, None], 1, 2)
         damping = damping + pull @ twist
         stiffness = stiffness + pull @ at_coordinates(at.layout, now.turning.second * now.rate).transpose(2, 0, 1)
-    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading.speed, motion))
+    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading, motion))
 
 
-def _repeated(layout: Layout, speed: float, motion: Motion) -> FloatArray:
+def _repeated(layout: Layout, loading: Loading, motion: Motion) -> FloatArray:
     """(motions, 2 free, times) what repeats itself unless something holds it: all that turns, turning further.
 
     Where parts hang together by damping alone, so does every one without a joint, turned by a fixed angle.
     """
     free, times = motion.speed.shape
-    if not layout.floating:
-        return np.zeros((0, 2 * free, times))
-    turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
-    found = [np.concatenate([turning * (speed + motion.speed), turning * motion.acceleration])]
+    found = list[FloatArray]()
+    if layout.floating:
+        turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
+        found.append(np.concatenate([turning * (loading.speed + motion.speed), turning * motion.acceleration]))
     for group in layout.loose:
         found.append(np.concatenate([np.repeat(group[:, None], times, axis=1), np.zeros((free, times))]))
-    return np.array(found)
+    return np.array(found).reshape(-1, 2 * free, times)
 
 
 @dataclass(frozen=True)

@@ -56,9 +56,9 @@ def _repeated(stack: Stack, solution: Solution) -> FloatArray:
     """(variants, motions, 2 modes) what repeats itself: all that turns, turning further, and what turns loosely."""
     whole, modes = stack.at.layout, len(stack.reduced.frequency)
     found = [solution.turning] if whole.floating and whole.free == len(whole.root) else []
-    onto = stack.reduced.shape.T * stack.reduced.inertia
     for group in whole.loose:
-        found.append(np.tile(np.append(onto @ group, np.zeros(modes)), (len(stack.values), 1)))
+        share = stack.reduced.share(group.astype(float))
+        found.append(np.tile(np.append(share, np.zeros(modes)), (len(stack.values), 1)))
     return np.stack(found, axis=1) if found else np.zeros((len(stack.values), 0, 2 * modes))
 
 

@@ -35,6 +35,14 @@ class Basis:
         """rad/s of the highest mode; 0 where all are rigid."""
         return float(self.frequency[: self.modes].max(initial=0.0))
 
+    def share(self, motion: FloatArray) -> FloatArray:
+        """(shapes, ...) of each shape in a motion (coordinates, ...)."""
+        found = np.asarray((self.shape.T * self.inertia) @ motion)
+        light = np.isnan(self.frequency)
+        if light.any():
+            found[light] = (motion - self.shape @ found)[self.inertia == 0]
+        return found
+
 
 def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
     """The lowest `count` modes with what the joints excite of the others statically.
@@ -43,14 +51,13 @@ def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
     its springs lead to. The deflection of the modes left out under forces there is taken along.
     """
     if count >= len(shapes.frequency):
-        return shapes
+        return _with_light(shapes)
     at = [step.outer for step in whole.steps]
     near = np.isin(whole.driving, at) | np.isin(whole.driven, at)
     touched = np.concatenate(
         [whole.coordinate[at], whole.coordinate[whole.driving[near]], whole.coordinate[whole.driven[near]]]
     )
     touched = np.unique(touched[touched < whole.free])
-    light = np.flatnonzero(shapes.inertia == 0)
     beyond = shapes.shape[:, count:]
     onto = (beyond[touched] / shapes.frequency[count:] ** 2).T
     left, size, _ = np.linalg.svd(onto / np.linalg.norm(onto, axis=0), full_matrices=False)
@@ -59,13 +66,19 @@ def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
     choice = np.zeros((len(shapes.frequency), count + len(square)))
     choice[:count, :count] = np.eye(count)
     choice[count:, count:] = left @ turned
-    alone = np.zeros((whole.free, len(light)))
+    frequency = np.concatenate([shapes.frequency[:count], np.sqrt(square)])
+    return _with_light(Basis(frequency, shapes.shape @ choice, shapes.inertia, choice.T @ shapes.loss @ choice, count))
+
+
+def _with_light(some: Basis) -> Basis:
+    """The same with the coordinates without inertia as they are, which turning joints let move by themselves."""
+    light = np.flatnonzero(some.inertia == 0)
+    alone = np.zeros((len(some.inertia), len(light)))
     alone[light, np.arange(len(light))] = 1.0
-    number = choice.shape[1] + len(light)
-    loss = np.zeros((number, number))
-    loss[: choice.shape[1], : choice.shape[1]] = choice.T @ shapes.loss @ choice
-    frequency = np.concatenate([shapes.frequency[:count], np.sqrt(square), np.full(len(light), np.nan)])
-    return Basis(frequency, np.column_stack([shapes.shape @ choice, alone]), shapes.inertia, loss, count)
+    return Basis(
+        np.append(some.frequency, np.full(len(light), np.nan)), np.column_stack([some.shape, alone]), some.inertia,
+        np.pad(some.loss, (0, len(light))), some.modes,
+    )  # fmt: skip
 
 
 def basis(whole: Layout) -> Basis:

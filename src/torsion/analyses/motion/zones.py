@@ -47,12 +47,13 @@ class Zone:
 def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None) -> FloatArray:
     """(modes,) energy of the fastest growing motion in each mode at reference angle zero, largest 1.
 
-    reduced: the basis that the motion is told in; None: the coordinates.
+    reduced: the basis that the motion is told in, with more behind it; None: the coordinates.
     """
     onto = shapes.shape.T * shapes.inertia
     if reduced is not None:
         onto = onto @ reduced.shape
-    angle, speed = onto @ found.vector[:, 0], onto @ found.speed[:, 0]
+    number = onto.shape[1]
+    angle, speed = onto @ found.vector[:number, 0], onto @ found.speed[:number, 0]
     energy = (shapes.frequency * np.abs(angle)) ** 2 + np.abs(speed) ** 2
     return np.asarray(energy / max(float(energy.max()), np.finfo(float).tiny))
 

@@ -17,7 +17,7 @@ CENTRED = (
     -0.4863,
     0.5137,
 )  # mean harmonic of a vector: one copy of each lies here, and no symmetry puts one at the ends
-KEPT = 1e-7  # relative to the terms of the equations: what a motion that solves them may leave
+KEPT = 1e-7  # relative: by how much a motion that solves the equations may miss that, each coordinate alone
 APART = 1e-10  # of a motion that others combine to, less is left
 DOUBLE = 1e-6  # of w0: exponents nearer to the one taken out are the same, and their vectors have no share of its own
 
@@ -156,7 +156,7 @@ def hill_exponents(
     left = np.zeros((2 * total, 2 * total), dtype=complex)
     left[:total, total:] = w0 * np.eye(total)
     left[total:, :total], left[total:, total:] = -constant / w0, -linear
-    apart = _solving(constant, np.abs(constant) + w0**2 * np.abs(inert), known)
+    apart = _solving(constant, np.abs(np.diag(constant)) + w0**2 * np.abs(np.diag(inert)), known)
     right: ComplexArray | None = None
     if np.all(heavy > 0):
         left[total:] = np.linalg.solve(inert, left[total:])
@@ -175,12 +175,12 @@ def hill_exponents(
 def _solving(constant: ComplexArray, size: FloatArray, known: ComplexArray | None) -> ComplexArray:
     """(2 total, motions) orthonormal: those of the known motions that solve the equations constant u = 0.
 
-    size: (total, total) of the terms that a motion must leave less of, elastic ones and those of inertia.
+    size: (total,) of each equation's own coefficient, by which what a motion leaves becomes a deviation.
     """
     total = len(constant)
     found = np.zeros((2 * total, 0), dtype=complex)
     for one in [] if known is None else known.reshape(-1, total):
-        if np.abs(constant @ one).max() > KEPT * (size @ np.abs(one)).max():
+        if (np.abs(constant @ one) / size).max() > KEPT * np.abs(one).max():
             continue
         rest = np.append(one, np.zeros(total)) / np.linalg.norm(one)
         rest = rest - found @ (found.conj().T @ rest)
