@@ -46,6 +46,14 @@ def unstable() -> Findings:
 
 
 @pytest.fixture(scope="module")
+def several() -> Findings:
+    """The yokes crossed: near resonance there is more than one motion."""
+    text = TRAIN[: TRAIN.index("  stability:")].replace("25 deg", "20 deg")
+    text = text.replace("20 deg, inertia", "20 deg, phase: 90 deg, inertia").replace("phase: 90 deg, ", "", 1)
+    return torsion.run(torsion.parse(text.replace("96 rad/s, to: 116", "53 rad/s, to: 54"), "crossed.yaml"))
+
+
+@pytest.fixture(scope="module")
 def broken(unstable: Findings) -> Findings:
     """The same, but that one speed has no periodic motion, one a coarse one, and points of the map are missing."""
     found, grown = unstable.periodic, unstable.stability_map.growth.copy()
@@ -128,8 +136,18 @@ def test_what_was_not_found_is_flagged_and_never_a_number(broken: Findings) -> N
     assert told["orders"][0]["torque_Nm"][0][0] == [None, None]
 
 
-def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Findings) -> None:
-    made = results(unstable)
+def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findings) -> None:
+    found = several.periodic.others
+    rows = table(periodic.chapter(several), "at the same speed").rows
+    assert [row[1] for row in rows].count("another") == found.speed.size > 0
+    assert rows[0][1] == "told"
+    told, another = (float(row[2]) for row in rows[:2])
+    assert another == pytest.approx(np.abs(found.torque[0]).max(), rel=1e-4)
+    assert abs(told - another) > 0.01 * told
+
+
+def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Findings, several: Findings) -> None:
+    made = {**results(unstable), "periodic": results(several)["periodic"]}
     json.dumps(made, allow_nan=False)
 
     def leaves(value: object, at: str) -> set[str]:

@@ -99,6 +99,42 @@ def flagged(findings: Findings) -> np.ndarray:
     return np.asarray((found.status != Found.OK) | found.is_unstable)
 
 
+@dataclass(frozen=True)
+class OtherMotion:
+    """One of several periodic motions at a speed, by its largest amplitude."""
+
+    speed: float  # rad/s
+    name: str  # "told", "another"
+    torque: float  # N m
+    order: Fraction
+    where: str
+    growth: float  # 1/s
+
+
+def other_motions(findings: Findings) -> tuple[OtherMotion, ...]:
+    """Every motion at the speeds at which several were found, the one that is told before the others."""
+    found = exact_response(findings)
+    if found.others is None:
+        return ()
+    rows = []
+    for speed in np.unique(found.others.speed).tolist():
+        here = int(np.flatnonzero(found.speed == speed)[0])
+        rows.append(_motion(findings, found, here, "told"))
+        rows += [
+            _motion(findings, found.others, k, "another") for k in np.flatnonzero(found.others.speed == speed).tolist()
+        ]
+    return tuple(rows)
+
+
+def _motion(findings: Findings, found: PeriodicResponse, row: int, name: str) -> OtherMotion:
+    """By its largest amplitude in any element."""
+    size = [(float(np.abs(found.torque[row][:, list(e.spans)]).max()), e) for e in elements(findings.system)]
+    torque, element = max(size, key=lambda one: one[0])
+    rank = int(np.abs(found.torque[row][:, list(element.spans)]).max(axis=1).argmax())
+    growth = np.nan if found.growth is None else float(found.growth[row])
+    return OtherMotion(float(found.speed[row]), name, torque, found.orders[rank], element.name, growth)
+
+
 def first_order_judged(findings: Findings) -> str:
     """That the rules judge the first order, and by how much it misses the exact one; empty where there is only one."""
     rows = compared(findings)

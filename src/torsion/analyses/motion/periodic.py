@@ -69,6 +69,7 @@ class PeriodicResponse:
     why: tuple[str, ...]  # (speeds,) of no solution; else empty
     orbits: tuple[Orbit | None, ...]  # (speeds,)
     growth: FloatArray | None = None  # (speeds,) 1/s of small deviations from it; None where it was not computed
+    others: "PeriodicResponse | None" = None  # further motions at some of the speeds, in the same orders
 
     @property
     def is_unstable(self) -> BoolArray:

@@ -13,6 +13,7 @@ from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import basis
 from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, Progress, continued, told
 from torsion.analyses.motion.reduced import modes_that_matter
+from torsion.analyses.motion.several import others
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray
@@ -26,6 +27,7 @@ RESOLVED = 0.02  # of a peak: how far its neighbours may lie below it
 WORTH = 0.02  # of the largest amplitude of its span: lower peaks are not followed
 CLOSEST = 1e-5  # relative distance of two speeds
 BEYOND = 2.0  # times the highest of them: what the steps in time resolve
+MOST_SOUGHT, EACH = 3, 40  # speeds at which other motions are sought: at most, and one for so many speeds
 EDGE = 1e-3  # the same beside a speed without a periodic motion
 
 
@@ -61,7 +63,28 @@ def periodic_over_speed(
             break
         found = solve(np.sort(more))
     tell("stability of the periodic motion", 1.0)
-    return replace(found, growth=growths(at, found))
+    found = replace(found, growth=growths(at, found))
+    tell("other periodic motions", 1.0)
+    further = others(at, found, worth_another_look(found, max(1, min(MOST_SOUGHT, number // EACH))))
+    if further is not None:
+        further = replace(further, growth=growths(at, further))
+    return replace(found, others=further)
+
+
+def worth_another_look(found: PeriodicResponse, most: int) -> list[int]:
+    """Rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
+    rows = highest_peaks(found)[:most]
+    if found.growth is not None and found.is_unstable.any():
+        rows.append(int(np.nanargmax(found.growth)))
+    return list(dict.fromkeys(rows))
+
+
+def highest_peaks(found: PeriodicResponse) -> list[int]:
+    """Rows of the highest peaks, else of the largest torque."""
+    size = np.abs(found.torque)
+    rows = list(dict.fromkeys(row for row, _, _ in _peaks(size)))
+    largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
+    return rows or [int(largest.argmax())]
 
 
 def growths(at: Scene, found: PeriodicResponse) -> FloatArray:

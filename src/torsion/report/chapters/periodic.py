@@ -35,7 +35,7 @@ def chapter(findings: Findings) -> list[Block]:
     judged = first_order_judged(findings)
     if judged:
         blocks.append(Paragraph(judged, "note"))
-    blocks += _flagged(findings)
+    blocks += [*_flagged(findings), *_others(findings)]
     if rows:
         unit = scale("N m", [point[0] for row in rows for point in (row.first, row.exact) if point is not None])
         blocks.append(_table(findings, rows, unit))
@@ -84,6 +84,28 @@ def _flagged(findings: Findings) -> list[Block]:
     rest = f"; the first {MOST_FLAGGED} of {bad.size}" if bad.size > MOST_FLAGGED else ""
     caption = f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}"
     return [Table(columns, tuple(rows), caption, tuple(marks))]
+
+
+def _others(findings: Findings) -> list[Block]:
+    """Further motions at the same speed; nothing where none was found."""
+    from torsion.report.motion import exact_response, other_motions
+
+    if exact_response(findings).others is None:
+        return []
+    columns = (
+        Column("Speed", "rpm"), Column("Motion", align="left"), Column("Largest torque amplitude", "N m"),
+        Column("Order"), Column("in", align="left"), Column("Growth of deviations", "1/s"),
+    )  # fmt: skip
+    rows = [
+        (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
+        for one in other_motions(findings)
+    ]
+    text = (
+        "At some peaks the equations have several periodic motions. Which of them the train settles in depends on how "
+        "it comes there; where deviations grow it does not stay. The curves and tables hold the one called `told`."
+    )
+    caption = "Periodic motions found at the same speed, at the highest peaks"
+    return [Paragraph(text, "note"), Table(columns, tuple(rows), caption)]
 
 
 def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Table:
