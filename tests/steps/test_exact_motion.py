@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.errors import SolveError
 from torsion.findings import Findings
 
 SCENE = Path(__file__).parents[2] / "shafting_specs" / "six_stations.yaml"
@@ -169,3 +170,34 @@ def test_long_train_is_reduced_to_the_modes_that_matter_and_keeps_its_growth():
     assert long.stability.kept == 3
     assert long.stability.left_out < 1e-3
     assert long.checks[0].value == pytest.approx(short.checks[0].value, rel=1e-2)
+
+
+GEARED = """
+name: joints at two speeds
+operation: {{speeds: {{from: 30 rad/s, to: 90 rad/s, steps: 4}}, rated: {{speed: 60 rad/s, power: 20 kW}}}}
+train:
+  - motor: {{inertia: 1, damping: 1}}
+  - joint: {{angle: 5 deg}}
+  - coupling: {{stiffness: 1e4, viscous: 5}}
+  - gear: {{teeth: [{teeth}]}}
+  - joint: {{angle: 15 deg}}
+  - coupling: {{stiffness: 1e4, viscous: 5}}
+  - disc: {{inertia: 1, damping: 2}}
+analyses: {{{analyses}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("teeth", "words"),
+    [("17, 23", "a common period of 23 turns only, which takes 138 harmonics"), ("97, 101", "only every 101 turns")],
+)
+def test_joints_that_repeat_together_only_after_many_turns_are_left_out_unasked(teeth, words):
+    found = torsion.run(torsion.parse(GEARED.format(teeth=teeth, analyses="response: ")))
+    assert found.periodic is None
+    assert words in dict(found.plan.left_out)["exact periodic response"]
+
+
+def test_joints_that_never_repeat_within_reach_are_refused_where_they_are_asked():
+    for asked in ("response: {method: harmonic-balance}", "stability: "):
+        with pytest.raises(SolveError, match="every 101 turns, which takes about 606 harmonics"):
+            torsion.run(torsion.parse(GEARED.format(teeth="97, 101", analyses=asked)))

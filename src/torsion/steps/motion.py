@@ -74,10 +74,12 @@ def _periodic(
     """must: there is no answer without it."""
     from torsion.analyses.motion.faults import motion_faults
     from torsion.analyses.motion.periodic import Found
-    from torsion.analyses.motion.speeds import periodic_over_speed
+    from torsion.analyses.motion.speeds import periodic_over_speed, too_long
 
     log, progress = tell
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
+    if not refused and not must:
+        refused = too_long(study, system)
     if refused:
         log.without(PERIODIC, refused)
         return None
@@ -117,6 +119,8 @@ def stability(
     if settings is None:
         return None, None
     from torsion.analyses.motion.asked import Asked
+    from torsion.analyses.motion.loading import scene
+    from torsion.analyses.motion.periodic import harmonics_at_least
     from torsion.analyses.motion.reduced import stability_asked
 
     asked = settings if isinstance(settings, Asked) else Asked()
@@ -124,6 +128,7 @@ def stability(
     if not exciting_joints(system) or speeds is None:
         log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
         return None, None
+    harmonics_at_least(scene(study, system))  # refused before anything is computed
     with log.step("stability", "asked") as step:
         found = stability_asked(study, system, asked, speeds.values(), progress=progress)
         step.method = _METHODS[asked.method]

@@ -8,18 +8,20 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.motion.floquet import by_monodromy, variation
-from torsion.analyses.motion.layout import layout
 from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import basis
-from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, Progress, continued, told
+from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, Progress, continued, harmonics_at_least, told
 from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.several import others
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
+from torsion.errors import SolveError
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
-WORK = 2400  # speeds times coordinates: about 10 s on one slow core
+WORK = 2400  # speeds times coordinates, with few harmonics: about 10 s on one slow core
+FEW = 20  # harmonics; more take time in proportion
+PATIENCE = 60  # harmonics at least: a longer common period is left alone unless it is asked for
 FEWEST, MOST = 24, 201  # speeds
 EVERYWHERE = 0.5  # of the speeds: spread over the range; the others are for peaks
 AT_PEAKS = 0.25  # of the speeds: at the peaks of the first order
@@ -31,9 +33,26 @@ MOST_SOUGHT, EACH = 3, 40  # speeds at which other motions are sought: at most, 
 EDGE = 1e-3  # the same beside a speed without a periodic motion
 
 
-def number_of_speeds(system: System) -> int:
+def number_of_speeds(at: Scene) -> int:
     """How many speeds the exact response of a train is worth."""
-    return int(np.clip(WORK // max(1, layout(system).free), FEWEST, MOST))
+    each = max(1.0, at.layout.free * max(1.0, harmonics_at_least(at) / FEW))
+    return int(np.clip(WORK // each, FEWEST, MOST))
+
+
+def too_long(study: Study, system: System) -> str:
+    """Why the exact response takes too long to be computed unasked; empty where it does not."""
+    at = scene(study, system)
+    try:
+        harmonics = harmonics_at_least(at)
+    except SolveError as fault:
+        return str(fault)
+    if harmonics <= PATIENCE:
+        return ""
+    turns = at.order.denominator
+    return (
+        f"the joints share a common period of {turns} turns only, which takes {harmonics} harmonics or more; "
+        "ask for it with `response: {method: harmonic-balance}`"
+    )
 
 
 def periodic_over_speed(
@@ -43,8 +62,8 @@ def periodic_over_speed(
 
     Every speed is started from the nearest that is solved.
     """
-    tell, number = progress or (lambda what, share: None), most or number_of_speeds(system)
     at = scene(study, system)
+    tell, number = progress or (lambda what, share: None), most or number_of_speeds(at)
     known: dict[float, tuple[Orbit | None, str]] = {}
 
     def solve(speeds: FloatArray) -> PeriodicResponse:
