@@ -10,7 +10,6 @@ from torsion.kernels.bars.counts import count_below
 from torsion.kernels.bars.search import SHARE_OF_LIMIT, brackets
 from torsion.kernels.bars.spans import Bars, ElementBars
 from torsion.kernels.bars.tree import BarTree
-from torsion.kernels.reduction import rigidity
 from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
@@ -34,18 +33,20 @@ def reach(tree: Tree, bars: Bars, highest: float = math.inf) -> Reach:
 
     Linear elements have no unknowns inside, and resolve all the modes that they have.
     """
-    train = BarTree(tree, bars)
-    known = rigidity(train.static)
-    top = min(highest * ABOVE, SHARE_OF_LIMIT * bars.limit)
+    return _reach(BarTree(tree, bars), highest)
+
+
+def _reach(train: BarTree, highest: float = math.inf) -> Reach:
+    top = min(highest * ABOVE, SHARE_OF_LIMIT * train.bars.limit)
     if not math.isfinite(top):
-        return Reach(known.elastic, math.inf)
-    return Reach(int(count_below(train, np.array([top]))[0]) - len(known.free_roots), top)
+        return Reach(train.known.elastic, math.inf)
+    return Reach(int(count_below(train, np.array([top]))[0]) - len(train.known.free_roots), top)
 
 
 def above_mode(tree: Tree, bars: Bars, count: int) -> float:
     """A frequency (rad/s) just above the elastic mode `count` (counted from 1), which lies in reach."""
     train = BarTree(tree, bars)
-    rigid = len(rigidity(train.static).free_roots)
+    rigid = len(train.known.free_roots)
     return float(brackets(train, np.array([rigid + count - 1]), tolerance=JUST_ABOVE)[1][0])
 
 
@@ -55,15 +56,16 @@ def referred_modes(tree: Tree, bars: Bars, count: int | None) -> "BarModes":
     Where finite elements are too few for the counts the modes are those of the dense problem, without certificate.
     Raises SolveError where the pieces of a continuum are too long.
     """
-    known = reach(tree, bars)
+    train = BarTree(tree, bars)
+    known = _reach(train)
     beyond = count is not None and count > known.count and math.isfinite(known.frequency)
     if count is not None and beyond and _unknowns(tree, bars) <= LARGEST_DENSE:
-        from torsion.kernels.bars.dense import element_modes_dense
+        from torsion.kernels.bars.dense import dense_modes
 
-        return element_modes_dense(tree, bars, count)
-    from torsion.kernels.bars.modes import bar_modes
+        return dense_modes(train, count)
+    from torsion.kernels.bars.modes import modes_of
 
-    return bar_modes(tree, bars, known.count if count is None else count)
+    return modes_of(train, known.count if count is None else count)
 
 
 def _unknowns(tree: Tree, bars: Bars) -> float:

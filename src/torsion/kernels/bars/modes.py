@@ -12,7 +12,6 @@ from torsion.kernels.bars.spans import Bars
 from torsion.kernels.bars.tree import BarTree
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.modes import rigid_shapes, shape_sign
-from torsion.kernels.reduction import rigidity
 from torsion.kernels.repeated import repeated_groups
 from torsion.kernels.tree import BoolArray, FloatArray, Tree
 
@@ -53,9 +52,12 @@ def bar_modes(tree: Tree, bars: Bars, count: int) -> BarModes:
     repeated: their shapes are one orthogonal set of many. Raises SolveError for a mode above 0.95 times the lowest
     frequency of a bar with both ends held, and for a frequency that cannot be proven.
     """
-    given = BarTree(tree, bars)
-    static = given.static
-    known = rigidity(static)
+    return modes_of(BarTree(tree, bars), count)
+
+
+def modes_of(given: BarTree, count: int) -> BarModes:
+    """`bar_modes` of a tree with its bars."""
+    tree, bars, static, known = given.tree, given.bars, given.static, given.known
     wanted = count if np.isfinite(bars.limit) else min(count, known.elastic)
     rigid_angle = rigid_shapes(static, known)
     cutting = needs_cutting(static, known)

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from torsion.kernels.bars.spans import Bars
+from torsion.kernels.reduction import Rigidity, rigidity
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 
@@ -51,6 +52,11 @@ class BarTree:
         np.add.at(inertia, self.parent, inner)
         inertia[self.bars.node] += outer
         return replace(self.tree, flexibility=whole, inertia=inertia)
+
+    @cached_property
+    def known(self) -> Rigidity:
+        """Rigid bodies, fixed stations and free parts."""
+        return rigidity(self.static)
 
     def solved(self, tree: Tree) -> "BarTree":
         """The same bars on another tree of the same stations."""
