@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 JUST_ABOVE = 1e-3  # relative
 LARGEST_DENSE = 2000  # unknowns of finite elements that are solved at once where counts cannot reach
+FEW_UNKNOWNS = 120  # that are solved at once sooner than counts find out what lies in reach (measured)
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 
 
@@ -56,16 +57,29 @@ def referred_modes(tree: Tree, bars: Bars, count: int | None) -> "BarModes":
     Where finite elements are too few for the counts the modes are those of the dense problem, without certificate.
     Raises SolveError where the pieces of a continuum are too long.
     """
-    train = BarTree(tree, bars)
+    from torsion.kernels.bars.modes import modes_of
+
+    train, unknowns = BarTree(tree, bars), _unknowns(tree, bars)
+    if count is not None and math.isfinite(bars.limit) and unknowns <= FEW_UNKNOWNS:
+        return _dense_first(train, count)
     known = _reach(train)
     beyond = count is not None and count > known.count and math.isfinite(known.frequency)
-    if count is not None and beyond and _unknowns(tree, bars) <= LARGEST_DENSE:
+    if count is not None and beyond and unknowns <= LARGEST_DENSE:
         from torsion.kernels.bars.dense import dense_modes
 
         return dense_modes(train, count)
+    return modes_of(train, known.count if count is None else count)
+
+
+def _dense_first(train: BarTree, count: int) -> "BarModes":
+    """The modes of the dense problem, from which those in reach of counts are proven."""
+    from torsion.kernels.bars.dense import dense_modes
     from torsion.kernels.bars.modes import modes_of
 
-    return modes_of(train, known.count if count is None else count)
+    found = dense_modes(train, count)
+    top = SHARE_OF_LIMIT * train.bars.limit
+    in_reach = len(found.frequency) == count and bool(np.all(found.frequency <= top))
+    return modes_of(train, count, start=found.frequency) if in_reach else found
 
 
 def _unknowns(tree: Tree, bars: Bars) -> float:

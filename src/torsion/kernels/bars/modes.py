@@ -55,15 +55,15 @@ def bar_modes(tree: Tree, bars: Bars, count: int) -> BarModes:
     return modes_of(BarTree(tree, bars), count)
 
 
-def modes_of(given: BarTree, count: int) -> BarModes:
-    """`bar_modes` of a tree with its bars."""
+def modes_of(given: BarTree, count: int, *, start: FloatArray | None = None) -> BarModes:
+    """`bar_modes` of a tree with its bars, from frequencies (count,) rad/s near the modes, ascending, if known."""
     tree, bars, static, known = given.tree, given.bars, given.static, given.known
     wanted = count if np.isfinite(bars.limit) else min(count, known.elastic)
     rigid_angle = rigid_shapes(static, known)
     cutting = needs_cutting(static, known)
     train = given.solved(cut(tree, known)) if cutting else given
     rigid = len(known.free_roots)
-    frequency, shapes = _frequencies(train, rigid, wanted)
+    frequency, shapes = _frequencies(train, rigid, wanted) if start is None else _started(train, start)
     frequency, lower, upper, wrong = _prove(train, frequency, rigid, shapes.passed)
     if wrong.any():
         shapes = determined_shapes(train, frequency)
@@ -99,9 +99,14 @@ def _frequencies(train: BarTree, rigid: int, wanted: int) -> tuple[FloatArray, B
         left = left[inside & (np.abs(change) >= _LAST_STEP)]
         if not len(left):
             break
+    return _started(train, frequency)
+
+
+def _started(train: BarTree, frequency: FloatArray) -> tuple[FloatArray, BarShapes]:
+    """Frequencies (m,) that need no more than a last correction, ascending, and the shapes that go with them."""
     shapes = determined_shapes(train, frequency)
     change = _change(frequency, shapes.correction)
-    frequency *= 1.0 + np.where(np.abs(change) < _SETTLED, change, 0.0)
+    frequency = frequency * (1.0 + np.where(np.abs(change) < _SETTLED, change, 0.0))
     if (frequency[1:] >= frequency[:-1]).all():
         return frequency, shapes
     order = np.argsort(frequency, kind="stable")
