@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import skfem
 
-from torsion.assembly.shafts import is_uniform
+from torsion.assembly.shafts import is_uniform, uniform_area
 from torsion.assembly.system import BarSpans, Piece
 from torsion.kernels.bars.element import ElementBars, element_bars
 from torsion.kernels.tree import FloatArray
@@ -41,8 +41,6 @@ def element_law(bars: BarSpans, ratio2: FloatArray) -> ElementBars:
 
     Those of uniform shafts are one element to scale: it is condensed once for a degree.
     """
-    assert bars.stiffness is not None
-    assert bars.inertia is not None
     uniform = [first for _, first in _shafts(bars.pieces) if is_uniform(first.bar)]
     number = [first.number for first in uniform]
     end, parts = sum(number), list[ElementBars]()
@@ -50,8 +48,9 @@ def element_law(bars: BarSpans, ratio2: FloatArray) -> ElementBars:
         factors = np.repeat([_factors(first) for first in uniform], number, axis=0).T * ratio2[:end]
         parts.append(_law_of_unit(bars.degree).scaled(*factors))
     if end < len(bars.pieces):
+        stiffness, inertia = element_matrices(bars.pieces[end:], bars.degree)
         rest = ratio2[end:, None, None]
-        parts.append(element_bars(bars.stiffness[end:] * rest, bars.inertia[end:] * rest))
+        parts.append(element_bars(stiffness * rest, inertia * rest))
     return ElementBars.joined(parts)
 
 
@@ -76,7 +75,7 @@ def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
 
 def _factors(piece: Piece) -> tuple[float, float]:
     """G I/L in N m/rad and rho I L in kg m2 of a uniform piece."""
-    area, length = float(piece.polar_area_moment(np.zeros(1))[0]), piece.length
+    area, length = uniform_area(piece.bar), piece.length
     return piece.bar.shear_modulus / length * area, piece.bar.density * length * area
 
 

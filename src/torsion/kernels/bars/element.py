@@ -24,6 +24,7 @@ from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array
+_FEW = 2**11  # modes inside times frequencies, up to which it does not pay to look for equal elements (measured)
 _NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the element turns by 1
 
 
@@ -81,6 +82,8 @@ class ElementBars:
         """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2 (m,) or (bars, m)."""
         if square.ndim > 1:
             return self._values(square)
+        if self.modes.size * len(square) <= _FEW:
+            return self._values(np.broadcast_to(square, (self.size, len(square))))
         few, position = self._distinct
         flexibility, inner, outer = few._values(np.broadcast_to(square, (few.size, len(square))))
         return flexibility[position], inner[position], outer[position]
