@@ -16,7 +16,7 @@ from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
 @dataclass(frozen=True)
 class Bends:
-    """What coordinates mean; a spring is a span that is not rigid, that of a bar with its flexibility at frequency 0."""
+    """What coordinates mean. A spring is a span that is not rigid; that of a bar has its flexibility at frequency 0."""
 
     spring: IntArray  # (springs,) outer station of each
     root: FloatArray  # (springs,) root of its flexibility, (rad/(N m))^1/2

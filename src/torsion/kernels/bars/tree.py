@@ -32,6 +32,8 @@ class BarTree:
     @cached_property
     def rounds(self) -> tuple[IntArray, ...]:
         """The bars in groups within which no two begin at one station."""
+        if len(set(self.parent.tolist())) == self.bars.size:
+            return (np.arange(self.bars.size),)
         order = np.argsort(self.parent, kind="stable")
         begins = self.parent[order]
         _, first, length = np.unique(begins, return_index=True, return_counts=True)
