@@ -2,22 +2,21 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.kernels.bars.counts import count_below
+from torsion.kernels.bars.dense import dense_modes, estimated_frequencies
+from torsion.kernels.bars.modes import BarModes, modes_of
 from torsion.kernels.bars.search import SHARE_OF_LIMIT, brackets
 from torsion.kernels.bars.spans import Bars, ElementBars
 from torsion.kernels.bars.tree import BarTree
 from torsion.kernels.tree import Tree
 
-if TYPE_CHECKING:
-    from torsion.kernels.bars.modes import BarModes
-
 JUST_ABOVE = 1e-3  # relative
 LARGEST_DENSE = 2000  # unknowns of finite elements that are solved at once where counts cannot reach
 FEW_UNKNOWNS = 120  # that are solved at once sooner than counts find out what lies in reach (measured)
+SURELY = 0.98  # of the reach of counts, below which an estimated frequency lies in it
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 
 
@@ -51,31 +50,29 @@ def above_mode(tree: Tree, bars: Bars, count: int) -> float:
     return float(brackets(train, np.array([rigid + count - 1]), tolerance=JUST_ABOVE)[1][0])
 
 
-def referred_modes(tree: Tree, bars: Bars, count: int | None) -> "BarModes":
+def referred_modes(tree: Tree, bars: Bars, count: int | None) -> BarModes:
     """The lowest `count` elastic modes on the undamped tree; None: all that the division resolves.
 
     Where finite elements are too few for the counts the modes are those of the dense problem, without certificate.
     Raises SolveError where the pieces of a continuum are too long.
     """
-    from torsion.kernels.bars.modes import modes_of
-
     train, unknowns = BarTree(tree, bars), _unknowns(tree, bars)
-    if count is not None and math.isfinite(bars.limit) and unknowns <= FEW_UNKNOWNS:
-        return _dense_first(train, count)
+    if count is not None and math.isfinite(bars.limit):
+        if unknowns <= FEW_UNKNOWNS:
+            return _dense_first(train, count)
+        if tree.size + bars.size <= FEW_UNKNOWNS:
+            start = estimated_frequencies(train, count)
+            if len(start) == count and bool(np.all(start <= SURELY * SHARE_OF_LIMIT * bars.limit)):
+                return modes_of(train, count, start=start)
     known = _reach(train)
     beyond = count is not None and count > known.count and math.isfinite(known.frequency)
     if count is not None and beyond and unknowns <= LARGEST_DENSE:
-        from torsion.kernels.bars.dense import dense_modes
-
         return dense_modes(train, count)
     return modes_of(train, known.count if count is None else count)
 
 
-def _dense_first(train: BarTree, count: int) -> "BarModes":
+def _dense_first(train: BarTree, count: int) -> BarModes:
     """The modes of the dense problem, from which those in reach of counts are proven."""
-    from torsion.kernels.bars.dense import dense_modes
-    from torsion.kernels.bars.modes import modes_of
-
     found = dense_modes(train, count)
     top = SHARE_OF_LIMIT * train.bars.limit
     in_reach = len(found.frequency) == count and bool(np.all(found.frequency <= top))

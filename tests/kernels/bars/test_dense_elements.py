@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from torsion.kernels.bars.bends import bends
-from torsion.kernels.bars.dense import element_modes_dense
+from torsion.kernels.bars.dense import element_modes_dense, estimated_frequencies
 from torsion.kernels.bars.modes import bar_modes, modes_of
 from torsion.kernels.bars.singular import largest_right_vectors
 from torsion.kernels.bars.spans import Bars, ElementBars, element_bars
@@ -109,3 +109,24 @@ def test_counts_prove_or_correct_the_frequencies_they_start_from(trains, off: fl
     assert np.all((sure.lower <= found.upper) & (found.lower <= sure.upper))
     assert np.allclose(found.frequency, sure.frequency, rtol=4e-15)
     assert np.allclose(found.angle, sure.angle, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("number", [6, 12])
+@pytest.mark.parametrize("law", ["uniform", "profile", "elements"])
+def test_one_mode_inside_each_bar_estimates_the_frequencies(trains, law: str, number: int) -> None:
+    """Of a free shaft with two discs: they come out too high, by the fourth power of the frequency over the limit."""
+    section = lambda x: (1.0 + 0.2 * x) ** 4  # noqa: E731
+    bars = {
+        "uniform": lambda: trains.pieces(1.0, 1.0, 1.0, number),
+        "profile": lambda: trains.tapered(section, number),
+        "elements": lambda: trains.elements(4, number),
+    }[law]()
+    train = trains.chain(number, {0: 0.4, number // 2: 1.0})
+    exact, found = bar_modes(train, bars, 3), estimated_frequencies(BarTree(train, bars), 3)
+    assert np.all(np.diff(found) > 0.0)
+    error = found / exact.frequency - 1.0
+    assert np.all((error > 0.0) & (error < 0.08 * (exact.frequency / bars.limit) ** 4))
+    started = modes_of(BarTree(train, bars), 3, start=found)
+    assert started.certified
+    assert np.allclose(started.frequency, exact.frequency, rtol=2e-15)
+    assert np.allclose(started.angle, exact.angle, rtol=0, atol=1e-13)

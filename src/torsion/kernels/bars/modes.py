@@ -15,10 +15,10 @@ from torsion.kernels.modes import rigid_shapes, shape_sign
 from torsion.kernels.repeated import repeated_groups
 from torsion.kernels.tree import BoolArray, FloatArray, Tree
 
-_LAST_STEP = 1e-8  # relative change of a frequency after which Newton's steps, of second order, have converged
-_SETTLED = 1e-12  # relative change by which the last shape still corrects its frequency
+_SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final one
 _STEPS = 6  # Newton's steps; a start that needs more is bisected instead
 _BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
+_OFF = 5e-2  # relative, that a frequency to start from may be off
 _FULL_BISECTION = 2.0**-52
 
 
@@ -63,7 +63,7 @@ def modes_of(given: BarTree, count: int, *, start: FloatArray | None = None) -> 
     cutting = needs_cutting(static, known)
     train = given.solved(cut(tree, known)) if cutting else given
     rigid = len(known.free_roots)
-    frequency, shapes = _frequencies(train, rigid, wanted) if start is None else _started(train, start)
+    frequency, shapes = _frequencies(train, rigid, wanted, start)
     frequency, lower, upper, wrong = _prove(train, frequency, rigid, shapes.passed)
     if wrong.any():
         shapes = determined_shapes(train, frequency)
@@ -83,34 +83,38 @@ def _is_bar(train: BarTree) -> BoolArray:
     return np.array(train.bar_of) >= 0
 
 
-def _frequencies(train: BarTree, rigid: int, wanted: int) -> tuple[FloatArray, BarShapes]:
-    """Frequencies (wanted,) after Newton's steps from brackets, ascending, and the shapes that go with them."""
+def _frequencies(train: BarTree, rigid: int, wanted: int, start: FloatArray | None) -> tuple[FloatArray, BarShapes]:
+    """Frequencies (wanted,) after Newton's steps from `start` or from brackets, ascending, and their shapes."""
     if wanted <= 0:
         return np.empty(0), BarShapes(*np.empty((4, train.tree.size, 0)), *np.empty((2, 0)))
-    low, high = brackets(train, rigid + np.arange(wanted))
-    frequency = low + 0.5 * (high - low)
-    room = _BEYOND * (high - low)
-    left = np.arange(wanted)
-    for _ in range(_STEPS):
-        change = _change(frequency[left], determined_shapes(train, frequency[left], ends=False).correction)
-        moved = frequency[left] * (1.0 + change)
-        inside = (moved >= low[left] - room[left]) & (moved <= high[left] + room[left])
-        frequency[left[inside]] = moved[inside]
-        left = left[inside & (np.abs(change) >= _LAST_STEP)]
-        if not len(left):
-            break
-    return _started(train, frequency)
-
-
-def _started(train: BarTree, frequency: FloatArray) -> tuple[FloatArray, BarShapes]:
-    """Frequencies (m,) that need no more than a last correction, ascending, and the shapes that go with them."""
-    shapes = determined_shapes(train, frequency)
-    change = _change(frequency, shapes.correction)
-    frequency = frequency * (1.0 + np.where(np.abs(change) < _SETTLED, change, 0.0))
+    if start is None:
+        low, high = brackets(train, rigid + np.arange(wanted))
+        frequency = low + 0.5 * (high - low)
+    else:
+        low, high, frequency = start * (1.0 - _OFF), start * (1.0 + _OFF), start.copy()
+    shapes = _polish(train, frequency, low, high)
     if (frequency[1:] >= frequency[:-1]).all():
         return frequency, shapes
     order = np.argsort(frequency, kind="stable")
     return frequency[order], shapes.take(order)
+
+
+def _polish(train: BarTree, frequency: FloatArray, low: FloatArray, high: FloatArray) -> BarShapes:
+    """Newton's steps of each `frequency` (m,) as long as they stay within `low` and `high`, in place; its shapes."""
+    room = _BEYOND * (high - low)
+    shapes = determined_shapes(train, frequency)
+    left, change = np.arange(len(frequency)), _change(frequency, shapes.correction)
+    for _ in range(_STEPS):
+        moved = frequency[left] * (1.0 + change)
+        inside = (moved >= low[left] - room[left]) & (moved <= high[left] + room[left])
+        frequency[left[inside]] = moved[inside]
+        left = left[inside & (np.abs(change) >= _SETTLED)]
+        if not len(left):
+            break
+        again = determined_shapes(train, frequency[left])
+        shapes.put(left, again)
+        change = _change(frequency[left], again.correction)
+    return shapes
 
 
 def _change(frequency: FloatArray, correction: FloatArray) -> FloatArray:
