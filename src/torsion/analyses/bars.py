@@ -16,6 +16,7 @@ from torsion.kernels.tree import Tree
 JUST_ABOVE = 1e-3  # relative
 LARGEST_DENSE = 2000  # unknowns of finite elements that are solved at once where counts cannot reach
 FEW_UNKNOWNS = 120  # that are solved at once sooner than counts find out what lies in reach (measured)
+FEW_BARS = 200  # stations and bars, of which an estimate is the faster start (measured)
 SURELY = 0.98  # of the reach of counts, below which an estimated frequency lies in it
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 
@@ -60,7 +61,7 @@ def referred_modes(tree: Tree, bars: Bars, count: int | None) -> BarModes:
     if count is not None and math.isfinite(bars.limit):
         if unknowns <= FEW_UNKNOWNS:
             return _dense_first(train, count)
-        if tree.size + bars.size <= FEW_UNKNOWNS:
+        if tree.size + bars.size <= FEW_BARS:
             start = estimated_frequencies(train, count)
             if len(start) == count and bool(np.all(start <= SURELY * SHARE_OF_LIMIT * bars.limit)):
                 return modes_of(train, count, start=start)
