@@ -165,7 +165,7 @@ def harmonics_at_least(at: Scene) -> int:
     if first > MOST and at.order < 1:
         raise SolveError(
             f"the joints and torques repeat together only every {at.order.denominator} turns, which takes about "
-            f"{first} harmonics, and {MOST} are the most; a ratio of smaller whole numbers near that of the gear repeats sooner"
+            f"{first} harmonics, and {MOST} are the most; a gear ratio of smaller whole numbers repeats sooner"
         )
     return int(min(max(FEWEST, first), MOST))
 
