@@ -85,10 +85,15 @@ class Propeller(Component):
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
         return self
 
+    @property
+    def water(self) -> float:
+        """kg m2 of the entrained water."""
+        given_as = self.entrained or fields.Amount()
+        return float(self.inertia * given_as.of_mean + given_as.torque)
+
     def lower(self, build: Lowering) -> None:
         here = build.point()
-        water = self.entrained or fields.Amount()
-        build.add(Inertia(here, build.own(self.inertia * (1.0 + water.of_mean) + water.torque)))
+        build.add(Inertia(here, build.own(self.inertia + self.water)))
         if self.damping is not None:
             build.add(self.damper(here, build))
         for line in self.excitation:

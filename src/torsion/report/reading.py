@@ -94,6 +94,19 @@ def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
     return np.where(unreliable(findings), np.nan, size)
 
 
+def judged(findings: Findings) -> bool:
+    """A rule read the response over speed."""
+    from torsion.asked import rules_need
+
+    return rules_need(findings.study, "response")
+
+
+def orders_together(findings: Findings) -> str:
+    """Of which lines the synthesis is made, in words."""
+    some = findings.response is not None and findings.response.left_out
+    return "the orders asked for" if some else "all orders"
+
+
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     """The unstable ranges of speed, rpm."""
     found = () if findings.stability is None else findings.stability.ranges

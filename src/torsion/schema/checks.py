@@ -15,8 +15,8 @@ _LISTS = {"motor": "ripple", "propeller": "excitation"}  # keys of components th
 
 def study_faults(study: Study) -> list[Fault]:
     """Faults between sections: speeds, frequencies, mean torque and what the rules need."""
-    found = [*_model_faults(study), *_check_faults(study), *_response_faults(study), *_joint_faults(study)]
-    return [*found, *_motion_faults(study), *_lateral_faults(study), *lacking(study)]
+    found = [*_model_faults(study), *_check_faults(study), *_response_faults(study), *_order_faults(study)]
+    return [*found, *_joint_faults(study), *_motion_faults(study), *_lateral_faults(study), *lacking(study)]
 
 
 def _model_faults(study: Study) -> Iterator[Fault]:
@@ -80,6 +80,15 @@ def _response_faults(study: Study) -> Iterator[Fault]:
     yield from _speed_faults(study, speeds=speeds or asked is not None or ruled, frequencies=frequencies)
     if speeds and not _has_mean_torque(study):
         yield from _mean_torque_faults(study)
+
+
+def _order_faults(study: Study) -> list[Fault]:
+    """Orders that the settings of `response` name and nothing excites."""
+    if "response" not in study.analyses:
+        return []
+    from torsion.analyses.response.over_speed import order_faults
+
+    return order_faults(study)
 
 
 def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[Fault]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.analyses.response.over_speed import Response
+from torsion.analyses.response.over_speed import Response, asked_orders
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
@@ -14,7 +14,9 @@ from torsion.report.reading import (
     amplitude,
     barred_rpm,
     joint_model,
+    judged,
     largest,
+    orders_together,
     over_speed,
     rated_rpm,
     reference,
@@ -53,22 +55,32 @@ def chapter(findings: Findings) -> list[Block]:
 def _introduction(findings: Findings, response: Response) -> Paragraph:
     asked, extra = int(response.asked.sum()), int((~response.asked).sum())
     made = findings.synthesis
-    cycle = ""
+    cycle, lines = "", "the lines of the orders asked for" if response.left_out else "all lines"
     if made is not None:
         cycle = (
-            f" The synthesis is the half range of all lines together, true to phase, over the common cycle of "
+            f" The synthesis is the half range of {lines} together, true to phase, over the common cycle of "
             f"{exact(made.turns)} turn{'' if made.turns <= 1 else 's'} of {reference(findings)}."
             if made.turns
             else " The lines have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
     text = (
-        f"{len(response.lines)} lines at {asked} speeds as asked and {extra} more placed around the resonances, so "
-        "that no "
-        "peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and "
-        "damping "
-        f"part together, at the element's own speed.{cycle}"
+        f"{len(response.lines)} lines at {asked} speeds as asked and {extra} more placed around the resonances"
+        f"{' and where the rules judge' if judged(findings) else ''}, so that no peak falls between two speeds. "
+        "Amplitudes are half ranges; torques are those of a section, elastic and damping part together, at the "
+        f"element's own speed.{cycle}"
     )
+    text += _orders(findings, response)
     return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))
+
+
+def _orders(findings: Findings, response: Response) -> str:
+    """Which orders are told, where the file names some, in a sentence; else empty."""
+    if response.left_out:
+        names = "; ".join(f"order {order(line.order)} ({', '.join(line.sources)})" for line in response.left_out)
+        return f" Left out of all that follows, as `orders` does not name it: {names}."
+    if asked_orders(findings.study) is None:
+        return ""
+    return " All orders are told, not only those that `orders` names, as the rules judge them together."
 
 
 def _status(findings: Findings, response: Response) -> Paragraph:
@@ -108,7 +120,8 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
             unit.text(float(parts[at, line])), unit.text(float(made.rms[at, span])),
             unit.text(float(made.bound[at, span])), mean.text(float(response.mean[at, span])),
         ))  # fmt: skip
-    return Table(columns, tuple(rows), "Largest vibratory torque of every element over the speed range")
+    caption = f"Largest vibratory torque of every element over the speed range, {orders_together(findings)}"
+    return Table(columns, tuple(rows), caption)
 
 
 def _line(response: Response, index: int) -> str:
