@@ -66,9 +66,9 @@ def train(
     for position, link in enumerate(links):
         _close(build, link, ("links", position))
     for position, excitation in enumerate(excitations):
-        station = _point(build, excitation.at, ("excitations", position, "at"))
-        if station is not None:
-            build.add(excitation.on(station))
+        point = _point(build, excitation.at, ("excitations", position, "at"))
+        if point is not None:
+            build.add(excitation.on(point.stations[0]))
     _names(build)
     unit = _reference(build, reference)
     if build.faults:
@@ -81,18 +81,24 @@ def _train(build: Lowering, unit: Fraction) -> Train:
         return tuple(p for p in build.primitives if isinstance(p, kind))
 
     return Train(
-        parts=tuple(replace(part, ratio=part.ratio / unit) for part in build.parts),
+        parts=tuple(_counted(part, unit) for part in build.parts),
         stations=tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
         inertias=of(Inertia), springs=of(Spring), bars=of(Bar), constraints=of(Constraint),
         dampers=of(Damper), torques=of(Torque), materials=build.materials,
     )  # fmt: skip
 
 
-def _point(build: Lowering, name: str, path: Path) -> int | None:
-    """Station of the point called `name`; a fault is noted where there is none."""
+def _counted(part: Part, unit: Fraction) -> Part:
+    """The part with its speeds counted from the reference component's."""
+    referred_to = None if part.referred_to is None else part.referred_to / unit
+    return replace(part, ratio=part.ratio / unit, referred_to=referred_to)
+
+
+def _point(build: Lowering, name: str, path: Path) -> Part | None:
+    """The point called `name`; a fault is noted where there is none."""
     points = {part.name: part for part in build.parts if part.component.sort == "point"}
     if name in points:
-        return points[name].stations[0]
+        return points[name]
     others = {part.name: part.component.keyword for part in build.parts}
     if name in others:
         build.faults.append(Fault(path, f"'{name}' is a {others[name]}, not a point", f"points: {', '.join(points)}"))
@@ -105,16 +111,19 @@ def _point(build: Lowering, name: str, path: Path) -> int | None:
 
 def _close(build: Lowering, link: Link, path: Path) -> None:
     """Lower a link between two points of equal speed and sense."""
-    ends = [_point(build, name, (*path, "between", side)) for side, name in enumerate(link.between)]
-    if ends[0] is None or ends[1] is None:
+    first, second = (_point(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
+    if first is None or second is None:
         return
-    first, second = (build.stations[end] for end in ends if end is not None)
-    if ends[0] == ends[1] or first.ratio != second.ratio or first.sense != second.sense:
-        message = f"'{link.between[0]}' and '{link.between[1]}' do not turn together"
+    both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
+    senses = {build.stations[part.stations[0]].sense for part in (first, second)}
+    if first.stations == second.stations or first.ratio != second.ratio or len(senses) > 1:
         hint = "a link joins two different points of the same speed and sense of rotation"
-        build.faults.append(Fault((*path, "between"), message, hint))
-        return
-    build.join(ends[0], ends[1], link.component, path)
+        build.faults.append(Fault(place, f"{both} do not turn together", hint))
+    elif first.referred_to != second.referred_to:
+        message = f"{both} are not referred to one speed, and so the link's figures to neither"
+        build.faults.append(Fault(place, message, "refer both (gear: referred), or neither"))
+    else:
+        build.join(first, second, link.component, path)
 
 
 def _names(build: Lowering) -> None:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.assembly.walking import MANY, Walk, connected, walk
-from torsion.errors import SolveError
+from torsion.components.lowering import Part
+from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
@@ -32,14 +33,16 @@ class Folded:
 
 
 def fold(system: "System") -> Folded:
-    """The tree of a system; raises SolveError where rigid spans close a loop or join two held stations."""
+    """The tree of a system; raises InputError where rigid spans close a loop, SolveError where they join two
+    held stations.
+    """
     ratio = system.span_ratio
     flexibility = system.flexibility / ratio**2
     ends = _split_held(system)
     chosen = np.ones(len(flexibility), dtype=bool)
     way = _walked(system, ends, chosen)
     if len(flexibility) > np.count_nonzero(way.parent >= 0):
-        chosen = _spanning(flexibility, ends, len(way.order))
+        chosen = _spanning(system, flexibility, ends, len(way.order))
         way = _walked(system, ends, chosen)
     return _layout(system, flexibility, ends, chosen, way)
 
@@ -104,8 +107,8 @@ def _groups(number: int, driving: IntArray, driven: IntArray, held: BoolArray) -
     return np.array([root(a) for a in range(number)])
 
 
-def _spanning(flexibility: FloatArray, ends: _Ends, number: int) -> BoolArray:
-    """Which spans form the tree: the stiffest that close no loop."""
+def _spanning(system: "System", flexibility: FloatArray, ends: _Ends, number: int) -> BoolArray:
+    """Which spans form the tree: the stiffest that close no loop; of two alike, the one that is not of `links`."""
     group = list(range(number))
 
     def root(a: int) -> int:
@@ -115,14 +118,22 @@ def _spanning(flexibility: FloatArray, ends: _Ends, number: int) -> BoolArray:
         return a
 
     chosen = np.zeros(len(flexibility), dtype=bool)
-    for span in np.argsort(flexibility, kind="stable").tolist():
+    closes = np.array([part.path[0] == "links" for part in system.train.parts])[system.span_part]
+    for span in np.lexsort((closes, flexibility)).tolist():
         a, b = root(int(ends.driving[span])), root(int(ends.driven[span]))
         if a != b:
             group[a] = b
             chosen[span] = True
         elif flexibility[span] == 0:
-            raise SolveError("rigid links close a loop; give one of them a stiffness")
+            raise InputError([_rigid_loop(system.train.parts[system.span_part[span]])])
     return chosen
+
+
+def _rigid_loop(part: Part) -> Fault:
+    """The fault of a rigid component that closes a loop of rigid ones."""
+    key = ("flexibility",) if getattr(part.component, "flexibility", None) == 0 else ()
+    message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
+    return Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
 
 
 def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> Folded:

@@ -16,7 +16,9 @@ class Motor(Rotor):
 
     keyword: ClassVar[str] = "motor"
 
-    power: fields.Power | None = given("rated power; shares the load where several motors drive one train")
+    power: fields.Power | None = given(
+        "rated power; shares the load where several motors drive one train, and says nothing where one does"
+    )
     ripple: tuple[Ripple, ...] = given("torque ripple: list of {order or frequency, torque, phase}", ())
 
     @model_validator(mode="after")
