@@ -4,12 +4,16 @@ import numpy as np
 import pytest
 
 from torsion.analyses.motion.asked import Asked, MapAsked
+from torsion.analyses.motion.loading import scene
 from torsion.analyses.motion.map import stability_map
+from torsion.analyses.motion.modes import basis
+from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.stability import search
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
+from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.components.motor import Motor
 from torsion.errors import SolveError
@@ -76,6 +80,30 @@ def test_map_of_a_train_with_massless_joints_is_that_of_the_whole_trains():
     degrees = [10.0, 25.0]
     found = stability_map(*long_train(inertia=None), SPEEDS, "angle", np.radians(degrees))
     assert worst(found.growth, [long_train(angle, inertia=None) for angle in degrees]) < 3e-3
+
+
+def geared_train(angle: float = 20.0) -> tuple[Study, System]:
+    """Two joints with a gear between them that makes their common order a third of the highest."""
+    line: list = [Motor(inertia=2.0, damping=0.2)]
+    between = {2: Joint(angle=f"{angle} deg", inertia=(0.05, 0.05)), 4: Gear(teeth=(20, 30), inertia=(0.1, 0.2)),
+               6: Joint(angle=f"{angle} deg", inertia=(0.05, 0.05))}  # fmt: skip
+    for k in range(8):
+        line += [between[k]] if k in between else []
+        line += [Coupling(stiffness=4e4 + 3e3 * k, viscous=0.2), Disc(inertia=0.08)]
+    line += [Coupling(stiffness=5e4, viscous=0.2), Disc(inertia=0.8, damping=0.6)]
+    built = train(line)
+    operation = Operation(load=[["1 rad/s", 300.0], ["1000 rad/s", 300.0]])
+    return Study("geared", built, operation=operation), assemble(built)
+
+
+def test_map_of_a_geared_train_keeps_the_modes_that_its_stability_keeps():
+    speeds, study_system = np.array([130.0]), geared_train()
+    at = scene(*study_system)
+    fewer = modes_that_matter(at, basis(at.layout), 130.0)
+    found = stability_map(*study_system, speeds, "angle", np.radians([20.0, 30.0]))
+    assert found.modes == fewer.modes - fewer.rigid > 3
+    expected = [search(*geared_train(angle)).growth(130.0) for angle in (20.0, 30.0)]
+    assert found.growth[0] == pytest.approx(expected, abs=5e-4)
 
 
 def test_map_tells_its_progress_and_needs_a_joint():

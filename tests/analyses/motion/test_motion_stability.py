@@ -1,6 +1,7 @@
 """Stability of trains with joints: boundaries known to many digits, both methods against each other, names of zones."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
+from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.components.motor import Motor
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
@@ -138,6 +140,34 @@ def test_two_degrees_about_their_orbit_have_a_principal_and_a_sum_zone_and_no_di
     assert not found[0].loses
 
 
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+def test_zone_of_a_tripod_lies_between_the_speeds_and_is_as_wide_as_its_error_makes_it(damping):
+    line = [
+        Disc(held=True), Coupling(stiffness=1.0, viscous=damping or None),
+        Joint(kind="tripod", angle="30 deg", radius="60 mm", arm="200 mm"), Disc(inertia=1.0),
+    ]  # fmt: skip
+    study, system = made(line)
+    (error,) = (abs(amplitude) for span in system.spans for _, amplitude in span.error)
+    strength, zeta = 1.5 * error, damping / 2.0  # its ratio varies by 3 times the error, that of a cross joint by 2 q
+    found = stability(study, system, np.array([0.5, 0.75]))
+    (only,) = found.ranges
+    assert only.zone.name == "principal of mode 1 (2 w1)"
+    assert (only.last - only.first) / (4.0 / 3.0) == pytest.approx(math.sqrt(strength**2 - zeta**2), rel=1e-3)
+    assert only.growth == pytest.approx(strength - zeta, rel=1e-3)
+
+
+def test_zone_of_a_joint_is_found_between_the_speeds_beside_a_joint_at_another_speed():
+    line = [
+        Disc(held=True), Coupling(stiffness=1e4), Joint(angle="10 deg"), Disc(inertia=0.1), Gear(teeth=(20, 30)),
+        Coupling(stiffness=2e4), Joint(angle="1 deg"), Disc(inertia=1.0),
+    ]  # fmt: skip
+    ask = search(*made(line))
+    assert ask.at.layout.orders == (Fraction(4, 3), Fraction(2))
+    first = float(ask.shapes.frequency[0])  # met by half of order 2, three times that of the common period
+    found = stability(*made(line), np.array([0.97, 1.03]) * first)
+    assert [(one.zone.kind, one.zone.modes, one.zone.rank) for one in found.ranges] == [("principal", (1,), 3)]
+
+
 @pytest.mark.parametrize(
     ("angle", "phase", "damping", "growth", "unit"),
     [
@@ -160,7 +190,7 @@ def test_growth_rate_is_that_of_the_motion_in_time():
     at = scene(study, system)
     shapes = basis(at.layout)
     there = orbit(at, 79.0)
-    found = by_monodromy(variation(at, there, shapes), float(shapes.frequency[-1]))
+    found = by_monodromy(variation(at, there), float(shapes.frequency[-1]))
     motion = motion_of(there.found.harmonic, there.now.loading.w0, points_in_time(there.found.count))
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
     away = 1e-5 * np.concatenate([found.vector[:, 0], found.speed[:, 0]]).real
@@ -233,7 +263,7 @@ def test_hill_and_monodromy_agree_about_the_orbit():
     at = scene(study, system)
     shapes = basis(at.layout)
     there = orbit(at, 100.0)
-    around = variation(at, there, shapes)
+    around = variation(at, there)
     highest = float(shapes.frequency[-1])
     first, second = by_monodromy(around, highest), by_hill(around, hill_count(around, highest, there.found.count))
     assert second.growth == pytest.approx(first.growth, abs=1e-8)
@@ -268,6 +298,6 @@ def test_zones_are_named_by_the_modes_that_take_part(energy, w0, name):
 def test_hill_with_more_harmonics_than_the_orbit_has_agrees_with_the_monodromy():
     ask = search(*six_stations(20, 90, 1.5))
     orbit, expected = ask(56.0)
-    around = variation(ask.at, orbit, ask.shapes)
+    around = variation(ask.at, orbit)
     count = around.mass.shape[0] // 2 + 4
     assert by_hill(around, count).growth == pytest.approx(expected.growth, abs=1e-9)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.motion.equations import Loading, State, entries, gathered, state
+from torsion.analyses.motion.equations import Loading, State, entries, gathered, over_time, state
 from torsion.analyses.motion.layout import Layout
 from torsion.analyses.motion.loading import Scene, operating, rigid_deviation
+from torsion.analyses.motion.losses import at_bodies
 from torsion.analyses.motion.modes import Basis
 from torsion.kernels.periodic.harmonic_balance import Motion, harmonics_of
 from torsion.kernels.periodic.hill import from_real_parts, real_blocks, real_parts, toeplitz
@@ -38,7 +39,7 @@ class Stack:
     @property
     def count(self) -> int:
         """Harmonics kept."""
-        share = float(self.at.layout.order / self.at.order)
+        share = float(max(self.at.layout.orders) / self.at.order)
         rank = np.log(LEFT_OUT) / np.log(self.uneven) if 0 < self.uneven < 1 else 1.0
         return int(max(5, np.ceil(rank * share) + 2))
 
@@ -78,8 +79,8 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     """
     variants, count, modes = len(stack.values), stack.count, len(stack.reduced.frequency)
     plain = operating(stack.at, speed)
-    there = _lossless(stack.vary(np.repeat(stack.values, stack.times)))
-    loading, factor = _loading(plain.loading, there), _each(there.damping, stack)
+    there = stack.vary(np.repeat(stack.values, stack.times))
+    loading = _loading(plain.loading, there)
     turned = np.tile(2.0 * np.pi / loading.order * np.arange(stack.times) / stack.times, variants)
     rigid = rigid_deviation(there.layout, loading.steady, plain.twist[:, None] * there.mean, turned)
     base = _course(rigid.reshape(-1, variants, stack.times), loading.w0)
@@ -89,14 +90,14 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
         harmonic, load = before.harmonic, before.load
     size, factors, around = np.full(variants, np.inf), None, None if before is None else before.around
     for _ in range(MOST_STEPS):
-        motion, modal = _motion(stack, base, harmonic, loading.w0)
+        motion = _motion(stack, base, harmonic, loading.w0)
         now = state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
         if np.all(size < SMALL):
             break
         if factors is None:
-            around = around or _periodic(stack, there.layout, loading, now, factor)
+            around = around or _periodic(stack, there.layout, loading, now)
             factors = _factored(stack, loading, around)
-        move, change = _step(stack, factors, _residual(stack, there.layout, now, modal, factor))
+        move, change = _step(stack, factors, _residual(stack, there.layout, now))
         is_near = np.abs(move).max(axis=(1, 2)) < FARTHEST
         harmonic = harmonic + np.where(is_near[:, None, None], move, 0.0)
         load = load + np.where(is_near[:, None], change, 0.0)
@@ -108,9 +109,9 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     found = size < FOUND
     if not found.all():
         harmonic, load = np.where(found[:, None, None], harmonic, 0.0), np.where(found[:, None], load, plain.load)
-        motion, _ = _motion(stack, base, harmonic, loading.w0)
+        motion = _motion(stack, base, harmonic, loading.w0)
         now = state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
-    around = _periodic(stack, there.layout, loading, now, factor)
+    around = _periodic(stack, there.layout, loading, now)
     onto = stack.reduced.shape.T * stack.reduced.inertia
     start = [(onto @ one.reshape(-1, variants, stack.times)[:, :, 0]).T for one in (motion.speed, motion.acceleration)]
     start[0] = start[0] + speed * onto.sum(axis=1)
@@ -121,12 +122,6 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
 def half_range(deviation: FloatArray) -> FloatArray:
     """(...) rad: half of the largest range of a coordinate over the period, from (coordinates, ..., times)."""
     return np.asarray(np.ptp(deviation, axis=-1).max(axis=0) / 2.0)
-
-
-def _lossless(there: Scene) -> Scene:
-    """The scene without loss factors, which the modes' own damping stands for."""
-    whole = there.layout
-    return replace(there, layout=replace(whole, hysteretic=np.zeros(len(whole.spring))))
 
 
 def _each(value: float | FloatArray, stack: Stack) -> FloatArray:
@@ -154,30 +149,28 @@ def _course(samples: FloatArray, w0: float) -> list[FloatArray]:
     return [np.fft.irfft(spectrum * rate**k, times).reshape(len(samples), -1) for k in range(3)]
 
 
-def _motion(stack: Stack, base: list[FloatArray], harmonic: FloatArray, w0: float) -> tuple[Motion, FloatArray]:
-    """Rigid motion and modes together, (coordinates, variants * times), and the modes' speeds (modes, ...)."""
+def _motion(stack: Stack, base: list[FloatArray], harmonic: FloatArray, w0: float) -> Motion:
+    """Rigid motion and modes together, (coordinates, variants * times)."""
     full = np.zeros((*harmonic.shape[:2], stack.times // 2 + 1), dtype=complex)
     full[..., : stack.count + 1] = from_real_parts(harmonic)[..., stack.count :]
     rate = 1j * w0 * np.arange(full.shape[-1])
-    parts, modal = [], []
+    parts = []
     for k, rigid in enumerate(base):
         one = np.fft.irfft(full * rate**k, stack.times) * stack.times  # (variants, modes, times)
-        modal.append(one.transpose(1, 0, 2).reshape(harmonic.shape[1], -1))
-        parts.append(rigid + stack.reduced.shape @ modal[-1])
-    return Motion(parts[0], parts[1], parts[2]), modal[1]
+        modal = one.transpose(1, 0, 2).reshape(harmonic.shape[1], -1)
+        parts.append(rigid + stack.reduced.shape @ modal)
+    return Motion(parts[0], parts[1], parts[2])
 
 
-def _residual(stack: Stack, layout: Layout, now: State, speed: FloatArray, factor: FloatArray) -> FloatArray:
+def _residual(stack: Stack, layout: Layout, now: State) -> FloatArray:
     """(variants, modes * harmonics) real parts of what the modes lack for equilibrium."""
-    variants, modes = len(stack.values), len(speed)
+    variants, modes = len(stack.values), stack.reduced.shape.shape[1]
     missing = stack.reduced.shape.T @ gathered(layout, now.turning.first * now.residual)[: layout.free]
     missing = missing.reshape(modes, variants, stack.times)
-    if stack.reduced.loss.any():
-        missing = missing + (stack.reduced.loss @ speed).reshape(missing.shape) * factor
     return real_parts(harmonics_of(missing, stack.count)).transpose(1, 0, 2).reshape(variants, -1)
 
 
-def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State, factor: FloatArray) -> Periodic:
+def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State) -> Periodic:
     """The linearised equations on the modes."""
     shape, variants = stack.reduced.shape, len(stack.values)
     modes = shape.shape[1]
@@ -189,14 +182,29 @@ def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State, factor
     form = (modes, modes, variants, stack.times)
     mass = (outer[:, heavy] @ whole.mass[inside[heavy]]).reshape(form)
     damping = (outer @ whole.damping[inside]).reshape(form)
-    if stack.reduced.loss.any():
-        damping += stack.reduced.loss[:, :, None, None] * factor
+    stiffness = (outer @ whole.stiffness[inside]).reshape(form)
+    if layout.dampers.size.size:
+        damp, stiff = _damped(stack, layout, now)
+        damping, stiffness = damping + damp.reshape(form), stiffness + stiff.reshape(form)
     force = np.empty((variants, modes * (2 * stack.count + 1), len(loading.drive)))
     for k, drive in enumerate(loading.drive):
         one = -shape.T @ gathered(layout, now.turning.first * drive[:, None])[: layout.free]
         one = real_parts(harmonics_of(one.reshape(modes, variants, stack.times), stack.count))
         force[:, :, k] = one.transpose(1, 0, 2).reshape(variants, -1)
-    return Periodic(mass, damping, (outer @ whole.stiffness[inside]).reshape(form), force)
+    return Periodic(mass, damping, stiffness, force)
+
+
+def _damped(stack: Stack, layout: Layout, now: State) -> tuple[FloatArray, FloatArray]:
+    """Damping and stiffness (modes, modes, variants * times) of the dampers on the modes."""
+    of_body = np.zeros((layout.bodies, stack.reduced.shape.shape[1]))
+    own = layout.coordinate < layout.free
+    of_body[own] = stack.reduced.shape[layout.coordinate[own]]
+    each = at_bodies(layout)[:, None, :] * of_body.T  # (dampers, modes, bodies)
+    twist = np.einsum("dmb,bt->tdm", each, now.turning.first, optimize=True)
+    slope = np.einsum("dmb,bt->tdm", each, now.turning.second * now.rate, optimize=True)
+    size = np.broadcast_to(over_time(layout.dampers.size).T, twist.shape[:2])[:, :, None]
+    pull = np.swapaxes(size * twist, 1, 2)
+    return (pull @ twist).transpose(1, 2, 0), (pull @ slope).transpose(1, 2, 0)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from torsion.analyses.motion.joints import Turning, at_rest, beyond
 from torsion.analyses.motion.layout import Layout
+from torsion.analyses.motion.losses import at_bodies, at_coordinates
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
 from torsion.kernels.periodic.hill import Couplings, toeplitz
@@ -53,13 +54,13 @@ class State:
 
 
 def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turning:
-    """Every body's turning, arrays (bodies, times), from the coordinates' deviations (free, times).
+    """Every body's turning, arrays (bodies, times), from the coordinates' deviations (free or more, times).
 
     turned: (times,) rad, the mean angle of the reference station.
     """
     times = deviation.shape[1]
     full = np.zeros((len(layout.root), times))
-    full[: layout.free] = deviation
+    full[: layout.free] = deviation[: layout.free]
     start = at_rest(full[layout.coordinate])
     if not layout.steps:
         return start
@@ -91,30 +92,37 @@ def over_time(values: FloatArray) -> FloatArray:
 
 
 def state(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray) -> State:
-    """The motion of all bodies, and what each lacks for equilibrium."""
+    """The motion of all bodies, and what each lacks for equilibrium.
+
+    Behind its coordinates a motion may tell the twists of the layout's dampers, which else follow from it.
+    """
+    free = layout.free
     where = turning(layout, motion.deviation, turned)
     times = motion.deviation.shape[1]
     rate, gain = np.full((len(layout.root), times), loading.speed), np.zeros((len(layout.root), times))
-    rate[: layout.free] += motion.speed
-    gain[: layout.free] = motion.acceleration
+    rate[:free] += motion.speed[:free]
+    gain[:free] = motion.acceleration[:free]
     slow = np.zeros((len(layout.root), times))
-    slow[: layout.free] = motion.speed
+    slow[:free] = motion.speed[:free]
     rate, gain, slow = rate[layout.coordinate], gain[layout.coordinate], slow[layout.coordinate]
     slip = slow * where.first + loading.speed * (where.first - 1.0)
     acceleration = where.first * gain + where.second * rate**2
     residual = (
         layout.inertia[:, None] * acceleration + over_time(loading.damping) * slip - torques(loading, turned, load)
     )
-    force = spring_torques(layout, where.deviation, slip)
+    force = spring_torques(layout, where.deviation, slip, motion.speed[free:])
     np.add.at(residual, layout.driving, force)
     np.subtract.at(residual, layout.driven, force)
     return State(where, rate, gain, slip, acceleration, residual)
 
 
-def spring_torques(layout: Layout, deviation: FloatArray, slip: FloatArray) -> FloatArray:
+def spring_torques(
+    layout: Layout, deviation: FloatArray, slip: FloatArray, dampers: FloatArray | None = None
+) -> FloatArray:
     """(springs, times) N m, positive when the driving side pushes: elastic, viscous and hysteretic share.
 
     The hysteretic share is that of a steady vibration over the whole period: i eta k sign(frequency).
+    dampers: (dampers, times) rad/s, rates of their twists where they are known beside the slip.
     """
     a, b = layout.driving, layout.driven
     twist = deviation[a] - deviation[b]
@@ -124,11 +132,19 @@ def spring_torques(layout: Layout, deviation: FloatArray, slip: FloatArray) -> F
         spectrum = np.fft.rfft(twist[lossy], axis=1)
         spectrum[:, 0] = 0.0
         force[lossy] += layout.hysteretic[lossy, None] * np.fft.irfft(1j * spectrum, twist.shape[1], axis=1)
+    acting = layout.dampers
+    if acting.size.size:
+        rate = dampers if dampers is not None and len(dampers) else acting.onto.T @ (slip[a] - slip[b])
+        force += acting.onto @ (over_time(acting.size) * rate)
     return np.asarray(force)
 
 
 def linearised(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int) -> Linearised:
-    """The equations at a motion over the common period, with their derivatives."""
+    """The equations at a motion over the common period, with their derivatives.
+
+    Dampers are in them where the motion tells their twists: those are then further unknowns, and the matrix stays
+    sparse. Where it does not, the residual holds the dampers and the derivatives leave them out.
+    """
     turned = mean_angle(loading, motion.deviation.shape[1])
     now = state(layout, loading, motion, load, turned)
     free, first = layout.free, now.turning.first
@@ -139,7 +155,35 @@ def linearised(layout: Layout, loading: Loading, motion: Motion, load: FloatArra
     whole = entries(layout, loading, now)
     inside = (whole.row < free) & (whole.column < free)
     kept = Couplings(*(part[inside] for part in vars(whole).values()))
-    return Linearised(residual[:free], kept, force[:, :free], _hysteretic(layout, first, count))
+    found = Linearised(residual[:free], kept, force[:, :free], _hysteretic(layout, first, count))
+    if len(motion.deviation) == free:
+        return found
+    return _with_dampers(layout, found, now, motion.deviation[free:], loading.w0)
+
+
+def damper_twists(layout: Layout, loading: Loading, deviation: FloatArray) -> FloatArray:
+    """(dampers, times) rad from the coordinates' deviations (free, times)."""
+    turned = mean_angle(loading, deviation.shape[1])
+    return np.asarray(at_bodies(layout) @ turning(layout, deviation, turned).deviation)
+
+
+def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArray, w0: float) -> Linearised:
+    """The equations with the dampers' twists (dampers, times) as unknowns: size w0 (twist - that of the bodies) = 0."""
+    size, times, free = layout.dampers.size, twist.shape[1], layout.free
+    number = len(size)
+    missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ now.turning.deviation)
+    pull = (size[:, None, None] * at_coordinates(layout, now.turning.first)).reshape(-1, times)
+    damper, coordinate = np.repeat(free + np.arange(number), free), np.tile(np.arange(free), number)
+    alone, none = free + np.arange(number), np.zeros((number * free, times))
+    here = found.entries
+    grown = Couplings(
+        np.concatenate([here.row, coordinate, damper, alone]), np.concatenate([here.column, damper, coordinate, alone]),
+        np.concatenate([here.mass, none, none, np.zeros((number, times))]),
+        np.concatenate([here.damping, pull, none, np.zeros((number, times))]),
+        np.concatenate([here.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]),
+    )  # fmt: skip
+    force = np.pad(found.force, ((0, 0), (0, number), (0, 0)))
+    return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
 
 
 def gathered(layout: Layout, onto: FloatArray) -> FloatArray:

@@ -4,19 +4,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.motion.equations import linearised
+from torsion.analyses.motion.equations import linearised, mean_angle, state
+from torsion.analyses.motion.layout import Layout
 from torsion.analyses.motion.loading import Scene
+from torsion.analyses.motion.losses import at_coordinates
 from torsion.analyses.motion.modes import Basis
 from torsion.analyses.motion.periodic import Orbit
 from torsion.errors import SolveError
 from torsion.kernels.periodic.floquet import exponents, monodromy, steps_for
-from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
+from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
 from torsion.kernels.periodic.hill import couplings_of, hill_exponents
 from torsion.kernels.tree import ComplexArray, FloatArray
 
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
-NEAR_TRIVIAL = 1e-4  # of w0: an exponent of Hill's matrix this near to 0 with the vector of the motion itself is it
-SAME_VECTOR = 0.95  # cosine
+APART = 1e-10  # relative: of a motion that others combine to, less is left
 MOST_HILL = 2500  # rows of the eigenvalue problem
 
 
@@ -50,21 +51,39 @@ class Variation:
         return Variation(mass, damping, stiffness, self.period, repeated)
 
 
-def variation(at: Scene, orbit: Orbit, whole: Basis) -> Variation:
-    """The variation of the equations about an orbit; loss factors act as the viscous damping of each mode alone."""
+def variation(at: Scene, orbit: Orbit) -> Variation:
+    """The variation of the equations about an orbit.
+
+    Of a train with loss factors, scene and orbit must be those of the dampers that stand for them (`losses.viscous`):
+    a loss factor has no meaning for a deviation that grows.
+    """
     loading, free = orbit.now.loading, at.layout.free
     times = points_in_time(orbit.found.count)
     motion = motion_of(orbit.found.harmonic, loading.w0, times)
     around = linearised(at.layout, loading, motion, orbit.found.load, 1)
     mass, damping, stiffness = around.entries.full(free)
-    if at.layout.hysteretic.any():
-        damping = damping + whole.hysteretic
-    moves = []
-    for group in at.layout.floating:
-        members = np.isin(np.arange(free), group)[:, None]
-        moves.append(np.concatenate([members * (loading.speed + motion.speed), members * motion.acceleration]))
-    repeated = np.array(moves).reshape(len(moves), 2 * free, times)
-    return Variation(mass, damping, stiffness, loading.period, repeated)
+    if at.layout.dampers.size.size:
+        now = state(at.layout, loading, motion, orbit.found.load, mean_angle(loading, times))
+        twist = at_coordinates(at.layout, now.turning.first).transpose(2, 0, 1)
+        pull = np.swapaxes(twist * at.layout.dampers.size[:, None], 1, 2)
+        damping = damping + pull @ twist
+        stiffness = stiffness + pull @ at_coordinates(at.layout, now.turning.second * now.rate).transpose(2, 0, 1)
+    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading.speed, motion))
+
+
+def _repeated(layout: Layout, speed: float, motion: Motion) -> FloatArray:
+    """(motions, 2 free, times) what repeats itself unless something holds it: all that turns, turning further.
+
+    Where parts hang together by damping alone, so does every one without a joint, turned by a fixed angle.
+    """
+    free, times = motion.speed.shape
+    if not layout.floating:
+        return np.zeros((0, 2 * free, times))
+    turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
+    found = [np.concatenate([turning * (speed + motion.speed), turning * motion.acceleration])]
+    for group in layout.loose:
+        found.append(np.concatenate([np.repeat(group[:, None], times, axis=1), np.zeros((free, times))]))
+    return np.array(found)
 
 
 @dataclass(frozen=True)
@@ -96,7 +115,10 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     back = np.eye(2 * size)
     for one in around.repeated:
         start = whole @ (back.T @ (one[:, 0] / scale))  # once around: what has no inertia follows
-        if np.linalg.norm(whole @ start - start) <= KEPT_VECTOR * np.linalg.norm(start):
+        size_of = np.linalg.norm(start)
+        if size_of <= APART * np.linalg.norm(one[:, 0] / scale):
+            continue
+        if np.linalg.norm(whole @ start - start) <= KEPT_VECTOR * size_of:
             turned = _beside(start)
             whole, back = turned.T @ whole @ turned, back @ turned
     value, vector = np.linalg.eig(whole)
@@ -117,19 +139,10 @@ def by_hill(around: Variation, count: int) -> Multipliers:
     if 2 * size * (2 * count + 1) > MOST_HILL:
         raise SolveError(f"Hill's matrix of {size} coordinates and {count} harmonics is too large; use the monodromy")
     entries = couplings_of(around.mass, around.damping, around.stiffness)
-    found = hill_exponents(entries, around.w0, count, size)
-    own = _harmonics(around.repeated[:, :size], count)
-    kept = np.ones(len(found.exponent), dtype=bool)
-    for one in own:
-        for k, (value, vector) in enumerate(zip(found.exponent, found.vector, strict=True)):
-            shift = round(value.imag / around.w0)
-            if abs(value - 1j * shift * around.w0) < NEAR_TRIVIAL * around.w0:
-                moved = np.roll(vector, shift, axis=1)
-                cosine = abs(np.vdot(moved, one)) / (np.linalg.norm(moved) * np.linalg.norm(one))
-                kept[k] &= cosine < SAME_VECTOR
-    value = found.exponent[kept]
+    found = hill_exponents(entries, around.w0, count, size, _harmonics(around.repeated[:, :size], count))
+    value = found.exponent
     order = np.argsort(-value.real, kind="stable")
-    start = found.vector[kept][order]
+    start = found.vector[order]
     rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
     folded = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
     return Multipliers(folded, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)

@@ -27,8 +27,9 @@ def growths(stack: Stack, solution: Solution) -> FloatArray:
     for k in range(1, steps):
         whole = each[:, k] @ whole
     whole = whole / scale[:, None] * scale
-    if len(loading.drive):
-        whole = _without(whole, np.einsum("pij,pj->pi", whole, solution.turning / scale))
+    known = _repeated(stack, solution) / scale
+    if known.shape[1]:
+        whole = _without(whole, np.einsum("pij,pkj->pki", whole, known))
     value = np.abs(np.linalg.eigvals(np.where(np.isfinite(whole), whole, 0.0))).max(axis=1)
     with np.errstate(divide="ignore"):
         return np.where(solution.is_found, np.log(value) / period, np.nan)
@@ -51,12 +52,18 @@ def _kernel(times: int, share: FloatArray) -> FloatArray:
     return np.where(near, 1.0, weight)
 
 
+def _repeated(stack: Stack, solution: Solution) -> FloatArray:
+    """(variants, motions, 2 modes) what repeats itself: all that turns, turning further, and what turns loosely."""
+    whole, modes = stack.at.layout, len(stack.reduced.frequency)
+    found = [solution.turning] if whole.floating and whole.free == len(whole.root) else []
+    onto = stack.reduced.shape.T * stack.reduced.inertia
+    for group in whole.loose:
+        found.append(np.tile(np.append(onto @ group, np.zeros(modes)), (len(stack.values), 1)))
+    return np.stack(found, axis=1) if found else np.zeros((len(stack.values), 0, 2 * modes))
+
+
 def _without(matrix: FloatArray, known: FloatArray) -> FloatArray:
-    """(variants, size - 1, size - 1): each matrix beside an eigenvector that is known, by a reflection."""
-    unit = known / np.linalg.norm(known, axis=1, keepdims=True)
-    mirror = unit.copy()
-    mirror[:, 0] += np.where(unit[:, 0] < 0, -1.0, 1.0)
-    mirror /= np.linalg.norm(mirror, axis=1, keepdims=True)
-    turned = matrix - 2.0 * mirror[:, :, None] * np.einsum("pi,pij->pj", mirror, matrix)[:, None]
-    turned -= 2.0 * np.einsum("pij,pj->pi", turned, mirror)[:, :, None] * mirror[:, None]
-    return np.asarray(turned[:, 1:, 1:])
+    """(variants, size - motions, ...): each matrix beside eigenvectors (variants, motions, size) that are known."""
+    turned = np.linalg.qr(np.swapaxes(known, 1, 2), mode="complete")[0]
+    number = known.shape[1]
+    return np.asarray((np.swapaxes(turned, 1, 2) @ matrix @ turned)[:, number:, number:])

@@ -24,6 +24,11 @@ class JointMap:
     yoke: float  # rad
     series: tuple[tuple[int, complex], ...] = ()
 
+    @property
+    def strength(self) -> float:
+        """Half of the amplitude by which the ratio varies: q of a cross joint, order times error / 2 of a series."""
+        return abs(self.unevenness) + sum(order * abs(amplitude) for order, amplitude in self.series) / 2.0
+
     def undone(self) -> "JointMap":
         """The map from the driven side back; raises SolveError where only a series is known."""
         if self.series:

@@ -26,6 +26,14 @@ class JointStep:
 
 
 @dataclass(frozen=True)
+class Dampers:
+    """Viscous dampers across several springs at once: torque of the springs = onto (size * ontoᵀ rate of twist)."""
+
+    onto: FloatArray  # (springs, dampers) unit columns
+    size: FloatArray  # (dampers,) N m s/rad; or (dampers, times) where it differs
+
+
+@dataclass(frozen=True)
 class Layout:
     """The mechanism of a train; coordinates below `free` are unknown, the others follow the mean motion exactly."""
 
@@ -41,13 +49,31 @@ class Layout:
     stiffness: FloatArray  # (springs,) N m/rad
     viscous: FloatArray  # (springs,) N m s/rad
     hysteretic: FloatArray  # (springs,) N m/rad: stiffness times loss factor
+    dampers: Dampers  # what stands for loss factors that are not in `hysteretic`; none unless put there
     floating: tuple[tuple[int, ...], ...]  # coordinates that hang together by springs and by nothing held
-    order: Fraction  # of the common period of all joints, per turn of the reference station; 0 without joints
+    orders: tuple[Fraction, ...]  # of the joints, per turn of the reference station, ascending
 
     @property
     def bodies(self) -> int:
         """Number of bodies."""
         return len(self.inertia)
+
+    @property
+    def order(self) -> Fraction:
+        """Of the common period of all joints, per turn of the reference station; 0 without joints."""
+        return common_order(list(self.orders))
+
+    @property
+    def loose(self) -> BoolArray:
+        """(groups, free) members of the floating groups that no joint is in and that others drive by damping alone.
+
+        No force depends on the angle of such a group.
+        """
+        if len(self.floating) < 2:
+            return np.zeros((0, self.free), dtype=bool)
+        driven = {int(self.coordinate[step.outer]) for step in self.steps}
+        groups = [np.isin(np.arange(self.free), group) for group in self.floating if not driven & set(group)]
+        return np.array(groups, dtype=bool).reshape(-1, self.free)
 
 
 def layout(system: System) -> Layout:
@@ -72,7 +98,8 @@ def layout(system: System) -> Layout:
     return Layout(
         body, inertia, coordinate, root, free, steps, springs, driving, driven, stiffness,
         system.viscous[springs] * ratio2, stiffness * system.loss_factor[springs],
-        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), _joint_order(system, joints),
+        Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
+        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), _joint_orders(system, joints),
     )  # fmt: skip
 
 
@@ -84,9 +111,9 @@ def common_order(orders: list[Fraction]) -> Fraction:
     return Fraction(gcd(*(order.numerator * (below // order.denominator) for order in orders)), below)
 
 
-def _joint_order(system: System, joints: BoolArray) -> Fraction:
+def _joint_orders(system: System, joints: BoolArray) -> tuple[Fraction, ...]:
     spans = [system.spans[k] for k in np.flatnonzero(joints).tolist()]
-    return common_order([order * system.stations[span.driving].ratio for span in spans for order, _ in span.error])
+    return tuple(sorted({order * system.stations[span.driving].ratio for span in spans for order, _ in span.error}))
 
 
 def _roots(number: int, first: IntArray, second: IntArray) -> IntArray:

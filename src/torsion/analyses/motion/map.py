@@ -16,8 +16,9 @@ from torsion.analyses.motion.growths import growths
 from torsion.analyses.motion.joints import JointMap
 from torsion.analyses.motion.layout import JointStep
 from torsion.analyses.motion.loading import Scene, scene
-from torsion.analyses.motion.modes import Basis, basis, reduced
-from torsion.analyses.motion.stability import Search
+from torsion.analyses.motion.modes import Basis, basis
+from torsion.analyses.motion.reduced import modes_that_matter
+from torsion.analyses.motion.stability import Search, damped
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
@@ -31,8 +32,6 @@ SIDE_BY_SIDE = 25  # values solved at a time, to stay within the caches
 SAME_SWING = 0.02  # relative: periodic motions that differ by more are not the same
 CHECKED = 9  # points at which the unreduced train is computed too
 MOST_ALONE = 1000  # points that are solved one by one where they found no solution side by side
-HIGHEST = 3.0  # times w0 of the highest speed: modes up to there are kept
-FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,9 @@ def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
         steps = tuple(_bent(step, unevenness(value)) for step in whole.steps)
         return replace(at, layout=replace(whole, steps=steps))
     if over == "damping":
-        more = replace(whole, viscous=_times(whole.viscous, value), hysteretic=_times(whole.hysteretic, value))
+        dampers = replace(whole.dampers, size=_times(whole.dampers.size, value))
+        hysteretic = _times(whole.hysteretic, value)
+        more = replace(whole, viscous=_times(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
         return replace(at, layout=more, damping=value)  # type: ignore[arg-type]
     return replace(at, mean=value)  # type: ignore[arg-type]
 
@@ -74,14 +75,6 @@ def _bent(step: JointStep, uneven: Any) -> JointStep:
     if joint.series:
         return step
     return replace(step, joint=replace(joint, unevenness=np.copysign(1.0, joint.unevenness) * uneven))
-
-
-def kept(at: Scene, shapes: Basis, highest: float, asked: int | None) -> Basis:
-    """The rigid motions and the elastic modes up to a highest frequency (rad/s), or as many as asked."""
-    elastic = shapes.frequency[shapes.rigid :]
-    number = int(np.count_nonzero(elastic <= highest))
-    number = min(max(number, FEWEST_MODES), MOST_MODES) if asked is None else asked
-    return reduced(at.layout, shapes, shapes.rigid + min(number, len(elastic)))
 
 
 def stability_map(
@@ -100,11 +93,12 @@ def stability_map(
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")
     shapes = basis(at.layout)
-    fewer = kept(at, shapes, HIGHEST * float(at.order) * float(np.max(speeds)), modes)
+    fewer = modes_that_matter(at, shapes, float(np.max(speeds)), modes)
+    lossy = damped(at, fewer)
     growth, swing = np.full((2, len(speeds), len(values)), np.nan)
     for first in range(0, len(values), SIDE_BY_SIDE):
         some = values[first : first + SIDE_BY_SIDE]
-        stack = Stack(at, fewer, lambda value: varied(at, over, value), some, _uneven(at, over, some))
+        stack = Stack(lossy, fewer, lambda value: varied(lossy, over, value), some, _uneven(at, over, some))
         solution = None
         for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
             tell("stability map", (first + len(some) * k / len(speeds)) / len(values))
@@ -132,7 +126,7 @@ class _Whole:
         """Growth (1/s) and swing (rad) at a point; NaN where there is no periodic motion."""
         there = varied(self.at, self.over, float(self.values[column]))
         shapes = basis(there.layout) if self.over == "damping" else self.shapes
-        found = Search(there, shapes, None, "monodromy", {})(float(self.speeds[k]))
+        found = Search(damped(there, shapes), shapes, None, "monodromy", {})(float(self.speeds[k]))
         if found is None:
             return np.nan, np.nan
         motion = motion_of(found[0].found.harmonic, 1.0, points_in_time(found[0].found.count))

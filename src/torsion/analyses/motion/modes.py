@@ -22,7 +22,7 @@ class Basis:
     frequency: FloatArray  # (shapes,) rad/s; 0 of a rigid motion, NaN of a coordinate without inertia
     shape: FloatArray  # (coordinates, shapes), generalised inertia 1
     inertia: FloatArray  # (coordinates,) kg m2
-    loss: FloatArray  # (shapes, shapes) 1/s: viscous damping that loses in each mode what its loss factors lose
+    loss: FloatArray  # (shapes, shapes) 1/s: viscous damping that loses in and between modes what loss factors lose
     modes: int  # how many of the shapes, the first ones, are modes
 
     @property
@@ -34,12 +34,6 @@ class Basis:
     def highest(self) -> float:
         """rad/s of the highest mode; 0 where all are rigid."""
         return float(self.frequency[: self.modes].max(initial=0.0))
-
-    @property
-    def hysteretic(self) -> FloatArray:
-        """(coordinates, coordinates) N m s/rad: `loss` as a damping of the coordinates."""
-        onto = self.inertia[:, None] * self.shape
-        return np.asarray(onto @ self.loss @ onto.T)
 
 
 def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:

@@ -1,18 +1,27 @@
 """The exact periodic response of a train with joints over speed, by harmonic balance."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.motion.equations import linearised
+from torsion.analyses.motion.equations import damper_twists, linearised
 from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_motion, scene
 from torsion.analyses.motion.torques import course
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.periodic.harmonic_balance import Balance, Linearised, Motion, balance, harmonics_of, resized
+from torsion.kernels.periodic.harmonic_balance import (
+    Balance,
+    Linearised,
+    Motion,
+    balance,
+    harmonics_of,
+    motion_of,
+    points_in_time,
+    resized,
+)
 from torsion.kernels.tree import BoolArray, ComplexArray, FloatArray
 from torsion.study import Study
 
@@ -159,8 +168,7 @@ def harmonics_at_least(at: Scene) -> int:
     uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
     rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
     highest = max((order for order, _ in at.torques), default=Fraction(0))
-    spans, stations = at.system.spans, at.system.stations
-    joint = max((n * stations[span.driving].ratio for span in spans for n, _ in span.error), default=at.order)
+    joint = max(at.layout.orders, default=at.order)
     first = max(int(rank * max(joint / at.order, Fraction(1))), int(highest / at.order) + 2)
     if first > MOST and at.order < 1:
         raise SolveError(
@@ -174,7 +182,13 @@ def _solved(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray)
     def equations(motion: Motion, loads: FloatArray, count: int) -> Linearised:
         return linearised(at.layout, now.loading, motion, loads, count)
 
-    return balance(equations, harmonic, load, now.loading.steady, now.loading.w0)
+    free, w0, count = at.layout.free, now.loading.w0, (harmonic.shape[1] - 1) // 2
+    if at.layout.dampers.size.size:
+        deviation = motion_of(harmonic, w0, points_in_time(count)).deviation
+        twist = damper_twists(at.layout, now.loading, deviation)
+        harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
+    found = balance(equations, harmonic, load, now.loading.steady, w0)
+    return replace(found, harmonic=found.harmonic[:free])
 
 
 def _refuse_slipping(found: Balance, now: Operating) -> None:

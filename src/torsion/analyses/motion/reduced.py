@@ -6,22 +6,28 @@ import numpy as np
 
 from torsion.analyses.motion.asked import Asked
 from torsion.analyses.motion.loading import Scene, scene
-from torsion.analyses.motion.map import HIGHEST, kept
-from torsion.analyses.motion.modes import Basis, basis
+from torsion.analyses.motion.modes import Basis, basis, reduced
 from torsion.analyses.motion.stability import Progress, Stability, search, stability
 from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
 WHOLE = 20  # coordinates up to which no mode is left out; beyond, the highest modes make the steps in time many
+HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
+FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
 MORE = 2  # times the modes kept: how many the estimate of the error keeps
 
 
-def modes_that_matter(at: Scene, shapes: Basis, fastest: float) -> Basis:
-    """The modes up to three times the highest order of a joint at the fastest speed (rad/s): 3 to 12 elastic ones."""
-    system = at.system
-    orders = [order * system.stations[span.driving].ratio for span in system.spans for order, _ in span.error]
-    return kept(at, shapes, HIGHEST * float(max(orders, default=at.order)) * fastest, None)
+def modes_that_matter(at: Scene, shapes: Basis, fastest: float, asked: int | None = None) -> Basis:
+    """The rigid motions and as many elastic modes as asked for.
+
+    Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 3 to 12 elastic ones.
+    """
+    elastic = shapes.frequency[shapes.rigid :]
+    highest = HIGHEST * float(max(at.layout.orders, default=at.order)) * fastest
+    number = int(np.count_nonzero(elastic <= highest))
+    number = min(max(number, FEWEST_MODES), MOST_MODES) if asked is None else asked
+    return reduced(at.layout, shapes, shapes.rigid + min(number, len(elastic)))
 
 
 def stability_asked(

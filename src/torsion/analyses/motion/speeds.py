@@ -10,9 +10,18 @@ import numpy as np
 from torsion.analyses.motion.floquet import by_monodromy, variation
 from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import basis
-from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, Progress, continued, harmonics_at_least, told
+from torsion.analyses.motion.periodic import (
+    Orbit,
+    PeriodicResponse,
+    Progress,
+    continued,
+    harmonics_at_least,
+    orbit,
+    told,
+)
 from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.several import others
+from torsion.analyses.motion.stability import damped
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -107,13 +116,24 @@ def highest_peaks(found: PeriodicResponse) -> list[int]:
 
 
 def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
-    """(speeds,) 1/s of small deviations from each periodic motion, on the lowest modes; NaN where there is none."""
-    shapes = basis(at.layout)
-    fewer = modes_that_matter(at, shapes, float(found.speed[-1]))
-    return np.array([
-        np.nan if orbit is None else by_monodromy(variation(at, orbit, shapes).on(fewer), BEYOND * fewer.highest).growth
-        for orbit in found.orbits
-    ])  # fmt: skip
+    """(speeds,) 1/s of small deviations from each periodic motion, on the lowest modes; NaN where there is none.
+
+    With loss factors it is that of the motion beside it that dampers in their place make (`losses.viscous`): of any
+    other motion the free turning, which neither grows nor dies out, would seem to do either.
+    """
+    fewer = modes_that_matter(at, basis(at.layout), float(found.speed[-1]))
+    there = damped(at, fewer)
+
+    def growth(own: Orbit | None) -> float:
+        if own is None:
+            return np.nan
+        try:
+            beside = own if there.layout is at.layout else orbit(there, own.now.loading.speed, own)
+        except SolveError:
+            return np.nan
+        return by_monodromy(variation(there, beside).on(fewer), BEYOND * fewer.highest).growth
+
+    return np.array([growth(own) for own in found.orbits])
 
 
 def _continued(at: Scene, speed: float, known: dict[float, tuple[Orbit | None, str]]) -> tuple[Orbit | None, str]:

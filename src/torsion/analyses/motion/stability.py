@@ -1,7 +1,7 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -9,6 +9,7 @@ from scipy.optimize import brentq, minimize_scalar
 from torsion.analyses.motion.asked import Method
 from torsion.analyses.motion.floquet import Multipliers, by_hill, by_monodromy, hill_count, variation
 from torsion.analyses.motion.loading import Scene, scene
+from torsion.analyses.motion.losses import viscous
 from torsion.analyses.motion.modes import Basis, basis, reduced
 from torsion.analyses.motion.periodic import Orbit, continued
 from torsion.analyses.motion.zones import Zone, candidates, modal_energy, zone
@@ -81,7 +82,7 @@ class Search:
 
     def exponents(self, orbit: Orbit, method: Method) -> Multipliers:
         """By one of the methods."""
-        around = variation(self.at, orbit, self.shapes)
+        around = variation(self.at, orbit)
         highest = self.shapes.highest
         if self.reduced is not None:
             around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
@@ -110,7 +111,12 @@ def search(study: Study, system: System, *, method: Method = "monodromy", modes:
     at = scene(study, system, vibratory=False)
     shapes = basis(at.layout)
     fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
-    return Search(at, shapes, fewer, method, {})
+    return Search(damped(at, fewer or shapes), shapes, fewer, method, {})
+
+
+def damped(at: Scene, shapes: Basis) -> Scene:
+    """The scene with dampers on the shapes of a basis for its loss factors."""
+    return replace(at, layout=viscous(at.layout, shapes))
 
 
 def stability(
@@ -155,10 +161,10 @@ def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
     """Ask around each combination resonance for zones that fall between the speeds."""
     if len(asked) < 2:
         return
-    seeds = candidates(ask.shapes, float(ask.at.order), float(asked[0]), float(asked[-1]))
-    uneven = max((abs(step.joint.unevenness) for step in ask.at.layout.steps), default=0.0)
+    uneven = max((step.joint.strength for step in ask.at.layout.steps), default=0.0)
     if uneven == 0.0:
         return
+    seeds = candidates(ask.shapes, ask.at.layout.orders, float(asked[0]), float(asked[-1]))
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
     for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
         tell("stability between the speeds", 0.6 + 0.2 * k / len(seeds))

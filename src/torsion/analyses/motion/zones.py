@@ -5,6 +5,7 @@ not symmetric or the damping uneven, near k w0 = |w_i - w_j|.
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import combinations
 from typing import Literal
 
@@ -86,13 +87,15 @@ def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
     return min(choices, key=lambda one: one[0])[1]
 
 
-def candidates(shapes: Basis, order: float, first: float, last: float, most_rank: int = 2) -> FloatArray:
-    """Reference speeds (rad/s) within a range at which a combination of two modes meets a multiple of w0.
+def candidates(
+    shapes: Basis, orders: tuple[Fraction, ...], first: float, last: float, most_rank: int = 2
+) -> FloatArray:
+    """Reference speeds (rad/s) in a range at which a combination of two modes meets a multiple of a joint's frequency.
 
-    order: w0 / reference speed.
+    orders: frequencies of the joints / reference speed.
     """
     w = shapes.frequency[shapes.rigid :]
     i, j = np.triu_indices(len(w))
     found = np.concatenate([w[i] + w[j], np.abs(w[i] - w[j])[i != j], w])
-    speed = np.concatenate([found / (order * rank) for rank in range(1, most_rank + 1)])
+    speed = np.concatenate([found / (float(order) * rank) for order in orders for rank in range(1, most_rank + 1)])
     return np.unique(speed[(speed > first) & (speed < last)])

@@ -17,6 +17,9 @@ CENTRED = (
     -0.4863,
     0.5137,
 )  # mean harmonic of a vector: one copy of each lies here, and no symmetry puts one at the ends
+KEPT = 1e-7  # relative to the terms of the equations: what a motion that solves them may leave
+APART = 1e-10  # of a motion that others combine to, less is left
+DOUBLE = 1e-6  # of w0: exponents nearer to the one taken out are the same, and their vectors have no share of its own
 
 
 @dataclass(frozen=True)
@@ -127,14 +130,17 @@ class Exponents:
     vector: ComplexArray  # (exponents, size, harmonics)
 
 
-def hill_exponents(entries: Couplings, w0: float, count: int, size: int) -> Exponents:
+def hill_exponents(
+    entries: Couplings, w0: float, count: int, size: int, known: ComplexArray | None = None
+) -> Exponents:
     """Floquet exponents by the eigenvalues of Hill's matrix, quadratic in s.
+
+    known: (motions, size, 2 count + 1) harmonics of what may solve the equations with s = 0. Those that do, to KEPT,
+    and no combinations of others, are taken out beforehand: the exponent 0 is often a double one, that splits.
 
     Of the copies s + i k w0 of each, the one with its vector centred in the middle is kept: the truncation leaves it
     accurate.
     """
-    from scipy.linalg import eig
-
     number = 2 * count + 1
     total = size * number
     w = 1j * w0 * np.arange(-count, count + 1)
@@ -150,16 +156,60 @@ def hill_exponents(entries: Couplings, w0: float, count: int, size: int) -> Expo
     left = np.zeros((2 * total, 2 * total), dtype=complex)
     left[:total, total:] = w0 * np.eye(total)
     left[total:, :total], left[total:, total:] = -constant / w0, -linear
+    apart = _solving(constant, np.abs(constant) + w0**2 * np.abs(inert), known)
+    right: ComplexArray | None = None
     if np.all(heavy > 0):
         left[total:] = np.linalg.solve(inert, left[total:])
-        value, vector = np.linalg.eig(left / w0)
     else:  # a coordinate without inertia has infinite exponents
         right = np.eye(2 * total, dtype=complex)
         right[total:, total:] = inert
-        value, vector = eig(left, right * w0, check_finite=False)
+    value, vector = _eigen(np.asarray(left / w0, dtype=complex), right, apart)
     scale = np.abs(value) < 10.0 * number  # of w0; what lies beyond is infinite or not resolved
     value, shape = value[scale] * w0, vector[:total, scale].T.reshape(-1, size, number)
     weight = (np.abs(shape) ** 2).sum(axis=1)
     centre = weight @ np.arange(-count, count + 1) / weight.sum(axis=1)
     kept = (centre > CENTRED[0]) & (centre <= CENTRED[1])
     return Exponents(value[kept], shape[kept])
+
+
+def _solving(constant: ComplexArray, size: FloatArray, known: ComplexArray | None) -> ComplexArray:
+    """(2 total, motions) orthonormal: those of the known motions that solve the equations constant u = 0.
+
+    size: (total, total) of the terms that a motion must leave less of, elastic ones and those of inertia.
+    """
+    total = len(constant)
+    found = np.zeros((2 * total, 0), dtype=complex)
+    for one in [] if known is None else known.reshape(-1, total):
+        if np.abs(constant @ one).max() > KEPT * (size @ np.abs(one)).max():
+            continue
+        rest = np.append(one, np.zeros(total)) / np.linalg.norm(one)
+        rest = rest - found @ (found.conj().T @ rest)
+        if np.linalg.norm(rest) > APART:
+            found = np.column_stack([found, rest / np.linalg.norm(rest)])
+    return found
+
+
+def _eigen(left: ComplexArray, right: ComplexArray | None, apart: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """Values and vectors (columns) of left x = value right x (right None: 1), without the null vectors `apart`."""
+    from scipy.linalg import eig
+
+    known = apart.shape[1]
+    if not known:
+        value, vector = np.linalg.eig(left) if right is None else eig(left, right, check_finite=False)
+        return value, vector
+    turned = np.linalg.qr(apart, mode="complete")[0]
+    if right is None:
+        onto, weight = turned, np.eye(len(left), dtype=complex)
+    else:
+        onto, weight = np.linalg.qr(right @ apart, mode="complete")[0], right
+    left, weight = onto.conj().T @ left @ turned, onto.conj().T @ weight @ turned
+    if right is None:
+        value, rest = np.linalg.eig(left[known:, known:])
+    else:
+        value, rest = eig(left[known:, known:], weight[known:, known:], check_finite=False)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.linalg.solve(
+            weight[:known, :known], left[:known, known:] @ rest / value - weight[:known, known:] @ rest
+        )
+    share = np.where(np.isfinite(share) & (np.abs(value) > DOUBLE), share, 0.0)  # a double one has none of its own
+    return value, turned @ np.concatenate([share, rest])

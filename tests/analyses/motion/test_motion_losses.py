@@ -1,0 +1,150 @@
+"""Loss factors in the stability of trains with joints: dampers in their place, and the free turning beside them."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from torsion.analyses.motion.equations import right_hand_side
+from torsion.analyses.motion.floquet import variation
+from torsion.analyses.motion.loading import scene
+from torsion.analyses.motion.map import stability_map
+from torsion.analyses.motion.modes import basis
+from torsion.analyses.motion.periodic import periodic_response
+from torsion.analyses.motion.speeds import growths
+from torsion.analyses.motion.stability import Search, damped, search, stability
+from torsion.assembly import assemble
+from torsion.assembly.system import System
+from torsion.components.coupling import Coupling
+from torsion.components.damper import RingDamper
+from torsion.components.disc import Disc
+from torsion.components.joint import Joint
+from torsion.components.motor import Motor
+from torsion.kernels.periodic.floquet import monodromy, steps_for
+from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
+from torsion.study import Operation, Study
+from torsion.train import train
+
+CONSTANT = Operation(load=[["1 rad/s", 300.0], ["1000 rad/s", 300.0]])
+
+
+def made(line: list, operation: Operation | None = None) -> tuple[Study, System]:
+    built = train(line)
+    return Study("lossy", built, operation=operation or CONSTANT), assemble(built)
+
+
+def seven_parts(loss: float = 0.05, *, damping: float = 5.0) -> tuple[Study, System]:
+    """Two joints of 25 deg whose effects add up, the last coupling with a loss factor."""
+    return made([
+        Motor(inertia=2.0), Coupling(stiffness=2e4, viscous=0.4), Joint(angle="25 deg", inertia=(0.02, 0.02)),
+        Coupling(stiffness=1.5e4, viscous=0.3), Disc(inertia=0.05),
+        Joint(angle="25 deg", phase="90 deg", inertia=(0.0, 0.03)), Coupling(stiffness=3e4, loss_factor=loss),
+        Disc(inertia=0.8, damping=damping),
+    ])  # fmt: skip
+
+
+def ringed(damping: float = 12.0) -> tuple[Study, System]:
+    """The same with a ring that hangs by damping alone."""
+    return made([
+        Motor(inertia=2.0), Coupling(stiffness=2e4, loss_factor=0.05), Joint(angle="25 deg", inertia=(0.02, 0.02)),
+        Coupling(stiffness=1.5e4), RingDamper(housing=0.3, ring=0.3, damping=damping),
+        Coupling(stiffness=3e4, loss_factor=0.05), Disc(inertia=0.8, damping=2.0),
+    ])  # fmt: skip
+
+
+def raw_monodromy(ask: Search, speed: float) -> np.ndarray:
+    around = variation(ask.at, ask(speed)[0])
+    steps = steps_for(around.period, ask.shapes.highest)
+    return monodromy(around.mass, around.damping, around.stiffness, around.period, steps)
+
+
+@pytest.mark.parametrize("speed", [70.0, 100.0])
+def test_free_turning_of_a_train_with_loss_factors_neither_grows_nor_dies_out(speed):
+    value = np.linalg.eigvals(raw_monodromy(search(*seven_parts()), speed))
+    assert np.abs(value - 1.0).min() < 1e-9
+
+
+@pytest.mark.parametrize("loss", [0.005, 0.05, 0.3])
+def test_both_methods_agree_on_a_free_train_with_loss_factors(loss):
+    line = seven_parts(loss)
+    first, second = search(*line), search(*line, method="hill")
+    for speed in (70.0, 100.0):
+        assert second.growth(speed) == pytest.approx(first.growth(speed), abs=1e-8)
+
+
+def test_free_train_that_its_loss_factor_damps_is_stable():
+    found = stability(*seven_parts(), np.linspace(90.0, 120.0, 4))
+    assert found.ranges == ()
+    assert found.growth.max() < -1e-4
+    assert found.check < 1e-8
+
+
+def test_growth_of_the_exact_response_leaves_the_free_turning_out():
+    line = seven_parts()
+    at = scene(*line)
+    found = growths(at, periodic_response(*line, np.array([100.0])))
+    assert found[0] < -1.0
+    assert found[0] == pytest.approx(search(*line).growth(100.0), rel=2e-2)  # on the lowest modes only
+
+
+def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time():
+    ask = search(*seven_parts(0.3), method="monodromy")
+    here, _ = ask(104.0)
+    whole, loading, free = raw_monodromy(ask, 104.0), here.now.loading, ask.at.layout.free
+    motion = motion_of(here.found.harmonic, loading.w0, points_in_time(here.found.count))
+    start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
+    away = 1e-5 * np.random.default_rng(3).standard_normal(2 * free) * np.repeat([1.0, loading.w0], free)
+
+    def after_a_period(state: np.ndarray) -> np.ndarray:
+        def slope(t: float, y: np.ndarray) -> np.ndarray:
+            return right_hand_side(ask.at.layout, loading, here.found.load, t, y)
+
+        return solve_ivp(slope, (0.0, loading.period), state, method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+
+    assert after_a_period(start) == pytest.approx(start, abs=1e-9 * np.abs(motion.speed).max())
+    grown = (after_a_period(start + away) - after_a_period(start - away)) / 2.0
+    assert grown == pytest.approx(whole @ away, rel=1e-5, abs=1e-6 * np.abs(away).max())
+
+
+def test_dampers_lose_in_a_straight_train_what_the_loss_factors_lose_between_any_two_modes():
+    random = np.random.default_rng(5)
+    line: list = [Motor(inertia=1.0)]
+    for _ in range(4):
+        stiffness, loss = random.uniform(1e4, 5e4), random.uniform(0.01, 0.1)
+        line += [Coupling(stiffness=stiffness, loss_factor=loss), Disc(inertia=float(random.uniform(0.1, 1.0)))]
+    study, system = made(line)
+    at = scene(study, system)
+    shapes = basis(at.layout)
+    dampers = damped(at, shapes).layout.dampers
+    twist = (shapes.shape[at.layout.driving] - shapes.shape[at.layout.driven])[:, 1:]
+    w = shapes.frequency[1:]
+    lost = twist.T @ (at.layout.hysteretic[:, None] * twist) / np.sqrt(np.outer(w, w))
+    onto = dampers.onto.T @ twist
+    assert onto.T @ (dampers.size[:, None] * onto) == pytest.approx(lost, rel=1e-9, abs=1e-10 * lost.max())
+
+
+def test_train_that_turns_rigidly_through_its_joints_loses_nothing_by_loss_factors():
+    stiff = 1e9
+    line = [
+        Motor(inertia=1.0), Coupling(stiffness=stiff, loss_factor=0.2), Joint(angle="20 deg", inertia=(0.1, 0.1)),
+        Coupling(stiffness=stiff, loss_factor=0.2), Disc(inertia=1.0),
+    ]  # fmt: skip
+    ask = search(*made(line, Operation()))
+    assert abs(ask(50.0)[0].found.load[0]) < 1e-6 * 50.0**2
+
+
+@pytest.mark.parametrize("method", ["monodromy", "hill"])
+def test_ring_that_hangs_by_damping_alone_has_no_angle_of_its_own(method):
+    ask = search(*ringed(), method=method)
+    _, found = ask(100.0)
+    assert len(found.exponent) == 2 * ask.at.layout.free - 2
+    assert found.growth < -1e-3
+    assert found.growth == pytest.approx(search(*ringed()).growth(100.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("line", [seven_parts, ringed])
+def test_map_over_damping_with_loss_factors_is_that_of_the_whole_trains(line):
+    speeds, factors = np.array([96.0, 104.0]), np.array([0.5, 1.0])
+    found = stability_map(*line(), speeds, "damping", factors)
+    assert found.error < 1e-3
+    expected = [search(*line()).growth(float(speed)) for speed in speeds]
+    assert found.growth[:, 1] == pytest.approx(expected, abs=1e-3)
