@@ -1,7 +1,9 @@
 """The command `torsion`."""
 
+import signal
 import sys
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
@@ -231,8 +233,14 @@ def _stop(message: str, status: int) -> NoReturn:
     raise typer.Exit(status)
 
 
+def _ended(number: int, frame: FrameType | None) -> NoReturn:
+    """End as on Ctrl-C: what is under way is taken away, an earlier report stays whole."""
+    raise SystemExit(128 + number)
+
+
 def main() -> None:
     """Entry point of the console script."""
+    signal.signal(signal.SIGTERM, _ended)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")

@@ -31,4 +31,5 @@ class Motor(Rotor):
 
     def lower(self, build: Lowering) -> None:
         here = self.place(build)
-        build.add(*(line.at(here, build.name) for line in self.ripple))
+        path = (*build.parts[-1].path, "ripple")
+        build.add(*(line.at(here, build.name, (*path, place)) for place, line in enumerate(self.ripple)))
