@@ -14,6 +14,7 @@ from torsion.rules.check import BarredRange, Check
 from torsion.rules.evidence import Evidence
 
 Band = tuple[float, float]
+NO_VALUE = "no reliable value"  # of an amplitude where no line of the response can be relied on
 
 
 def evidence(findings: Findings) -> Evidence:

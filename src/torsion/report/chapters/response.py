@@ -11,6 +11,7 @@ from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, RPM, Scale, degrees, exact, number, order, rpm, scale
 from torsion.report.peaks import peaks
 from torsion.report.reading import (
+    NO_VALUE,
     amplitude,
     barred_rpm,
     joint_model,
@@ -99,7 +100,7 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
         half, parts = synthesis(findings, element.spans), amplitude(findings, element.spans)
         at = largest(half)
         if at is None or made is None:
-            rows.append((element.name, "no reliable value", *[NONE] * 6))
+            rows.append((element.name, NO_VALUE, *[NONE] * 6))
             continue
         line = int(np.nanargmax(parts[at]))
         span = element.spans[int(np.argmax(made.half_range[at, list(element.spans)]))]
@@ -128,7 +129,7 @@ def _angles(findings: Findings, response: Response) -> Table:
         size = np.where(response.status == Status.OK, np.abs(response.angle[:, :, index]), np.nan)
         at = largest(size.ravel())
         if at is None:
-            rows.append((station.name, "no reliable value", *[NONE] * 4))
+            rows.append((station.name, NO_VALUE, *[NONE] * 4))
             continue
         speed, line = divmod(at, size.shape[1])
         angle = float(size[speed, line])
