@@ -14,6 +14,7 @@ from torsion.rules.check import BarredRange, Check
 from torsion.rules.evidence import Evidence
 
 Band = tuple[float, float]
+NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
 NO_VALUE = "no reliable value"  # of an amplitude where no line of the response can be relied on
 
 
@@ -93,6 +94,21 @@ def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
         return np.zeros(0)
     size = findings.synthesis.half_range[:, list(spans)].max(axis=1)
     return np.where(unreliable(findings), np.nan, size)
+
+
+def rounding(findings: Findings) -> FloatArray:
+    """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, told as 0."""
+    response, ratio = findings.response, findings.system.span_ratio
+    if response is None or not response.lines:
+        return np.zeros(len(ratio))
+    size = np.where((response.status == Status.OK)[:, :, None], np.abs(response.torque), 0.0).max(axis=(0, 1))
+    size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
+    return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
+
+
+def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
+    """The values of some spans with 0 for what is `nothing` (spans,) in each of them."""
+    return np.where(values < nothing.min(initial=np.inf), 0.0, values)
 
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:

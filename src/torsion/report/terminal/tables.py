@@ -14,7 +14,7 @@ from torsion.findings import Findings
 from torsion.report.chapters import verdict
 from torsion.report.chapters.lateral import speed_range
 from torsion.report.numbers import NONE, number, order, rpm
-from torsion.report.reading import NO_VALUE, largest, synthesis
+from torsion.report.reading import NO_VALUE, largest, rounding, synthesis, without
 from torsion.report.terminal.check import largest_errors
 from torsion.report.terminal.grids import filled, grid, printed, verdicts
 from torsion.report.terminal.joints import lines_as_one
@@ -75,11 +75,11 @@ def _torques(findings: Findings) -> Grid | None:
     if response is None or findings.synthesis is None:
         return None
     made = grid("Largest vibratory torque, all orders", ("element", "<"), ("N m", ">"), ("at rpm", ">"))
-    rows = []
+    rows, nothing = [], rounding(findings)
     for part, name in enumerate(one.name for one in findings.study.train.parts):
         spans = [k for k, span in enumerate(findings.system.spans) if span.part == part]
         if spans:
-            half = synthesis(findings, spans)
+            half = without(synthesis(findings, spans), nothing[spans])
             at = largest(half)
             told = [NO_VALUE, NONE] if at is None else [number(float(half[at])), rpm(float(response.speed[at]))]
             rows.append([name, *told])
