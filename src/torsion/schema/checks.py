@@ -1,8 +1,10 @@
 """What the sections of a file need of each other."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 
+from torsion.assembly.held import held_faults
 from torsion.errors import Fault, Path
 from torsion.primitives import Torque
 from torsion.rules import lacking, needed
@@ -15,7 +17,8 @@ _LISTS = {"motor": "ripple", "propeller": "excitation"}  # keys of components th
 
 def study_faults(study: Study) -> list[Fault]:
     """Faults between sections: speeds, frequencies, mean torque and what the rules need."""
-    found = [*_model_faults(study), *_check_faults(study), *_response_faults(study), *_joint_faults(study)]
+    found = [*held_faults(study.train), *_model_faults(study), *_check_faults(study)]
+    found += [*_response_faults(study), *_joint_faults(study)]
     return [*found, *_motion_faults(study), *_lateral_faults(study), *lacking(study)]
 
 
@@ -53,7 +56,16 @@ def _motion_faults(study: Study) -> list[Fault]:
         return []
     from torsion.analyses.motion.faults import asked_faults
 
-    return asked_faults(study)
+    found = asked_faults(study)
+    if "stability" in study.analyses and not _has_inertia(study):
+        message = "the train has no component with an inertia, and without one nothing can grow"
+        found.append(Fault(("analyses", "stability"), message, "leave it out, or give an inertia"))
+    return found
+
+
+def _has_inertia(study: Study) -> bool:
+    lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
+    return lumps or any(bar.density > 0 for bar in study.train.bars)
 
 
 def _lateral_faults(study: Study) -> list[Fault]:
