@@ -143,7 +143,8 @@ def _damped(study: Study, system: System, log: Log) -> "DampedModes | None":
         log.without("damped modes", f"they are built for `model: lumped`; the response of {system.model} is damped")
         return None
     if system.folded.extra.size:
-        log.without("damped modes", "the train has closed loops; its response is damped all the same")
+        why = "the train has closed loops, or rigid spans hold it at several points"
+        log.without("damped modes", f"{why}; its response is damped all the same")
         return None
     from torsion.analyses.steady import has_mean_torque, steady
 

@@ -12,7 +12,7 @@ import torsion
 from torsion.analyses.motion.periodic import Found
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Figure, Paragraph, Table
-from torsion.report.chapters import periodic, stability, verdict
+from torsion.report.chapters import periodic, response, stability, verdict
 from torsion.report.figures import svg
 from torsion.report.json.keys import KEYS
 from torsion.report.json.results import results
@@ -73,6 +73,36 @@ def broken(unstable: Findings) -> Findings:
 
 def table(blocks: list[Block], words: str) -> Table:
     return next(block for block in blocks if isinstance(block, Table) and words in block.caption)
+
+
+CANCELLED = """
+name: two joints in W
+operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 3}, rated: {speed: 600 rpm, power: 20 kW}}
+train:
+  - motor: {inertia: 1, damping: 1}
+  - coupling: {name: first, stiffness: 1e4, viscous: 5}
+  - joint: {name: a, angle: 20 deg}
+  - joint: {name: b, angle: 20 deg}
+  - coupling: {name: last, stiffness: 1e4, viscous: 5}
+  - disc: {inertia: 1, damping: 2}
+analyses: {response: {method: harmonic-balance}}
+"""
+
+
+def test_what_two_joints_cancel_to_rounding_is_told_as_nothing_and_without_percentages() -> None:
+    """The massless body between two like joints alone turns unevenly; the rest turns evenly to the last digit."""
+    found = torsion.run(torsion.parse(CANCELLED, "w.yaml"))
+    together = {row.element.name: row for row in compared(found) if row.order is None}
+    assert together.pop("a").exact[0] > 10.0
+    assert {name: row.first[0] for name, row in together.items()} == {"first": 0.0, "b": 0.0, "last": 0.0}
+    assert all(row.exact[0] == 0.0 and np.isnan(row.excess) for row in together.values())
+    assert {row.element.name for row in compared(found) if row.order is not None} == {"a"}
+    stream = io.StringIO()
+    show(found, None, Console(file=stream, width=200, color_system=None))
+    text = stream.getvalue()
+    assert "·10⁻¹" not in text[text.index("Largest vibratory torque") : text.index("Joints of a shaft line")]
+    table = next(block for block in response.chapter(found) if isinstance(block, Table))
+    assert {row[0]: row[1] for row in table.rows if row[0] != "a"} == {"first": "0", "b": "0", "last": "0"}
 
 
 def test_both_methods_stand_side_by_side_for_every_element_and_order(unstable: Findings) -> None:

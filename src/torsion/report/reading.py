@@ -14,6 +14,8 @@ from torsion.rules.check import BarredRange, Check
 from torsion.rules.evidence import Evidence
 
 Band = tuple[float, float]
+NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
+NO_VALUE = "no reliable value"  # of an amplitude where no line of the response can be relied on
 
 
 def evidence(findings: Findings) -> Evidence:
@@ -105,6 +107,21 @@ def orders_together(findings: Findings) -> str:
     """Of which lines the synthesis is made, in words."""
     some = findings.response is not None and findings.response.left_out
     return "the orders asked for" if some else "all orders"
+
+
+def rounding(findings: Findings) -> FloatArray:
+    """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, told as 0."""
+    response, ratio = findings.response, findings.system.span_ratio
+    if response is None or not response.lines:
+        return np.zeros(len(ratio))
+    size = np.where((response.status == Status.OK)[:, :, None], np.abs(response.torque), 0.0).max(axis=(0, 1))
+    size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
+    return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
+
+
+def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
+    """The values of some spans with 0 for what is `nothing` (spans,) in each of them."""
+    return np.where(values < nothing.min(initial=np.inf), 0.0, values)
 
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:

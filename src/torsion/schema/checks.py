@@ -1,7 +1,9 @@
 """What the sections of a file need of each other."""
 
+import math
 from collections.abc import Callable, Collection, Iterable, Iterator
 
+from torsion.assembly.held import held_faults
 from torsion.errors import Fault
 from torsion.rules import lacking, needed
 from torsion.study import Study
@@ -24,6 +26,11 @@ def _model_faults(study: Study) -> Iterator[Fault]:
     if study.model != "lumped" and closed and any(bar.density > 0 for bar in study.train.bars):
         message = f"the model {study.model} takes no closed loops, and `links` closes one"
         yield Fault(("analyses", "model"), message, "model: lumped")
+
+
+def _held_faults(study: Study) -> list[Fault]:
+    """Held points that nothing elastic keeps apart."""
+    return held_faults(study.train)
 
 
 def _check_faults(study: Study) -> list[Fault]:
@@ -52,7 +59,16 @@ def _motion_faults(study: Study) -> list[Fault]:
         return []
     from torsion.analyses.motion.faults import asked_faults
 
-    return asked_faults(study)
+    found = asked_faults(study)
+    if "stability" in study.analyses and not _has_inertia(study):
+        message = "the train has no component with an inertia, and without one nothing can grow"
+        found.append(Fault(("analyses", "stability"), message, "leave it out, or give an inertia"))
+    return found
+
+
+def _has_inertia(study: Study) -> bool:
+    lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
+    return lumps or any(bar.density > 0 for bar in study.train.bars)
 
 
 def _lateral_faults(study: Study) -> list[Fault]:
@@ -130,6 +146,7 @@ def _power_faults(study: Study) -> list[Fault]:
 
 
 _CHECKS: tuple[tuple[Callable[[Study], Iterable[Fault]], tuple[str, ...]], ...] = (  # with the sections that each reads
+    (_held_faults, ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),
     (_check_faults, ("train", "links", "analyses")),
     (_response_faults, ("train", "operation", "analyses", "rules")),

@@ -7,7 +7,7 @@ from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, RPM, Scale, number, rpm, scale
-from torsion.report.reading import barred_rpm, largest, orders_together, rated_rpm, synthesis, unreliable
+from torsion.report.reading import NO_VALUE, barred_rpm, largest, orders_together, rated_rpm, synthesis, unreliable
 
 
 def chapter(findings: Findings) -> list[Block]:
@@ -46,7 +46,7 @@ def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -
     for mesh, values in torque.items():
         at, mean = largest(values), _mean(findings, mesh)
         if at is None:
-            rows.append((mesh.name, "no reliable value", *[NONE] * 5))
+            rows.append((mesh.name, NO_VALUE, *[NONE] * 5))
             marks.append("")
             continue
         share = np.full(len(values), np.nan) if mean is None else _share(values, mean)

@@ -11,6 +11,7 @@ from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, RPM, Scale, degrees, exact, number, order, rpm, scale
 from torsion.report.peaks import peaks
 from torsion.report.reading import (
+    NO_VALUE,
     amplitude,
     barred_rpm,
     joint_model,
@@ -20,9 +21,11 @@ from torsion.report.reading import (
     over_speed,
     rated_rpm,
     reference,
+    rounding,
     synthesis,
     unreliable,
     unstable_rpm,
+    without,
 )
 
 MOST_LINES = 8  # orders in one figure
@@ -106,15 +109,19 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
         Column("Largest order there"), Column("Its torque", unit.unit), Column("RMS", unit.unit),
         Column("Sum of magnitudes", unit.unit), Column("Mean", mean.unit),
     )  # fmt: skip
-    rows = []
+    rows, nothing = [], rounding(findings)
     for element in found:
-        half, parts = synthesis(findings, element.spans), amplitude(findings, element.spans)
+        here = nothing[list(element.spans)]
+        half, parts = (without(one(findings, element.spans), here) for one in (synthesis, amplitude))
         at = largest(half)
         if at is None or made is None:
-            rows.append((element.name, "no reliable value", *[NONE] * 6))
+            rows.append((element.name, NO_VALUE, *[NONE] * 6))
             continue
         line = int(np.nanargmax(parts[at]))
         span = element.spans[int(np.argmax(made.half_range[at, list(element.spans)]))]
+        if half[at] == 0.0:
+            rows.append((element.name, "0", NONE, NONE, "0", "0", "0", mean.text(float(response.mean[at, span]))))
+            continue
         rows.append((
             element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _line(response, line),
             unit.text(float(parts[at, line])), unit.text(float(made.rms[at, span])),
@@ -141,7 +148,7 @@ def _angles(findings: Findings, response: Response) -> Table:
         size = np.where(response.status == Status.OK, np.abs(response.angle[:, :, index]), np.nan)
         at = largest(size.ravel())
         if at is None:
-            rows.append((station.name, "no reliable value", *[NONE] * 4))
+            rows.append((station.name, NO_VALUE, *[NONE] * 4))
             continue
         speed, line = divmod(at, size.shape[1])
         angle = float(size[speed, line])

@@ -8,7 +8,7 @@ from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, number, rpm
-from torsion.report.reading import barred, evidence, largest, orders_together, rated_rpm, unreliable
+from torsion.report.reading import NO_VALUE, barred, evidence, largest, orders_together, rated_rpm, unreliable
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12
@@ -90,7 +90,7 @@ def _table(findings: Findings, curves: dict[str, Curves]) -> Table:
         role = getattr(findings.study.train.part(name).component, "role", None) or NONE
         at = largest(curve.stress)
         if at is None:
-            rows.append((name, role, "no reliable value", *[NONE] * (len(columns) - 3)))
+            rows.append((name, role, NO_VALUE, *[NONE] * (len(columns) - 3)))
             continue
         limits = (_at(curve.continuous, at), _at(curve.transient, at), *_utilisation(curve)) if limited else ()
         rows.append((name, role, number(float(curve.stress[at])), rpm(float(curve.speed[at])), *limits))
