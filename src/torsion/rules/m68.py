@@ -204,8 +204,8 @@ def _refusal(barred: Barring) -> str:
         return ""
     critical = " and ".join(in_rpm(one.critical) for one in barred.refused)
     return (
-        f"above tau_C about {critical}: no barred range is permitted there (lambda >= {BARRED_BELOW:g}): detune; it "
-        f"would run from {_words(barred.refused)}"
+        f"the stress exceeds tau_C about {critical}: no barred range is permitted there (lambda >= "
+        f"{BARRED_BELOW:g}): detune; it would run from {_words(barred.refused)}"
     )
 
 
