@@ -106,7 +106,9 @@ def test_train_is_unstable_at_its_first_mode_as_published(angle, damping, growth
     (only,) = found.stability.ranges
     assert only.first < FIRST_MODE < only.last
     assert only.zone.name == "principal of mode 1 (2 w1)"
-    assert check.value == only.growth == pytest.approx(growth, abs=0.02)
+    near = int(np.argmin(np.abs(found.stability.speed - FIRST_MODE)))
+    assert found.stability.growth[near] == pytest.approx(growth, abs=0.02)
+    assert check.value == only.growth >= found.stability.growth[near]
 
 
 def test_unstable_periodic_motion_is_told_without_asking_for_stability():
