@@ -8,7 +8,7 @@ from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
-from torsion.report.numbers import NONE, RPM, Scale, degrees, exact, number, order, rpm, scale
+from torsion.report.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
 from torsion.report.peaks import peaks
 from torsion.report.reading import (
     amplitude,
@@ -62,11 +62,9 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
             else " The lines have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
     text = (
-        f"{len(response.lines)} lines at {asked} speeds as asked and {extra} more placed around the resonances, so "
-        "that no "
-        "peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and "
-        "damping "
-        f"part together, at the element's own speed.{cycle}"
+        f"{counted(len(response.lines), 'line')} at {counted(asked, 'speed')} as asked and {extra} more placed "
+        "around the resonances, so that no peak falls between two speeds. Amplitudes are half ranges; torques are "
+        f"those of a section, elastic and damping part together, at the element's own speed.{cycle}"
     )
     return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))
 
