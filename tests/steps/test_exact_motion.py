@@ -1,5 +1,6 @@
 """Exact motion from the file to the findings: published numbers, when it is computed, what it imports."""
 
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -161,6 +162,33 @@ def test_closed_loops_and_other_models_of_shafts_are_refused_where_exact_motion_
     with pytest.raises(torsion.InputError, match="no joint"):
         torsion.parse("name: a\noperation: {speeds: {from: 5 rad/s, to: 9 rad/s}}\ntrain: [disc: {inertia: 2}]\n"
                       "analyses: {stability: }\n")  # fmt: skip
+
+
+NOTHING_TO_VARY = [
+    (
+        "torque",
+        ("  load: constant\n  rated: {speed: 100 rad/s, power: 30 kW}\n", ""),
+        "mean torque, and the train has none",
+    ),
+    ("torque", ("load: constant", "load: [[1 rad/s, 0], [900 rad/s, 0]]"), "mean torque, and the train has none"),
+    ("damping", (r", (viscous|damping): [\d.]+", ""), "nothing in the train damps"),
+    ("angle", ("joint: {angle: 20 deg", "joint: {kind: cv, angle: 20 deg"), "none of the train is bent"),
+    ("angle", ("angle: 20 deg", "angle: 0 deg"), "none of the train is bent"),
+]
+
+
+@pytest.mark.parametrize(("over", "change", "words"), NOTHING_TO_VARY)
+def test_map_over_what_the_train_does_not_have_is_refused_where_it_is_asked(over, change, words):
+    ends = "from: 1 deg, to: 2 deg" if over == "angle" else "from: 0, to: 2"
+    asked = f"stability: {{map: {{over: {over}, {ends}}}}}"
+    text = TRAIN.format(analyses=asked, angle=20, phase=0, damping=8, first=50, last=80, steps=2)
+    torsion.parse(text, "six.yaml")
+    without = re.sub(*change, text)
+    assert without != text
+    with pytest.raises(torsion.InputError, match=words) as caught:
+        torsion.parse(without, "six.yaml")
+    (fault,) = caught.value.faults
+    assert without.splitlines()[fault.line - 1][fault.column - 1 :].startswith(over)
 
 
 def test_long_train_is_reduced_to_the_modes_that_matter_and_keeps_its_growth():

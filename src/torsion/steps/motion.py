@@ -88,7 +88,8 @@ def _periodic(
             found = periodic_over_speed(study, system, first_order, progress=progress)
             step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
             harmonics = int(found.harmonics.max(initial=0))
-            step.size = f"{found.speed.size} speeds, up to {harmonics} harmonics of the common period"
+            kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
+            step.size = f"{found.speed.size} speeds, {kept}"
     except SolveError as fault:
         if must:
             raise
@@ -137,7 +138,8 @@ def stability(
         kept = "all modes" if found.kept is None else f"{found.kept} of {modes} elastic modes"
         step.size = f"{int(found.asked.sum())} speeds asked, {added} more around zones and boundaries; {kept}"
     if found.unsolved.size:
-        log.without(f"stability at {found.unsolved.size} speeds", "no periodic motion was found there")
+        number = found.unsolved.size
+        log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
     log.without("vibratory torques, in the stability", "joints and mean torque alone make the periodic motion there")
     return found, _map(study, system, asked, log, progress)
 

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element
-from torsion.report.numbers import NONE, RPM, Scale, number, order, rpm, scale
+from torsion.report.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
 from torsion.report.reading import amplitude, over_speed, rated_rpm, unstable_rpm
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ def _introduction(findings: Findings) -> Paragraph:
     found = exact_response(findings)
     known = found.truncation[np.isfinite(found.truncation)]
     harmonics = int(found.harmonics.max(initial=0))
-    text = f"{MODEL} {found.speed.size} speeds, up to {harmonics} harmonics of the common period"
+    kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
+    text = f"{MODEL} {counted(found.speed.size, 'speed')}, {kept}"
     if known.size:
         text += f"; largest harmonic left out, estimated: {number(float(known.max()), 2)} of the largest kept"
     if np.isfinite(found.drive).any():
@@ -73,13 +74,14 @@ def _flagged(findings: Findings) -> list[Block]:
         Column("Harmonic left out"), Column("Why", align="left"),
     )  # fmt: skip
     rows, marks = [], []
-    for k in bad[:MOST_FLAGGED].tolist():
+    told = told_apart([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
+    for k, speed in zip(bad[:MOST_FLAGGED].tolist(), told, strict=True):
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
         word = WORDS[found.status[k]] + (", unstable" if unstable else "")
         why = found.why[k] or ("small deviations grow: the train does not settle in this motion" if unstable else
                                "more harmonics would be needed")  # fmt: skip
-        rows.append((rpm(float(found.speed[k])), word, growth, number(float(found.truncation[k]), 2), why))
+        rows.append((speed, word, growth, number(float(found.truncation[k]), 2), why))
         marks.append("fail" if unstable or found.why[k] else "note")
     rest = f"; the first {MOST_FLAGGED} of {bad.size}" if bad.size > MOST_FLAGGED else ""
     caption = f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}"

@@ -8,7 +8,7 @@ from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
-from torsion.report.numbers import NONE, RPM, Scale, degrees, exact, number, order, rpm, scale
+from torsion.report.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
 from torsion.report.peaks import peaks
 from torsion.report.reading import (
     NO_VALUE,
@@ -67,10 +67,10 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
             else " The lines have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
     text = (
-        f"{len(response.lines)} lines at {asked} speeds as asked and {extra} more placed around the resonances"
-        f"{' and where the rules judge' if judged(findings) else ''}, so that no peak falls between two speeds. "
-        "Amplitudes are half ranges; torques are those of a section, elastic and damping part together, at the "
-        f"element's own speed.{cycle}"
+        f"{counted(len(response.lines), 'line')} at {counted(asked, 'speed')} as asked and {extra} more placed "
+        f"around the resonances{' and where the rules judge' if judged(findings) else ''}, so that no peak falls "
+        "between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and damping part "
+        f"together, at the element's own speed.{cycle}"
     )
     text += _orders(findings, response)
     return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))

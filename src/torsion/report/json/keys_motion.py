@@ -35,6 +35,7 @@ MOTION = {
     "stability.ranges[].from_rad_per_s": "lower boundary of an unstable range, reference speed",
     "stability.ranges[].to_rad_per_s": "upper boundary",
     "stability.ranges[].goes_on": "[below, above] the range goes on beyond the speeds asked for",
+    "stability.ranges[].unknown_to_rad_per_s": "[below, above] from the end to there nothing is known; null elsewhere",
     "stability.ranges[].growth_per_s": "largest growth found within",
     "stability.ranges[].at_rad_per_s": "where",
     "stability.ranges[].name": "its type in words",

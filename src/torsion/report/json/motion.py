@@ -81,6 +81,7 @@ def stability(findings: Findings) -> dict[str, Any] | None:
                 "from_rad_per_s": one.first,
                 "to_rad_per_s": one.last,
                 "goes_on": list(one.is_open),
+                "unknown_to_rad_per_s": list(one.unknown),
                 "growth_per_s": finite(one.growth),
                 "at_rad_per_s": one.at,
                 "name": one.zone.name,
