@@ -45,7 +45,7 @@ def main() -> int:
 def _command(size: int, folder: Path) -> list[str]:
     file = scene(cases.undamped(cases.chain(size, stiff=False)), folder)
     program = Path(sys.executable).with_name("torsion")
-    return [str(program), "solve", str(file), "--json", "-o", str(folder / "answer")]
+    return [str(program), "solve", str(file), "--json"]
 
 
 def _run(command: list[str]) -> tuple[float, str]:

@@ -1,7 +1,9 @@
 """The command `torsion`."""
 
+import signal
 import sys
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
@@ -11,6 +13,7 @@ from torsion.errors import InputError, SolveError
 if TYPE_CHECKING:
     from torsion.findings import Findings
 
+ALONE = "no file is written, and no option that writes one is taken"  # what --json goes with
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
 app = typer.Typer(
     add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
@@ -28,9 +31,11 @@ def about() -> None:
 def solve(
     file: File,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the results as JSON and write nothing.")] = False,
+    json: Annotated[bool, typer.Option("--json", help=f"Print the results as JSON; {ALONE}.")] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
-    matrices: Annotated[Path | None, typer.Option("--matrices", help="Write J, K and C to this .npz file.")] = None,
+    matrices: Annotated[
+        Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
+    ] = None,
     vtu: Annotated[
         bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
     ] = False,
@@ -40,8 +45,7 @@ def solve(
     Exit status: 0 solved and every check passes, 1 solved and a check fails, 2 the input is at fault, 3 no answer to
     the promised accuracy.
     """
-    if json and vtu:
-        _stop("--json writes no file and --vtu writes one; give one of them", BAD_INPUT)
+    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
     try:
         findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices, vtu=vtu)
     except InputError as error:
@@ -68,7 +72,7 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
             findings = job.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
         show(findings, job.folder_of(file, out))
     if matrices is not None:
-        job.write_matrices(findings, matrices)
+        typer.echo(job.write_matrices(findings, matrices))
     return findings
 
 
@@ -76,13 +80,14 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
 def joint(
     file: File,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the joints as JSON and write nothing.")] = False,
+    json: Annotated[bool, typer.Option("--json", help=f"Print the joints as JSON; {ALONE}.")] = False,
     turns: Annotated[int | None, typer.Option("--turns", min=1, max=100, help="Turns of the driving shaft.")] = None,
 ) -> None:
     """Print the universal joints of a scene and write joints.html, joints.json and joints.csv.
 
     A scene of joints alone is enough: no inertia, speed or torque is needed. Exit status as of `solve`.
     """
+    _alone(json, {"-o": out})
     try:
         findings = _joint(file, out, as_json=json, turns=turns)
     except InputError as error:
@@ -113,13 +118,14 @@ def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) ->
 def check(
     file: File,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON and write nothing.")] = False,
+    json: Annotated[bool, typer.Option("--json", help=f"Print the comparison as JSON; {ALONE}.")] = False,
 ) -> None:
     """Compare the models of the shafts (lumped, fem, exact), print their errors and write check.html and check.json.
 
     Every error is against the exact model: frequencies, shapes, response torques. Exit status: 0 all within the
     tolerance (0.1 % unless the file says it), 1 a model is not, 2 and 3 as of `solve`.
     """
+    _alone(json, {"-o": out})
     try:
         findings = _check(file, out, as_json=json)
     except InputError as error:
@@ -153,7 +159,7 @@ def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
 def study(
     file: File,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the study as JSON and write nothing.")] = False,
+    json: Annotated[bool, typer.Option("--json", help=f"Print the study as JSON; {ALONE}.")] = False,
     tolerance: Annotated[
         str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
     ] = "0.1%",
@@ -163,6 +169,7 @@ def study(
 
     Exit status: 0 done, 2 and 3 as of `solve`.
     """
+    _alone(json, {"-o": out})
     try:
         _study(file, out, as_json=json, tolerance=tolerance, quick=quick)
     except InputError as error:
@@ -214,13 +221,26 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
     typer.echo(f"{file} written; solve it with: torsion solve {file}")
 
 
+def _alone(json: bool, writing: dict[str, object]) -> None:
+    """Refuse --json beside an option that writes a file."""
+    for option, given in writing.items():
+        if json and given:
+            _stop(f"--json writes no file and {option} writes one; give one of them", BAD_INPUT)
+
+
 def _stop(message: str, status: int) -> NoReturn:
     typer.echo(message, err=True)
     raise typer.Exit(status)
 
 
+def _ended(number: int, frame: FrameType | None) -> NoReturn:
+    """End as on Ctrl-C: what is under way is taken away, an earlier report stays whole."""
+    raise SystemExit(128 + number)
+
+
 def main() -> None:
     """Entry point of the console script."""
+    signal.signal(signal.SIGTERM, _ended)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")

@@ -15,6 +15,7 @@ class Fault:
     at_key: bool = False  # the fault is the key itself (unknown, duplicate), not its value
     line: int | None = None  # 1-based; set by the reader, which knows where every path stands
     column: int | None = None
+    other: Path = ()  # another place that the fault is about; the reader quotes its line
 
 
 class TorsionError(Exception):
@@ -35,5 +36,6 @@ class SolveError(TorsionError):
 
 def _sentence(fault: Fault) -> str:
     where = ".".join(str(step) for step in fault.path) or "input"
+    other = f" by {'.'.join(str(step) for step in fault.other)}" if fault.other else ""
     hint = f" ({fault.hint})" if fault.hint else ""
-    return f"{where}: {fault.message}{hint}"
+    return f"{where}: {fault.message}{other}{hint}"

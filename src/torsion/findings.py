@@ -9,12 +9,13 @@ import numpy as np
 
 from torsion.analyses.division import assembled, divided_modes, told_division, told_method, told_model
 from torsion.analyses.modes import Modes
-from torsion.asked import has_inertia, highest_excited, modes_asked, no_response, operating_speed
+from torsion.asked import has_inertia, highest_excited, modes_asked, operating_speed
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.plan import Log, Plan, versions
 from torsion.steps import motion
 from torsion.steps.bending import bending as bend
+from torsion.steps.response import Known, over_speed
 from torsion.steps.sections import sections
 from torsion.study import Study
 
@@ -86,10 +87,10 @@ def _run(study: Study, progress: Progress, bending: bool) -> Findings:
     sections(study, log)
     system, found = _system_and_modes(study, log, progress)
     damped = _damped(study, system, log)
-    response, synthesis = _response(study, system, found, damped, log, progress)
+    steady = _steady(study, system, log)
+    response, synthesis = over_speed(study, system, Known(found, damped, steady), log, progress)
     moved = motion.exact(study, system, response, log, progress)
     sweep = _sweep(study, system, found, damped, log)
-    steady = _steady(study, system, log)
     critical = _critical(study, system, found, log)
     joints = _joints(study, steady, log)
     bent, held = bend(study, log, progress) if bending and study.bends else (None, ())
@@ -142,7 +143,8 @@ def _damped(study: Study, system: System, log: Log) -> "DampedModes | None":
         log.without("damped modes", f"they are built for `model: lumped`; the response of {system.model} is damped")
         return None
     if system.folded.extra.size:
-        log.without("damped modes", "the train has closed loops; its response is damped all the same")
+        why = "the train has closed loops, or rigid spans hold it at several points"
+        log.without("damped modes", f"{why}; its response is damped all the same")
         return None
     from torsion.analyses.steady import has_mean_torque, steady
 
@@ -162,31 +164,6 @@ def _damped(study: Study, system: System, log: Log) -> "DampedModes | None":
         step.method = "Newton with two-sided vectors on the quadratic problem"
         step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")
     return found
-
-
-def _response(
-    study: Study, system: System, found: Modes | None, damped: "DampedModes | None", log: Log, progress: Progress
-) -> "tuple[Response | None, Synthesis | None]":
-    excites = any(t.order is not None or t.frequency is not None for t in study.train.torques)
-    excites = excites or any(mesh.error for mesh in study.train.constraints)
-    why = no_response(study, system, excites)
-    if why:
-        log.without("response over speed", why)
-        return None, None
-    from torsion.analyses.response.over_speed import response
-    from torsion.analyses.response.synthesis import synthesis
-
-    with log.step("response over speed", "asked" if "response" in study.analyses else "something excites") as step:
-        answer = response(study, system, modes=found, damped=damped, progress=progress)
-        step.method = "two-sided elimination, every order apart"
-        step.size = f"{len(answer.lines)} lines at {answer.speed.size} speeds ({int(answer.asked.sum())} asked)"
-        if answer.remark:
-            step.size += f"; {answer.remark}"
-    with log.step("synthesis", "rules and readers judge all orders together") as step:
-        total = synthesis(system, answer)
-        step.method = "sum over the common cycle, true to phase"
-        step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
-    return answer, total
 
 
 def _sweep(
@@ -214,6 +191,9 @@ def _steady(study: Study, system: System, log: Log) -> "Steady | None":
     grid = speeds.values() if speeds is not None else np.array([speed] if speed is not None else [])
     if speed is not None and study.operation.rated is not None:
         grid = np.union1d(grid, [speed])
+    if speeds is not None and not isinstance(study.operation.load, str):
+        corners = [row[0] for row in study.operation.load if speeds.first <= row[0] <= speeds.last]
+        grid = np.union1d(grid, corners)
     if not grid.size:
         log.without("mean torque", "`operation` says no speed")
         return None

@@ -176,15 +176,25 @@ def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Pa
         raise _unwritable(folder, error) from None
 
 
-def write_matrices(findings: Findings, file: Path) -> None:
-    """Write J, K and C in free coordinates as .npz; raises InputError where the file cannot be written."""
-    from torsion.assembly.matrices import matrices
+def write_matrices(findings: Findings, file: Path) -> str:
+    """Write J, K, C and H in free coordinates as .npz, and tell in a sentence at which speed their damping is.
 
-    view = matrices(findings.system)
+    Raises InputError where the file cannot be written, or the damping follows from what the scene does not give.
+    """
+    from torsion.analyses.operating_matrices import operating_matrices
+
+    try:
+        found = operating_matrices(findings.study, findings.system)
+    except InputError as error:
+        raise located(error, findings.study) from None
+    arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(found.view).items()}
     try:
         with file.open("wb") as target:
-            arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(view).items()}
-            np.savez(target, **arrays)
+            np.savez(target, **arrays, speed=found.speed, mean_torque=found.mean_torque)
     except OSError as error:
         message = f"the matrices cannot be written to {file}: {error.strerror or error}"
         raise InputError([Fault((), message)], message) from None
+    if np.isnan(found.speed):
+        return f"Matrices: {file}; no damping of theirs follows from the speed"
+    torque = "" if np.isnan(found.mean_torque).all() else " and its mean torque"
+    return f"Matrices: {file}; damping to ground at {found.speed * 30.0 / np.pi:.6g} rpm{torque}"

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from fractions import Fraction
 
+from torsion.errors import Path
+
 
 @dataclass(frozen=True, slots=True)
 class Station:
@@ -120,6 +122,7 @@ class Torque:
     of_mean: float = 0.0  # 1
     table: tuple[tuple[float, float], ...] = ()  # (rad/s of the station's own speed, N m)
     phase: float = 0.0  # rad
+    path: Path = ()  # where the file says it
 
 
 Primitive = Inertia | Spring | Bar | Constraint | Damper | Torque

@@ -59,21 +59,38 @@ def train(
 
     Raises InputError with every fault of the train as a whole.
     """
+    found, faults = lowered(
+        components, excitations=excitations, links=links, materials=materials, reference=reference
+    )  # fmt: skip
+    if found is None or faults:
+        raise InputError(faults)
+    return found
+
+
+def lowered(
+    components: Sequence[Component],
+    *,
+    excitations: Sequence[Excitation | None],
+    links: Sequence[Link | None],
+    materials: Mapping[str, Material] | None,
+    reference: str | None,
+) -> tuple[Train | None, list[Fault]]:
+    """The train as far as it can be told, and its faults; None stands for what cannot be read, and is left out."""
     build = Lowering({"steel": STEEL, **(materials or {})})
     build.walk(components, ("train",))
     if not build.stations:
-        build.faults.append(Fault(("train",), "the train has no component that turns", "list its components"))
+        fault = Fault(("train",), "the train has no component that turns", "list its components")
+        return None, [*build.faults, fault]
     for position, link in enumerate(links):
-        _close(build, link, ("links", position))
+        if link is not None:
+            _close(build, link, ("links", position))
     for position, excitation in enumerate(excitations):
-        station = _point(build, excitation.at, ("excitations", position, "at"))
-        if station is not None:
-            build.add(excitation.on(station))
+        point = None if excitation is None else _point(build, excitation.at, ("excitations", position, "at"))
+        if excitation is not None and point is not None:
+            build.add(excitation.on(point.stations[0], ("excitations", position)))
     _names(build)
     unit = _reference(build, reference)
-    if build.faults:
-        raise InputError(build.faults)
-    return _train(build, unit)
+    return _train(build, unit), build.faults
 
 
 def _train(build: Lowering, unit: Fraction) -> Train:
@@ -81,50 +98,76 @@ def _train(build: Lowering, unit: Fraction) -> Train:
         return tuple(p for p in build.primitives if isinstance(p, kind))
 
     return Train(
-        parts=tuple(replace(part, ratio=part.ratio / unit) for part in build.parts),
+        parts=tuple(_counted(part, unit) for part in build.parts),
         stations=tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
         inertias=of(Inertia), springs=of(Spring), bars=of(Bar), constraints=of(Constraint),
         dampers=of(Damper), torques=of(Torque), materials=build.materials,
     )  # fmt: skip
 
 
-def _point(build: Lowering, name: str, path: Path) -> int | None:
-    """Station of the point called `name`; a fault is noted where there is none."""
-    points = {part.name: part for part in build.parts if part.component.sort == "point"}
-    if name in points:
-        return points[name].stations[0]
-    others = {part.name: part.component.keyword for part in build.parts}
-    if name in others:
-        build.faults.append(Fault(path, f"'{name}' is a {others[name]}, not a point", f"points: {', '.join(points)}"))
-    else:
-        near = get_close_matches(name, points, 1)
-        hint = f"did you mean '{near[0]}'?" if near else f"points: {', '.join(points)}"
-        build.faults.append(Fault(path, f"no component is called '{name}'", hint))
-    return None
+def _counted(part: Part, unit: Fraction) -> Part:
+    """The part with its speeds counted from the reference component's."""
+    referred_to = None if part.referred_to is None else part.referred_to / unit
+    return replace(part, ratio=part.ratio / unit, referred_to=referred_to)
+
+
+def name_fault(name: str, path: Path, known: Mapping[str, type[Component]], *, point: bool = True) -> Fault | None:
+    """The fault of a name that is none of the known components', or that of no point where one is needed."""
+    names = [own for own, kind in known.items() if kind.sort == "point" or not point]
+    if name in names:
+        return None
+    listed = f"points: {', '.join(names)}" if point else "the name of a component"
+    if name in known:
+        return Fault(path, f"'{name}' is a {known[name].keyword}, not a point", listed)
+    near = get_close_matches(name, names, 1)
+    return Fault(path, f"no component is called '{name}'", f"did you mean '{near[0]}'?" if near else listed)
+
+
+def _kinds(build: Lowering) -> dict[str, type[Component]]:
+    """The kind of every component by its name; of a name given twice, that of the point."""
+    ordered = sorted(build.parts, key=lambda part: part.component.sort == "point")
+    return {part.name: type(part.component) for part in ordered}
+
+
+def _point(build: Lowering, name: str, path: Path) -> Part | None:
+    """The point called `name`; a fault is noted where there is none."""
+    fault = name_fault(name, path, _kinds(build))
+    if fault is not None:
+        build.faults.append(fault)
+        return None
+    return next(part for part in build.parts if part.name == name and part.component.sort == "point")
 
 
 def _close(build: Lowering, link: Link, path: Path) -> None:
     """Lower a link between two points of equal speed and sense."""
-    ends = [_point(build, name, (*path, "between", side)) for side, name in enumerate(link.between)]
-    if ends[0] is None or ends[1] is None:
+    first, second = (_point(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
+    if first is None or second is None:
         return
-    first, second = (build.stations[end] for end in ends if end is not None)
-    if ends[0] == ends[1] or first.ratio != second.ratio or first.sense != second.sense:
-        message = f"'{link.between[0]}' and '{link.between[1]}' do not turn together"
+    both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
+    senses = {build.stations[part.stations[0]].sense for part in (first, second)}
+    if first.stations == second.stations or first.ratio != second.ratio or len(senses) > 1:
         hint = "a link joins two different points of the same speed and sense of rotation"
-        build.faults.append(Fault((*path, "between"), message, hint))
-        return
-    build.join(ends[0], ends[1], link.component, path)
+        build.faults.append(Fault(place, f"{both} do not turn together", hint))
+    elif first.referred_to != second.referred_to:
+        message = f"{both} are not referred to one speed, and so the link's figures to neither"
+        build.faults.append(Fault(place, message, "refer both (gear: referred), or neither"))
+    else:
+        build.join(first, second, link.component, path)
 
 
 def _names(build: Lowering) -> None:
     seen: dict[str, Path] = {}
     for part in build.parts:
         if part.name in seen:
-            where = ".".join(str(step) for step in seen[part.name])
-            path = (*part.path, "name") if part.component.name else part.path
-            build.faults.append(Fault(path, f"the name '{part.name}' is taken by {where}", "names are unique"))
+            build.faults.append(taken(part.name, part.path, seen[part.name], given=part.component.name is not None))
         seen.setdefault(part.name, part.path)
+
+
+def taken(name: str, path: Path, by: Path, *, given: bool = True) -> Fault:
+    """The fault of a name, given or automatic, that another component has; paths are those of the components."""
+    if given:
+        return Fault((*path, "name"), f"the name '{name}' is taken", "names are unique", other=by)
+    return Fault(path, f"its name would be '{name}', which is taken", "give one of the two another `name`", other=by)
 
 
 def _reference(build: Lowering, name: str | None) -> Fraction:
@@ -133,7 +176,6 @@ def _reference(build: Lowering, name: str | None) -> Fraction:
     for part in build.parts:
         if part.name == name:
             return part.ratio
-    near = get_close_matches(name, [part.name for part in build.parts], 1)
-    hint = f"did you mean '{near[0]}'?" if near else "the name of a component"
-    build.faults.append(Fault(("operation", "at"), f"no component is called '{name}'", hint))
+    fault = name_fault(name, ("operation", "at"), _kinds(build), point=False)
+    build.faults += [] if fault is None else [fault]
     return Fraction(1)

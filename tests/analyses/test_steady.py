@@ -122,9 +122,54 @@ def test_train_without_motor_and_propeller_runs_from_its_first_to_the_last_stati
     assert "disc-1" in found.sharing
 
 
-def test_single_station_drives_itself_with_no_torque(build, operation):
-    study, system = build([Disc(inertia=1.0)], operation=operation(50.0, 100.0, rated=RATED))
-    assert steady(study.train, system, study.operation, np.array([100.0])).applied[0, 0] == 0.0
+@pytest.mark.parametrize(
+    ("line", "entering", "leaving"),
+    [
+        ([Disc(name="pump", inertia=2), Coupling(stiffness=3e4), Motor(name="drive", inertia=1)], "drive", "pump"),
+        (
+            [Propeller(name="screw", inertia=2), Coupling(stiffness=3e4), Disc(name="drive", inertia=1)],
+            "drive",
+            "screw",
+        ),
+    ],
+)
+def test_power_that_would_enter_and_leave_at_one_component_runs_to_the_other_end(
+    build, operation, line, entering, leaving
+):
+    study, system = build(line, operation=operation(50.0, 100.0, rated=RATED))
+    found = steady(study.train, system, study.operation, np.array([100.0]))
+    at = {station.name: found.applied[k, 0] for k, station in enumerate(system.stations)}
+    assert (at[entering], at[leaving]) == (500.0, -500.0)
+    assert found.torque[:, 0].tolist() == [-500.0]
+    words = "no propeller, and the other end is a motor" if leaving == "pump" else "no motor, and the other end"
+    assert f"enters at {entering}" in found.sharing
+    assert f"leaves at {leaving}" in found.sharing
+    assert words in found.sharing
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        [Disc(inertia=1.0)],
+        [Motor(inertia=1.0)],
+        [Motor(inertia=1.0), Coupling(stiffness=1e4), Disc(inertia=1), Coupling(stiffness=1e4), Motor(inertia=1)],
+        [Propeller(inertia=1.0), Coupling(stiffness=1e4), Propeller(inertia=1)],
+    ],
+)
+def test_power_with_no_way_through_the_train_is_refused_and_not_nothing(build, operation, line):
+    study, system = build(line, operation=operation(50.0, 100.0, rated=RATED))
+    with pytest.raises(InputError, match="would enter and leave the train at") as raised:
+        steady(study.train, system, study.operation, np.array([100.0]))
+    assert raised.value.faults[0].path == ("operation", "rated")
+
+
+def test_powers_of_motors_that_are_not_the_rated_power_are_told_as_shares(build, operation):
+    study, system = build(_two_motors_two_propellers(), operation=operation(50.0, 120.0, rated=RATED))
+    told = steady(study.train, system, study.operation, np.array([100.0])).sharing
+    assert "together (400 kW) say their shares alone: the torque follows from the rated 50 kW" in told
+    line = [Motor(inertia=1, power=50.4e3), Coupling(stiffness=1e4), Propeller(inertia=1)]
+    study, system = build(line, operation=operation(50.0, 120.0, rated=RATED))
+    assert "kW" not in steady(study.train, system, study.operation, np.array([100.0])).sharing
 
 
 def test_viscous_ring_carries_no_mean_torque_but_a_viscous_link_cannot_pass_it(build, operation):

@@ -8,8 +8,10 @@ import pytest
 
 import torsion
 from torsion.assembly.element_error import element_error, phase_error, section_error
+from torsion.assembly.element_matrices import element_law
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError, SolveError
+from torsion.kernels.bars.element import element_bars
 from torsion.kernels.sections import polar_area_moment
 
 G, RHO = 80e9, 8000.0
@@ -165,3 +167,16 @@ def test_a_scene_without_shafts_never_imports_scikit_fem_or_meshio():
     scene = "name: a\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 1}, disc: {inertia: 1}]\n"
     asked = "analyses: {model: fem}\n"
     assert modules(f"torsion.run(torsion.parse({scene + asked!r}))") == "[]"
+
+
+@pytest.mark.parametrize("degree", [1, 2, 5])
+def test_the_law_of_elements_is_that_of_their_matrices_at_the_speed_of_each_shaft(degree):
+    """A conical shaft and, behind a gear, a uniform one, whose elements are one of unit length, scaled."""
+    whole = system(CONE, "fem", degree=degree, elements=3)
+    bars, ratio2 = whole.bars, whole.span_ratio[whole.bars.span] ** 2
+    assert len({piece.bar.name for piece in bars.pieces}) == len(set(ratio2.tolist())) == 2
+    law = element_law(bars, ratio2)
+    plain = element_bars(bars.stiffness * ratio2[:, None, None], bars.inertia * ratio2[:, None, None])
+    s = np.array([0.0, 0.2, 0.6]) * (plain.limit if degree > 1 else 1e4) ** 2
+    for one, other in zip(law.at(s), plain.at(s), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-13)

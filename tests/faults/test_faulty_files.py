@@ -10,6 +10,7 @@ from torsion.schema.read import parse
 
 HERE = Path(__file__).parent
 GOOD = (HERE / "good.yaml").read_text(encoding="utf-8")
+SPEEDS = "name: a\noperation: {speeds: {from: 5 rad/s, to: 6 rad/s}}\n"
 ESCAPES = {"\\n": "\n", "\\t": "\t", "\\a": "\a", "\\ufeff": "\ufeff"}
 
 
@@ -100,6 +101,7 @@ def test_several_faults_of_one_component_are_told_at_once():
         ("name: a\ntrain: [disc: {inertia: 1}]\nexcitations: {at: disc-1}", "mapping list"),
         ("name: a\ntrain: [disc: {inertia: 1}]\nlinks: [{between: [a, b]}]", "`between` kind"),
         ("name: a\ntrain: [gear: {ratio: 2, branches: [{teeth: 4}]}]", "teeth"),
+        (f"{SPEEDS}train: [joint: {{angle: 5 deg}}]\nanalyses: {{stability: }}", "no component inertia"),
         ("name: a\nfrob: 1\ntrain: [disc: {inertia: 1}]", "unknown `frob` materials"),
     ],
 )

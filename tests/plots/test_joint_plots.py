@@ -30,6 +30,11 @@ def test_rounding_is_drawn_as_a_level_line() -> None:
     )
 
 
+def test_nothing_at_all_is_drawn_as_a_level_line() -> None:
+    """The torque in a joint that carries none; the plotter warns of a range without width, and warnings are errors."""
+    assert max(ticks(turn(0.0 * WAVE, size=0.0))) == 360.0
+
+
 def test_a_small_wave_is_drawn_at_its_own_size() -> None:
     heights = [value for value in ticks(turn(1e-3 * WAVE)) if value != 0.0 and abs(value) < 1.0]
     assert heights

@@ -124,6 +124,14 @@ def test_labels_stand_as_text_with_the_names_escaped() -> None:
     assert "a &amp; b" in drawn("steady")
 
 
+@pytest.mark.parametrize("label", ["弹性联轴器", "⚓ 𓀀"])
+def test_names_in_signs_that_no_font_here_has_stand_as_text_without_a_warning(label: str) -> None:
+    points = [{"x": 0.0, "row": 0.0, "size": 0.5, "label": label, "kind": "motor"}]
+    text = drawn("sketch", points=points)
+    assert f">{label}</text>" in text
+    assert "sans-serif" in text
+
+
 @pytest.mark.parametrize("plot", ["torque", "stress", "gear", "frequency"])
 def test_what_is_not_reliable_is_hatched_and_only_then(plot: str) -> None:
     assert "no reliable answer here" in drawn(plot)

@@ -20,7 +20,8 @@ from torsion.report import lateral_tables
 from torsion.report.blocks import Figure, Paragraph, Table
 from torsion.report.chapters.lateral import chapter
 from torsion.report.figures import svg
-from torsion.report.json.keys import KEYS, LATERAL
+from torsion.report.json.keys import KEYS
+from torsion.report.json.keys_motion import LATERAL
 from torsion.report.json.results import results, text
 from torsion.report.terminal.tables import tables
 

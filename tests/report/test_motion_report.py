@@ -10,14 +10,19 @@ from rich.console import Console
 
 import torsion
 from torsion.analyses.motion.periodic import Found
+from torsion.analyses.motion.ranges import UnstableRange
+from torsion.analyses.motion.zones import Zone
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Figure, Paragraph, Table
-from torsion.report.chapters import periodic, stability, verdict
+from torsion.report.chapters import critical, periodic, response, stability, verdict
 from torsion.report.figures import svg
 from torsion.report.json.keys import KEYS
 from torsion.report.json.results import results
 from torsion.report.motion import compared, exact_half_range, first_order_judged
+from torsion.report.numbers import RPM
 from torsion.report.terminal.tables import show
+from torsion.report.unstable import words
+from torsion.rules.stability import stability_check
 
 TRAIN = """
 name: six stations
@@ -46,6 +51,14 @@ def unstable() -> Findings:
 
 
 @pytest.fixture(scope="module")
+def several() -> Findings:
+    """The yokes crossed: near resonance there is more than one motion."""
+    text = TRAIN[: TRAIN.index("  stability:")].replace("25 deg", "20 deg")
+    text = text.replace("20 deg, inertia", "20 deg, phase: 90 deg, inertia").replace("phase: 90 deg, ", "", 1)
+    return torsion.run(torsion.parse(text.replace("96 rad/s, to: 116", "53 rad/s, to: 54"), "crossed.yaml"))
+
+
+@pytest.fixture(scope="module")
 def broken(unstable: Findings) -> Findings:
     """The same, but that one speed has no periodic motion, one a coarse one, and points of the map are missing."""
     found, grown = unstable.periodic, unstable.stability_map.growth.copy()
@@ -65,6 +78,36 @@ def broken(unstable: Findings) -> Findings:
 
 def table(blocks: list[Block], words: str) -> Table:
     return next(block for block in blocks if isinstance(block, Table) and words in block.caption)
+
+
+CANCELLED = """
+name: two joints in W
+operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 3}, rated: {speed: 600 rpm, power: 20 kW}}
+train:
+  - motor: {inertia: 1, damping: 1}
+  - coupling: {name: first, stiffness: 1e4, viscous: 5}
+  - joint: {name: a, angle: 20 deg}
+  - joint: {name: b, angle: 20 deg}
+  - coupling: {name: last, stiffness: 1e4, viscous: 5}
+  - disc: {inertia: 1, damping: 2}
+analyses: {response: {method: harmonic-balance}}
+"""
+
+
+def test_what_two_joints_cancel_to_rounding_is_told_as_nothing_and_without_percentages() -> None:
+    """The massless body between two like joints alone turns unevenly; the rest turns evenly to the last digit."""
+    found = torsion.run(torsion.parse(CANCELLED, "w.yaml"))
+    together = {row.element.name: row for row in compared(found) if row.order is None}
+    assert together.pop("a").exact[0] > 10.0
+    assert {name: row.first[0] for name, row in together.items()} == {"first": 0.0, "b": 0.0, "last": 0.0}
+    assert all(row.exact[0] == 0.0 and np.isnan(row.excess) for row in together.values())
+    assert {row.element.name for row in compared(found) if row.order is not None} == {"a"}
+    stream = io.StringIO()
+    show(found, None, Console(file=stream, width=200, color_system=None))
+    text = stream.getvalue()
+    assert "·10⁻¹" not in text[text.index("Largest vibratory torque") : text.index("Joints of a shaft line")]
+    table = next(block for block in response.chapter(found) if isinstance(block, Table))
+    assert {row[0]: row[1] for row in table.rows if row[0] != "a"} == {"first": "0", "b": "0", "last": "0"}
 
 
 def test_both_methods_stand_side_by_side_for_every_element_and_order(unstable: Findings) -> None:
@@ -128,8 +171,18 @@ def test_what_was_not_found_is_flagged_and_never_a_number(broken: Findings) -> N
     assert told["orders"][0]["torque_Nm"][0][0] == [None, None]
 
 
-def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Findings) -> None:
-    made = results(unstable)
+def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findings) -> None:
+    found = several.periodic.others
+    rows = table(periodic.chapter(several), "at the same speed").rows
+    assert [row[1] for row in rows].count("another") == found.speed.size > 0
+    assert rows[0][1] == "told"
+    told, another = (float(row[2]) for row in rows[:2])
+    assert another == pytest.approx(np.abs(found.torque[0]).max(), rel=1e-4)
+    assert abs(told - another) > 0.01 * told
+
+
+def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Findings, several: Findings) -> None:
+    made = {**results(unstable), "periodic": results(several)["periodic"]}
     json.dumps(made, allow_nan=False)
 
     def leaves(value: object, at: str) -> set[str]:
@@ -144,6 +197,138 @@ def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Finding
     names = ("periodic", "stability", "stability_map")
     found = set().union(*(leaves(made[name], name) for name in names))
     assert found == {key for key in KEYS if key.split(".")[0] in names}
+
+
+def rpm_range(first: float, last: float, **ends: tuple) -> UnstableRange:
+    """An unstable range between two speeds in rpm; `unknown` in rpm too."""
+    unknown = tuple(None if one is None else one / RPM for one in ends.get("unknown", (None, None)))
+    zone = Zone("principal", (1,), 1, 0.0)
+    return UnstableRange(
+        first / RPM, last / RPM, ends.get("is_open", (False, False)), 2.0, (first + last) / 2.0 / RPM, zone, unknown
+    )
+
+
+NAME = ", principal of mode 1 (2 w1)"
+
+
+@pytest.mark.parametrize(
+    ("one", "text"),
+    [
+        (rpm_range(772.38, 780.11), f"772.3 to 780.2 rpm{NAME}"),
+        (rpm_range(772.38, 899.98), f"772.3 to 900.0 rpm{NAME}"),
+        (rpm_range(300.01, 310.0), f"300.0 to 310.0 rpm{NAME}"), (rpm_range(300.0, 900.0), f"300.0 to 900.0 rpm{NAME}"),
+        (rpm_range(772.38, 780.0, unknown=(None, 900)),
+         f"772.3 to at least 780 rpm{NAME}; from 780 to 900 rpm nothing is known"),
+        (rpm_range(420.0, 620.43, unknown=(300, None)),
+         f"at most 420 to 620.5 rpm{NAME}; from 300 to 420 rpm nothing is known"),
+        (rpm_range(500.0, 900.0, is_open=(False, True)),
+         f"500.0 to 900 rpm{NAME}; it goes on above 900 rpm, where stability was not asked for"),
+        (rpm_range(300.0, 300.0, is_open=(True, False), unknown=(None, 420)),
+         (f"at 300 rpm{NAME}; it goes on below 300 rpm, where stability was not asked for; "
+          "from 300 to 420 rpm nothing is known")),
+    ],
+)  # fmt: skip
+def test_ends_of_a_range_are_told_as_boundaries_only_where_they_are(one: UnstableRange, text: str) -> None:
+    assert words(one, (300.0 / RPM, 900.0 / RPM)) == text
+
+
+def test_boundary_is_not_rounded_beyond_the_speeds_asked_for() -> None:
+    assert words(rpm_range(333.34, 400.0), (333.33 / RPM, 399.99 / RPM)).startswith("333.33 to 399.99 rpm")
+
+
+def known(findings: Findings, *ranges: UnstableRange) -> Findings:
+    """The same with other unstable ranges."""
+    return replace(findings, stability=replace(findings.stability, ranges=ranges))
+
+
+def shown(findings: Findings) -> str:
+    out = io.StringIO()
+    show(findings, console=Console(file=out, width=160))
+    return out.getvalue()
+
+
+def test_open_and_unknown_ends_are_marked_in_report_terminal_and_json(unstable: Findings) -> None:
+    ends = rpm_range(950.0, 960.0, is_open=(True, False), unknown=(None, 990))
+    marked = known(unstable, ends, rpm_range(1000.0, 1010.0))
+    (first, second) = table(stability.chapter(marked), "Unstable ranges").rows
+    assert (first[0], first[1]) == ("950.000000+", "960.000000?")
+    assert first[-1].endswith("from 960 to 990 rpm nothing is known")
+    assert second[-1] == ""
+    assert "+ goes on beyond the speeds asked for; ? nothing is known beyond" in " ".join(shown(marked).split())
+    assert "960.0000?" in shown(marked)
+    assert "from 960 to 990 rpm nothing is known" in " ".join(shown(marked).split())
+    told = results(marked)["stability"]["ranges"][0]
+    assert told["goes_on"] == [True, False]
+    assert told["unknown_to_rad_per_s"] == [None, pytest.approx(990.0 / RPM)]
+    assert "goes on" not in shown(known(unstable, rpm_range(1000.0, 1010.0)))
+
+
+def test_stretch_without_a_motion_is_told_once_in_the_conclusion(unstable: Findings) -> None:
+    speed, growth = np.array([900.0, 930.0, 960.0, 1000.0, 1040.0, 1080.0]) / RPM, np.full(6, -1.0)
+    growth[[2, 4]] = np.nan
+    bare = replace(unstable.stability, speed=speed, growth=growth, unsolved=speed[[2, 4]], asked=np.ones(6, dtype=bool))
+    one = rpm_range(910.0, 930.0, unknown=(None, 1000))
+    told = " ".join(shown(known(replace(unstable, stability=bare), one)).split())
+    assert told.count("nothing is known. Not for operation.") == 1
+    assert "No periodic motion was found from 1000 to 1080 rpm: nothing is known there." in told
+    assert "found from 930" not in told
+
+
+def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Findings) -> None:
+    mapped = unstable.stability_map
+    quiet = replace(unstable, stability_map=replace(mapped, growth=np.full_like(mapped.growth, -1.0)))
+    missed = known(quiet, rpm_range(*(mapped.speed[:2] * RPM + [1.0, -1.0])), rpm_range(*(mapped.speed[1:3] * RPM)))
+    blocks = stability.chapter(missed)
+    told = {row[-1] for row in table(blocks, "by value").rows}
+    assert told == {f"stable at the {mapped.speed.size} speeds of the map"}
+    said = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
+    assert "1 of the 2 unstable ranges above lies between them" in said
+    said = " ".join(block.text for block in stability.chapter(unstable) if isinstance(block, Paragraph))
+    assert "between them" not in said
+
+
+def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unstable: Findings) -> None:
+    found, stable = unstable.periodic, unstable.stability
+    number = len(found.speed)
+    none = replace(
+        found, status=np.full(number, Found.NONE, dtype=np.uint8), harmonics=np.zeros(number, dtype=int),
+        truncation=np.full(number, np.nan), torque=np.full_like(found.torque, np.nan), growth=None,
+        drive=np.full(number, np.nan), why=("none",) * number,
+    )  # fmt: skip
+    bare = replace(stable, growth=np.full_like(stable.growth, np.nan), ranges=(), unsolved=stable.speed, check=np.nan)
+    check = stability_check(bare, unstable.study.operation)
+    others = tuple(one for one in unstable.checks if one.clause != "stability")
+    nothing = replace(unstable, periodic=none, stability=bare, checks=(*others, check))
+    blocks = [*stability.chapter(nothing), *periodic.chapter(nothing)]
+    said = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
+    assert "too large" not in said
+    assert "no growth rate is known" in said
+    assert "no periodic motion at any of them" in said
+    assert "harmonics of the common period" not in said
+    (row,) = (row for row in table(verdict.chapter(nothing), "Checks against").rows if "stability" in row[0])
+    assert row[2] == "no answer"
+    printed = " ".join(shown(nothing).split())
+    assert "no answer" in printed
+    assert f"no periodic motion was found at any of the {stable.speed.size} speeds tried" in printed
+    assert "∞" not in printed
+
+
+def test_speeds_that_read_alike_are_told_with_more_digits(unstable: Findings) -> None:
+    stable = unstable.stability
+    close = replace(stable, unsolved=np.array([337.6202131, 337.6202138]) / RPM)
+    rows = table(stability.chapter(replace(unstable, stability=close)), "without an answer").rows
+    assert [row[0] for row in rows] == ["337.620213", "337.620214"]
+
+
+def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Findings) -> None:
+    assert "The only such speed lies in the speed range" in critical.chapter(undamped)[1].text
+    line = replace(unstable.response, lines=unstable.response.lines[:1])
+    said = " ".join(b.text for b in response.chapter(replace(unstable, response=line)) if isinstance(b, Paragraph))
+    assert said.startswith("1 line at ")
+    (alone,) = (check for check in unstable.checks if check.clause == "stability")
+    assert "The only check failed (whole train)" in verdict.conclusion(replace(unstable, checks=(alone,)))[0].text
+    passed = replace(alone, verdict="pass", value=-1.0)
+    assert verdict.conclusion(replace(unstable, checks=(passed,)))[0].text.startswith("The only check passed")
 
 
 def test_terminal_prints_both_methods_and_the_unstable_ranges(unstable: Findings) -> None:

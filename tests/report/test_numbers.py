@@ -50,3 +50,28 @@ def test_a_prefix_does_not_change_the_value() -> None:
 
 def test_a_barred_range_is_rounded_outward() -> None:
     assert band_words((298.46, 368.41)) == "298.4 to 368.5 rpm"
+
+
+def test_a_range_that_ends_at_a_round_speed_is_not_rounded_by_the_conversion_of_units() -> None:
+    for speed in (300.0, 780.0, 900.0, 1234.5):
+        there = speed * math.pi / 30.0 * numbers.RPM
+        for near in (there, math.nextafter(there, 0.0), math.nextafter(there, 2.0 * there)):
+            assert band_words((near, near)) == f"{speed} to {speed} rpm"
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ([337.62], ["337.62"]),
+        ([337.62, 337.62], ["337.62", "337.62"]),
+        ([1.0, 2.0], ["1.0000", "2.0000"]),
+        ([337.62021, 337.62024], ["337.62021", "337.62024"]),
+        ([300.0, 300.002], ["300.000", "300.002"]),
+    ],
+)
+def test_different_values_read_differently(values: list[float], texts: list[str]) -> None:
+    assert numbers.told_apart(values) == texts
+
+
+def test_a_count_has_its_noun_in_the_right_number() -> None:
+    assert [numbers.counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]

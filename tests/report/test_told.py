@@ -1,6 +1,7 @@
 """Very long shafts in a report: stretches of segments stand for them."""
 
 import json
+from datetime import date
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ import torsion
 from torsion.findings import Findings
 from torsion.report.blocks import Figure, Table
 from torsion.report.chapters.frequencies import MOST_SEGMENTS, chapter
+from torsion.report.document import document
+from torsion.report.html import html
 from torsion.report.json.results import text
 from torsion.report.told import told
 
@@ -101,3 +104,14 @@ def test_the_holzer_table_sums_all_segments_into_the_row_of_their_end(long):
     assert flexibility.sum() == pytest.approx(long.system.flexibility.sum(), rel=1e-4)
     np.testing.assert_allclose(angle[:-1] - twist, angle[1:], atol=1e-4)
     assert torque.sum() == pytest.approx(0.0, abs=1e-4 * np.abs(torque).max())
+
+
+@pytest.mark.parametrize("inertia", ["inertia: 1, damping: 2", "inertia: 1", "held: true"])
+def test_a_train_of_one_station_and_no_span_has_a_report(inertia):
+    excited = "" if "held" in inertia else ", ripple: [{order: 1, torque: 3}, {order: 2, torque: 1}]"
+    speeds = "operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 3}}\n"
+    found = torsion.run(torsion.parse(f"name: x\n{speeds}train: [motor: {{{inertia}{excited}}}]\n"))
+    every = told(found.system, MOST_SEGMENTS)
+    assert (every.names(), every.ends.shape, every.spans.size) == ([], (0, 2), 0)
+    assert [station["name"] for station in json.loads(text(found))["stations"]] == ["motor-1"]
+    assert "motor-1" in html(document(found, date(2026, 1, 1)))

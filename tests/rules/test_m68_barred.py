@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.rules.judgement import Curve
-from torsion.rules.m68_barred import barred_ranges, inside
+from torsion.rules.m68_barred import barring
 from torsion.rules.m68_formulas import barred_range
 
 RATED = 1000.0
@@ -24,44 +24,76 @@ def curve(shares, rest=0.3):
 def test_range_widens_to_every_speed_above_the_limit() -> None:
     wide = np.where(np.abs(SPEED - 500) < 95, 1.2, 0.8)
     wide[40] = 1.5
-    (one,) = barred_ranges(Curve(SPEED, wide, np.ones(96), np.zeros(96, dtype=np.int64)), RATED, "line")
+    (one,) = barring(Curve(SPEED, wide, np.ones(96), np.zeros(96, dtype=np.int64)), RATED, "line").permitted
     assert [one.lower, one.critical, one.upper] == pytest.approx([405, 500, 595], rel=1e-12)
 
 
 def test_two_near_resonances_share_one_range_about_the_worse() -> None:
-    (one,) = barred_ranges(curve({450: 1.1, 510: 1.2}), RATED, "line")
+    (one,) = barring(curve({450: 1.1, 510: 1.2}), RATED, "line").permitted
     assert one.critical == pytest.approx(510, rel=1e-12)
     assert one.lower == pytest.approx(barred_range(450, RATED)[0], rel=1e-12)
     assert one.upper == pytest.approx(barred_range(510, RATED)[1], rel=1e-12)
 
 
 def test_two_far_resonances_have_two_ranges() -> None:
-    both = barred_ranges(curve({200: 1.1, 600: 1.2}), RATED, "line")
+    both = barring(curve({200: 1.1, 600: 1.2}), RATED, "line").permitted
     assert [one.critical for one in both] == pytest.approx([200, 600], rel=1e-12)
 
 
 def test_tachometer_tolerance_widens_both_ends() -> None:
-    (one,) = barred_ranges(curve({500: 1.1}), RATED, "line", 0.02)
+    (one,) = barring(curve({500: 1.1}), RATED, "line", 0.02).permitted
     lower, upper = barred_range(500, RATED)
     assert [one.lower, one.upper] == pytest.approx([0.98 * lower, 1.02 * upper], rel=1e-12)
 
 
 def test_resonance_at_the_end_of_the_speeds_keeps_the_rule_s_width() -> None:
-    (one,) = barred_ranges(curve({100: 1.1}), RATED, "line")
+    (one,) = barring(curve({100: 1.1}), RATED, "line").permitted
     assert [one.lower, one.upper] == pytest.approx(barred_range(100, RATED), rel=1e-12)
 
 
 def test_speed_without_an_answer_is_the_critical_one() -> None:
-    (one,) = barred_ranges(curve({490: 1.4, 500: math.nan, 510: 1.3}), RATED, "line")
+    (one,) = barring(curve({490: 1.4, 500: math.nan, 510: 1.3}), RATED, "line").permitted
     assert one.critical == pytest.approx(500, rel=1e-12)
 
 
-def test_nothing_is_barred_below_the_limit_or_from_0_8() -> None:
-    assert barred_ranges(curve({500: 1.0, 800: 1.2, 900: 1.2}), RATED, "line") == ()
+def test_nothing_is_barred_below_the_limit() -> None:
+    nothing = barring(curve({500: 1.0, 800: 0.9}), RATED, "line")
+    assert (nothing.permitted, nothing.refused) == ((), ())
+    assert not nothing.passed.any()
 
 
-def test_speeds_inside_end_at_0_8() -> None:
-    high = curve({780: 1.1})
-    ranges = barred_ranges(high, RATED, "line")
-    assert ranges[0].upper > 800
-    assert list(SPEED[inside(ranges, high, RATED)]) == pytest.approx([730, 740, 750, 760, 770, 780, 790])
+@pytest.mark.parametrize("critical", [750, 780, 800, 820, 1050])
+def test_range_that_reaches_0_8_is_refused_whole(critical) -> None:
+    found = barring(curve({critical: 1.2}), RATED, "line")
+    assert found.permitted == ()
+    assert found.refused[0].critical == pytest.approx(critical)
+    assert [found.refused[0].lower, found.refused[0].upper] == pytest.approx(barred_range(critical, RATED))
+    assert not found.passed.any()
+
+
+def test_peak_above_0_8_is_the_critical_speed_of_its_flank_below() -> None:
+    flank = 1.5 * np.exp(-(((SPEED - 820) / 60) ** 2))
+    found = barring(Curve(SPEED, flank, np.ones(96), np.zeros(96, dtype=np.int64)), RATED, "line")
+    assert found.permitted == ()
+    assert [one.critical for one in found.refused] == pytest.approx([820])
+
+
+def test_tachometer_decides_whether_a_range_reaches_0_8() -> None:
+    assert barred_range(730, RATED)[1] < 800 < 1.02 * barred_range(730, RATED)[1]
+    assert barring(curve({730: 1.2}), RATED, "line").permitted
+    assert barring(curve({730: 1.2}), RATED, "line", 0.02).refused
+
+
+def test_permitted_range_does_not_excuse_what_is_refused_within_it() -> None:
+    found = barring(curve({720: 1.4, 750: 1.2}), RATED, "line")
+    assert [one.critical for one in found.permitted] == pytest.approx([720])
+    assert found.permitted[0].upper > 750
+    assert [one.critical for one in found.refused] == pytest.approx([750])
+    assert list(SPEED[found.passed]) == pytest.approx([670, 680, 690, 700, 710, 720, 730, 740, 760, 770])
+
+
+def test_ends_of_a_range_are_speeds_of_continuous_use() -> None:
+    lower, upper = barred_range(500, RATED)
+    speed = np.array([400, lower, 500, upper, 600])
+    found = barring(Curve(speed, np.array([0.1, 0.9, 1.1, 0.9, 0.1]), np.ones(5), np.zeros(5, dtype=int)), RATED, "x")
+    assert found.passed.tolist() == [False, False, True, False, False]

@@ -102,7 +102,7 @@ def test_bore_counts_from_0_4_of_the_diameter() -> None:
 
 @pytest.mark.parametrize(
     ("role", "smooth", "factor"),
-    [("intermediate", True, 95), ("thrust", True, 95), ("intermediate", False, 100), ("propeller", True, 100)],
+    [("intermediate", True, 95), ("thrust", True, 100), ("intermediate", False, 100), ("propeller", True, 100)],
 )
-def test_drive_factor_favours_smooth_drives_but_never_the_propeller_shaft(role, smooth, factor) -> None:
+def test_drive_factor_favours_intermediate_shafts_of_smooth_drives_alone(role, smooth, factor) -> None:
     assert m68.drive_factor(role, smooth=smooth) == factor

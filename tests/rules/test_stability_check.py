@@ -1,6 +1,7 @@
 """The verdict on stability: never a pass where something grows, is not known or was not looked at."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -52,6 +53,28 @@ def test_speed_without_a_periodic_motion_is_no_pass():
     check = stability_check(found([-1.0, -1.0, math.nan, -1.0, -1.0]), OPERATED)
     assert (check.verdict, check.value, check.speed) == ("fail", math.inf, 150.0)
     assert "no periodic motion" in check.note
+    assert "from 1098.2 to 1766.6 rpm" in check.note
+
+
+@pytest.mark.parametrize(("growth", "verdict"), [([math.nan, -1.0, -1.0], "fail"), ([math.nan, *[-1.0] * 8], "pass")])
+def test_nothing_is_known_as_far_as_the_next_speed_with_a_periodic_motion(growth, verdict):
+    check = stability_check(found(growth), OPERATED)
+    assert check.verdict == verdict
+    assert ("nothing is known" in check.note) == (verdict == "fail")
+
+
+def test_train_without_any_periodic_motion_says_so():
+    check = stability_check(found([math.nan] * 3), OPERATED)
+    assert (check.verdict, check.value, check.speed) == ("fail", math.inf, 150.0)
+    assert "at any of the 3 speeds" in check.note
+
+
+def test_range_that_is_unstable_at_the_first_speed_operated_fails():
+    zone = Zone("principal", (1,), 1, 0.0)
+    one = UnstableRange(90.0, 100.0, (False, False), 0.3, 95.0, zone, (None, 100.5))
+    known = replace(found([-1.0] * 5), ranges=(one,))
+    check = stability_check(known, OPERATED)
+    assert (check.verdict, check.value, check.speed) == ("fail", 0.3, 100.0)
 
 
 def test_part_of_the_operation_that_was_not_looked_at_is_no_pass():

@@ -41,8 +41,8 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         raise SolveError(f"{message}; use the lumped model, the response is right with all of them")
     folded = system.folded
     if folded.extra.size:
-        message = "damped modes of a train with closed loops are not built"
-        raise SolveError(f"{message}; ask for `modes: {{damped: false}}`, the response is right with loops")
+        message = "damped modes of a train with closed loops, or held behind rigid spans at several points"
+        raise SolveError(f"{message}, are not built; ask for `modes: {{damped: false}}`, the response is right")
     own = ground_damping(system, np.array([speed]), steady)[:, 0]
     ground = np.zeros(folded.tree.size)
     ground[folded.node] = own * system.speed_ratio**2

@@ -5,9 +5,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from torsion.analyses.power import flow
 from torsion.analyses.statics import Shares, statics
 from torsion.assembly.system import System
-from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
 from torsion.kernels.tree import FloatArray
 from torsion.study import Operation, Study
@@ -42,18 +42,16 @@ def operating_speed(operation: Operation) -> float:
 def steady(train: Train, system: System, operation: Operation, speed: FloatArray) -> Steady:
     """Mean torques at reference speeds (speeds,) rad/s.
 
-    The torque enters at the motors, in proportion to their power, else at the first station, and leaves at the
-    propellers, in equal parts, else at the last station of the main line. Raises InputError where the operation says
-    no mean torque, or its table does not cover the speeds, or only some of the motors have a power.
+    Where the torque enters and leaves is `power.flow`'s. Raises InputError as that does, and where the operation says
+    no mean torque or its table does not cover the speeds.
     """
     speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
     mean = mean_torque(operation, speed)
-    drives, driving = _drives(train)
-    loads, loading = _loads(train)
+    power = flow(train, operation)
     shares: Shares = [Fraction(0)] * len(system.stations)
-    for station, share in drives:
+    for station, share in power.drives:
         shares[station] += share
-    for station, share in loads:
+    for station, share in power.loads:
         shares[station] -= share
     one = statics(system, shares, reference_station(train, operation))
     applied = np.array([float(share / station.ratio) for share, station in zip(shares, system.stations, strict=True)])
@@ -62,7 +60,7 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
         np.outer(one.torque / system.span_ratio, mean),
         np.outer(applied, mean),
         np.outer(one.twist * system.speed_ratio, mean),
-        f"The mean torque enters at {driving} and leaves at {loading}.",
+        power.told,
     )
 
 
@@ -111,40 +109,3 @@ def reference_station(train: Train, operation: Operation) -> int:
 
 def _rpm(speed: float) -> str:
     return f"{speed * 30.0 / np.pi:.6g} rpm"
-
-
-def _drives(train: Train) -> tuple[list[tuple[int, Fraction]], str]:
-    """Stations that drive with their shares of the power, and their names in words."""
-    motors = [part for part in train.parts if part.component.keyword == "motor"]
-    if not motors:
-        return [(0, Fraction(1))], f"{train.stations[0].name} (there is no motor)"
-    power = [getattr(part.component, "power", None) for part in motors]
-    given = [Fraction(value) for value in power if value is not None]
-    if len(motors) == 1 or not given:
-        return _equally(motors)
-    if len(given) < len(motors):
-        lacking = motors[power.index(None)]
-        hint = "give every motor its power, or none of them to share the load equally"
-        raise InputError([Fault(lacking.path, f"'{lacking.name}' has no power, other motors have", hint)])
-    shares = [(part.stations[0], value / sum(given)) for part, value in zip(motors, given, strict=True)]
-    return shares, f"{_names(motors)} in proportion to their power"
-
-
-def _loads(train: Train) -> tuple[list[tuple[int, Fraction]], str]:
-    """Stations that absorb the power with their shares, and their names in words."""
-    propellers = [part for part in train.parts if part.component.keyword == "propeller"]
-    if propellers:
-        return _equally(propellers)
-    main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
-    last = main[-1].stations[-1]
-    return [(last, Fraction(1))], f"{train.stations[last].name} (there is no propeller)"
-
-
-def _equally(parts: list[Part]) -> tuple[list[tuple[int, Fraction]], str]:
-    words = _names(parts) + (" in equal parts" if len(parts) > 1 else "")
-    return [(part.stations[0], Fraction(1, len(parts))) for part in parts], words
-
-
-def _names(parts: list[Part]) -> str:
-    names = [part.name for part in parts]
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]

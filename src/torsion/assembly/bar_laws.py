@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.assembly.shafts import is_uniform
-from torsion.kernels.bars.spans import Bars, Law, element_bars, profile_bars, profile_points, uniform_bars
+from torsion.kernels.bars.spans import Bars, Law, profile_bars, profile_points, uniform_bars
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -18,15 +18,11 @@ def folded_bars(bars: "BarSpans", node: IntArray, ratio: FloatArray, turned: Boo
 
     (bars,) each: node of the tree at its outer end, speed ratio, and whether its driven end is the inner one.
     """
-    laws = _elements(bars, ratio**2) if bars.degree else _continua(bars, ratio**2)
-    return Bars(node, laws).turned(turned)
+    if not bars.degree:
+        return Bars(node, _continua(bars, ratio**2)).turned(turned)
+    from torsion.assembly.element_matrices import element_law
 
-
-def _elements(bars: "BarSpans", ratio2: FloatArray) -> tuple[Law, ...]:
-    assert bars.stiffness is not None
-    assert bars.inertia is not None
-    factor = ratio2[:, None, None]
-    return (element_bars(bars.stiffness * factor, bars.inertia * factor),)
+    return Bars(node, (element_law(bars, ratio**2),)).turned(turned)
 
 
 def _continua(bars: "BarSpans", ratio2: FloatArray) -> tuple[Law, ...]:

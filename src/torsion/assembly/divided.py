@@ -56,7 +56,8 @@ def made(found: Collected, model: str, numbers: dict[str, int], bars: BarSpans |
     """The system of all that was collected; raises SolveError for distributed shafts in a train with closed loops."""
     system = found.system(model, numbers, bars)
     if bars is not None and system.folded.extra.size:
-        raise SolveError(f"the model {model} takes no closed loops, and spans close one here; use the lumped model")
+        why = "no closed loops, and no train that rigid spans hold at several points"
+        raise SolveError(f"the model {model} takes {why}; use the lumped model")
     return system
 
 

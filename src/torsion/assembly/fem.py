@@ -59,12 +59,9 @@ def assemble_fem(
 
     found, bars, numbers = collect(train, number_of)
     if bars is not None:
-        from torsion.assembly.element_matrices import element_matrices
-
-        stiffness, inertia = element_matrices(bars.pieces, order)
         shafts = {piece.bar.name: piece.bar for piece in bars.pieces}.values()
         error = max(element_error(bar, numbers[bar.name], order, frequency) for bar in shafts)
-        bars = replace(bars, stiffness=stiffness, inertia=inertia, degree=order, error=error)
+        bars = replace(bars, degree=order, error=error)
     return made(found, "fem", numbers, bars)
 
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.assembly.walking import MANY, Walk, connected, walk
-from torsion.errors import SolveError
+from torsion.components.lowering import Part
+from torsion.errors import Fault, InputError
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
@@ -32,57 +33,84 @@ class Folded:
 
 
 def fold(system: "System") -> Folded:
-    """The tree of a system; raises SolveError where rigid spans close a loop or join two held stations."""
+    """The tree of a system; raises InputError where rigid spans close a loop or join two held stations.
+
+    Where rigid spans lead to several held stations of one part of the train, each of these is a root of its own, and
+    the softest spans between them are left over as those that close a loop (through ground).
+    """
     ratio = system.span_ratio
     flexibility = system.flexibility / ratio**2
     ends = _split_held(system)
     chosen = np.ones(len(flexibility), dtype=bool)
-    way = _walked(system, ends, chosen)
-    if len(flexibility) > np.count_nonzero(way.parent >= 0):
-        chosen = _spanning(flexibility, ends, len(way.order))
-        way = _walked(system, ends, chosen)
+    way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
+    if ends.anchors or len(flexibility) > np.count_nonzero(way.parent >= 0):
+        chosen = _spanning(system, flexibility, ends)
+        way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
     return _layout(system, flexibility, ends, chosen, way)
-
-
-def _walked(system: "System", ends: "_Ends", chosen: BoolArray) -> Walk:
-    """The way over the `chosen` spans, from a held station (no ground) where a part of the train has one."""
-    number = len(system.stations) + len(ends.copies)
-    held = [station for station in np.flatnonzero(system.held).tolist() if not system.stations[station].is_ground]
-    return walk(number, ends.driving, ends.driven, chosen, held)
 
 
 @dataclass(frozen=True)
 class _Ends:
     """Ends of every span after held stations were split into one copy a span."""
 
+    number: int  # of stations and copies
     driving: IntArray
     driven: IntArray
     copies: tuple[int, ...]  # the held station that each further node copies
+    roots: list[int]  # held stations (no ground) to walk from, in this order
+    anchors: tuple[int, ...]  # held stations that rigid spans join to one part, where there are several
 
 
 def _split_held(system: "System") -> _Ends:
     """A held station stays the root of its train once; every other held station becomes one leaf a span.
 
-    One with a single span is a root or a leaf as it is.
+    One with a single span is a root or a leaf as it is. A rigid span can only lead outward from a root.
     """
     driving, driven = system.driving.copy(), system.driven.copy()
-    if not system.held.any():
-        return _Ends(driving, driven, ())
-    copies: list[int] = []
     number = len(system.stations)
+    if not system.held.any():
+        return _Ends(number, driving, driven, (), [], ())
     group = _groups(number, driving, driven, system.held)
-    rooted: set[int] = set()
-    for station in np.flatnonzero(system.held).tolist():
-        touching = [(side, s) for side in (driving, driven) for s in np.flatnonzero(side == station).tolist()]
-        other = {id(driving): driven, id(driven): driving}
-        for side, span in touching if len(touching) > 1 else []:
-            beyond = int(group[other[id(side)][span]])
-            if beyond in rooted or system.stations[station].is_ground:
-                side[span] = number + len(copies)
+    held = np.flatnonzero(system.held).tolist()
+    touching = {station: _touching(system, station) for station in held}
+    root, anchors = _rigidly_rooted(system, touching, group)
+    copies: list[int] = []
+    for station in held:
+        is_ground = system.stations[station].is_ground
+        for side, span, other in touching[station] if len(touching[station]) > 1 else []:
+            here, there = (driving, driven) if side == 0 else (driven, driving)
+            is_between = bool(system.held[other]) and there[span] < number
+            is_elsewhere = root.get(int(group[other]), station) != station
+            if system.flexibility[span] > 0 and (is_ground or is_between or is_elsewhere):
+                here[span] = number + len(copies)
                 copies.append(station)
-        if not system.stations[station].is_ground:
-            rooted.update(int(group[other[id(side)][span]]) for side, span in touching)
-    return _Ends(driving, driven, tuple(copies))
+        if not is_ground:
+            for _, _, other in touching[station]:
+                root.setdefault(int(group[other]), station)
+    first = dict.fromkeys(root.values())
+    rest = [station for station in held if station not in first and not system.stations[station].is_ground]
+    return _Ends(number + len(copies), driving, driven, tuple(copies), [*first, *rest], anchors)
+
+
+def _touching(system: "System", station: int) -> list[tuple[int, int, int]]:
+    """(0 as its driving end or 1, span, station at the other end) of every span of a station."""
+    found = []
+    for side, here, there in ((0, system.driving, system.driven), (1, system.driven, system.driving)):
+        found += [(side, span, int(there[span])) for span in np.flatnonzero(here == station).tolist()]
+    return found
+
+
+def _rigidly_rooted(
+    system: "System", touching: dict[int, list[tuple[int, int, int]]], group: IntArray
+) -> tuple[dict[int, int], tuple[int, ...]]:
+    """The first held station that a rigid span joins to each group, and the anchors."""
+    root, anchors = dict[int, int](), set[int]()
+    for station, spans in touching.items():
+        for _, span, other in spans:
+            if system.flexibility[span] == 0:
+                first = other if system.held[other] else root.setdefault(int(group[other]), station)
+                anchors |= {first, station} if first != station else set()
+    return root, tuple(sorted(anchors))
 
 
 def _groups(number: int, driving: IntArray, driven: IntArray, held: BoolArray) -> IntArray:
@@ -104,9 +132,11 @@ def _groups(number: int, driving: IntArray, driven: IntArray, held: BoolArray) -
     return np.array([root(a) for a in range(number)])
 
 
-def _spanning(flexibility: FloatArray, ends: _Ends, number: int) -> BoolArray:
-    """Which spans form the tree: the stiffest that close no loop."""
-    group = list(range(number))
+def _spanning(system: "System", flexibility: FloatArray, ends: _Ends) -> BoolArray:
+    """Which spans form the tree: the stiffest that close no loop and join no two anchors; those of `links` last."""
+    group = list(range(ends.number))
+    for anchor in ends.anchors:
+        group[anchor] = ends.anchors[0]
 
     def root(a: int) -> int:
         while group[a] != a:
@@ -115,14 +145,22 @@ def _spanning(flexibility: FloatArray, ends: _Ends, number: int) -> BoolArray:
         return a
 
     chosen = np.zeros(len(flexibility), dtype=bool)
-    for span in np.argsort(flexibility, kind="stable").tolist():
+    closes = np.array([part.path[0] == "links" for part in system.train.parts])[system.span_part]
+    for span in np.lexsort((closes, flexibility)).tolist():
         a, b = root(int(ends.driving[span])), root(int(ends.driven[span]))
         if a != b:
             group[a] = b
             chosen[span] = True
         elif flexibility[span] == 0:
-            raise SolveError("rigid links close a loop; give one of them a stiffness")
+            raise InputError([_rigid_loop(system.train.parts[system.span_part[span]])])
     return chosen
+
+
+def _rigid_loop(part: Part) -> Fault:
+    """The fault of a rigid component that closes a loop of rigid ones."""
+    key = ("flexibility",) if getattr(part.component, "flexibility", None) == 0 else ()
+    message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
+    return Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
 
 
 def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> Folded:
@@ -144,12 +182,5 @@ def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: Bool
     source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
     inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
     tree = Tree(np.where(parent >= 0, place[parent], -1), tree_flexibility, inertia, system.held[source])
-    _refuse_rigid_held(tree)
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
     return Folded(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
-
-
-def _refuse_rigid_held(tree: Tree) -> None:
-    inner = tree.held & (tree.parent >= 0)
-    if np.any(inner & (tree.flexibility == 0)):
-        raise SolveError("two held stations are joined with a rigid span between; hold the train at one of them")

@@ -22,11 +22,16 @@ def is_uniform(bar: Bar) -> bool:
     return bar.outer[0] == bar.outer[1] and bar.bore[0] == bar.bore[1]
 
 
+def uniform_area(bar: Bar) -> float:
+    """Polar moment of area of a uniform shaft, m4."""
+    return float(polar_area_moment(bar.outer[0], bar.bore[0]))
+
+
 def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a bar, by exact integrals."""
     length = bar.length / number
     if is_uniform(bar):
-        area = float(polar_area_moment(np.array(bar.outer[0]), np.array(bar.bore[0])))
+        area = uniform_area(bar)
         lump = np.full(number + 1, bar.density * length * area)
         lump[[0, -1]] *= 0.5
         return np.full(number, length / (bar.shear_modulus * area)), lump

@@ -50,10 +50,24 @@ class BarSpans:
     lumped: FloatArray  # (stations,) kg m2 at own speed, without the inertia of the bars
     ends: IntArray  # (bars, 2) stations at which half the inertia of each bar is told: driving and driven
     pieces: tuple[Piece, ...]  # (bars,)
-    stiffness: FloatArray | None = None  # (bars, degree + 1, degree + 1) N m/rad of a finite element, own speed
-    inertia: FloatArray | None = None  # (bars, degree + 1, degree + 1) kg m2; first the driving, then the driven end
     degree: int = 0  # of the finite elements; 0 for the exact model
     error: float = 0.0  # estimated, relative, of a shaft's highest frequency asked for
+
+    @property
+    def stiffness(self) -> FloatArray | None:
+        """(bars, degree + 1, degree + 1) N m/rad of finite elements at own speed: driving end, driven end, inside."""
+        return self._matrices[0] if self.degree else None
+
+    @property
+    def inertia(self) -> FloatArray | None:
+        """(bars, degree + 1, degree + 1) kg m2, likewise."""
+        return self._matrices[1] if self.degree else None
+
+    @cached_property
+    def _matrices(self) -> tuple[FloatArray, FloatArray]:
+        from torsion.assembly.element_matrices import element_matrices
+
+        return element_matrices(self.pieces, self.degree)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from typing import Self
 from pydantic import field_validator, model_validator
 
 from torsion import fields
+from torsion.errors import Path
 from torsion.fields import Amount, Declared, given, refuse, required
 from torsion.primitives import Torque
 
@@ -37,9 +38,9 @@ class Ripple(Harmonic):
             raise refuse("a ripple needs `order` or `frequency`", "for example `order: 6`")
         return self
 
-    def at(self, station: int, name: str) -> Torque:
-        """The primitive at a station."""
-        return _harmonic(self, self.torque, station, name)
+    def at(self, station: int, name: str, path: Path) -> Torque:
+        """The primitive at a station; `path` is where the file says it."""
+        return _harmonic(self, self.torque, (name, station), path)
 
 
 class Excitation(Harmonic):
@@ -47,7 +48,8 @@ class Excitation(Harmonic):
 
     at: str = required("name of the component on which it acts")
     torque: fields.TorqueAmount | tuple[tuple[float, float], ...] = required(
-        "amplitude (half range): N m, {of_mean: %}, or a table [[speed, torque], ...]"
+        "amplitude (half range): N m, {of_mean: %}, or a table [[speed, torque], ...] over the speed of the "
+        "component's own shaft, not that of the reference"
     )
     note: str | None = given("free text")
     source: str | None = given("where the figure comes from")
@@ -59,15 +61,17 @@ class Excitation(Harmonic):
             return fields.read_amount(value)
         return read_table(value)
 
-    def on(self, station: int) -> Torque:
-        """The primitive at a station."""
+    def on(self, station: int, path: Path) -> Torque:
+        """The primitive at a station; `path` is where the file says it."""
         if isinstance(self.torque, Amount):
-            return _harmonic(self, self.torque, station, self.at)
-        return Torque(self.at, station, self.order, self.frequency, table=self.torque, phase=self.phase)
+            return _harmonic(self, self.torque, (self.at, station), path)
+        return Torque(self.at, station, self.order, self.frequency, table=self.torque, phase=self.phase, path=path)
 
 
-def _harmonic(line: Harmonic, amount: Amount, station: int, name: str) -> Torque:
-    return Torque(name, station, line.order, line.frequency, amount.torque, amount.of_mean, phase=line.phase)
+def _harmonic(line: Harmonic, amount: Amount, point: tuple[str, int], path: Path) -> Torque:
+    """A torque at a point, by its name and station."""
+    size = amount.torque, amount.of_mean
+    return Torque(*point, line.order, line.frequency, *size, phase=line.phase, path=path)
 
 
 def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, float], ...]:

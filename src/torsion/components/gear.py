@@ -43,7 +43,11 @@ class Gear(Component):
     inertia: Pair | None = given("[driving, driven] wheels")
     mesh_stiffness: fields.Stiffness | None = given("torsional, at the driving gear's speed (default: rigid)")
     sense: Literal[-1, 1] = given("-1: the driven shaft turns the other way", -1)
-    referred: bool = given("figures after it are already referred to the speed before it", False)
+    referred: bool = given(
+        "inertias, stiffnesses, flexibilities and dampings of its driven wheel and of everything after it, behind "
+        "further gears too, are already referred to the speed before it (before the first such gear)",
+        False,
+    )
     branches: tuple[GearBranch, ...] = given("further wheels on the same driving gear", ())
     application_factor: Annotated[float, fields.Quantity("1", at_least=1)] | None = given("K_A of the gear rating")
 
@@ -60,7 +64,7 @@ class Gear(Component):
         before = build.at
         driving, driven = build.link(speed, self.sense)
         start = replace(before, here=driving, is_open=False)
-        build.at = _after(build.at, before.referred * speed if self.referred else Fraction(1))
+        build.at = self._after(build.at, before)
         at_driving, at_driven = self.inertia or (0.0, 0.0)
         scale = float(before.referred**2)
         build.add(Inertia(driving, at_driving / scale), Inertia(driven, build.own(at_driven)))
@@ -77,14 +81,18 @@ class Gear(Component):
         build.at = replace(start, ratio=start.ratio * speed, sense=start.sense * branch.sense, depth=start.depth + 1)
         name = f"{gear.name} wheel {position + 2}"
         driven = build.station(name, part=part)
-        referred = start.referred * speed if self.referred else Fraction(1)
-        build.at = _after(replace(build.at, here=driven, is_open=True), referred)
+        build.at = self._after(replace(build.at, here=driven, is_open=True), start)
         scale = float(start.referred**2)
         mesh = 0.0 if branch.mesh_stiffness is None else scale / branch.mesh_stiffness
         build.add(Inertia(driven, build.own(branch.inertia)))
         build.add(Constraint(name, part, driving, driven, speed, mesh))
         build.branch(build.at, branch.train, (*gear.path, "branches", position, "train"), deeper=False)
         build.at = main
+
+    def _after(self, arrival: Arrival, before: Arrival) -> Arrival:
+        """The arrival behind a mesh: no joint is counted from before it; once figures are referred, they stay so."""
+        starts = self.referred and before.referred_to is None
+        return replace(arrival, referred_to=before.ratio if starts else before.referred_to, yoke=None)
 
     def _speed(self) -> Fraction:
         """Speed after / speed before."""
@@ -99,11 +107,6 @@ class Gear(Component):
         teeth = branch.teeth or (1,)
         driving = teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
         return Fraction(driving, teeth[-1])
-
-
-def _after(arrival: Arrival, referred: Fraction) -> Arrival:
-    """The arrival behind a mesh: no joint is counted from before it."""
-    return replace(arrival, referred=referred, yoke=None)
 
 
 def _one_ratio(gear: Gear | GearBranch) -> None:

@@ -21,6 +21,7 @@ class Part:
     stations: tuple[int, ...] = ()  # the stations it made or took
     ratio: Fraction = Fraction(1)  # its speed (of a gear: of the driving side) / the reference speed
     depth: int = 0  # 0 on the main line, 1 on a branch, 2 on a branch of a branch
+    referred_to: Fraction | None = None  # ratio of the speed at which its figures are given; None: its own
 
 
 @dataclass(frozen=True)
@@ -31,10 +32,15 @@ class Arrival:
     is_open: bool = False  # no point has taken that station yet
     ratio: Fraction = Fraction(1)
     sense: int = 1
-    referred: Fraction = Fraction(1)  # figures that follow are given at this multiple of their own speed
+    referred_to: Fraction | None = None  # the ratio of the speed at which figures that follow are given; None: own
     yoke: float | None = None  # rad from its plane of the last joint's driven yoke at angle zero; None behind a gear
     joint: int | None = None  # part of that joint
     depth: int = 0
+
+    @property
+    def referred(self) -> Fraction:
+        """Own speed / speed at which figures are given."""
+        return Fraction(1) if self.referred_to is None else self.ratio / self.referred_to
 
 
 @dataclass
@@ -67,7 +73,8 @@ class Lowering:
     def _place(self, component: Component, path: Path) -> None:
         number = self._numbers[component.keyword] = self._numbers.get(component.keyword, 0) + 1
         name = component.name or f"{component.keyword}-{number}"
-        self.parts.append(Part(name, component, path, ratio=self.at.ratio, depth=self.at.depth))
+        at = self.at
+        self.parts.append(Part(name, component, path, ratio=at.ratio, depth=at.depth, referred_to=at.referred_to))
         component.lower(self)
 
     def station(self, name: str, *, is_ground: bool = False, part: int | None = None) -> int:
@@ -107,10 +114,11 @@ class Lowering:
         self.walk(components, path)
         self.at = main
 
-    def join(self, driving: int, driven: int, component: Component, path: Path) -> None:
-        """Lower a link between two stations that are there already, which closes a loop."""
-        first = self.stations[driving]
-        main, self.at = self.at, Arrival(driving, False, first.ratio, first.sense)
+    def join(self, first: Part, second: Part, component: Component, path: Path) -> None:
+        """Lower a link between two points that are there already, which closes a loop."""
+        driving, driven = first.stations[0], second.stations[0]
+        sense = self.stations[driving].sense
+        main, self.at = self.at, Arrival(driving, False, first.ratio, sense, first.referred_to)
         before = len(self.primitives)
         self._place(component, (*path, component.keyword))
         made = self.parts[-1].stations[-1]

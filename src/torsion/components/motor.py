@@ -16,7 +16,9 @@ class Motor(Rotor):
 
     keyword: ClassVar[str] = "motor"
 
-    power: fields.Power | None = given("rated power; shares the load where several motors drive one train")
+    power: fields.Power | None = given(
+        "rated power; shares the load where several motors drive one train, and says nothing where one does"
+    )
     ripple: tuple[Ripple, ...] = given("torque ripple: list of {order or frequency, torque, phase}", ())
 
     @model_validator(mode="after")
@@ -29,4 +31,5 @@ class Motor(Rotor):
 
     def lower(self, build: Lowering) -> None:
         here = self.place(build)
-        build.add(*(line.at(here, build.name) for line in self.ripple))
+        path = (*build.parts[-1].path, "ripple")
+        build.add(*(line.at(here, build.name, (*path, place)) for place, line in enumerate(self.ripple)))

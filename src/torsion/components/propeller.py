@@ -85,16 +85,21 @@ class Propeller(Component):
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
         return self
 
+    @property
+    def water(self) -> float:
+        """kg m2 of the entrained water."""
+        given_as = self.entrained or fields.Amount()
+        return float(self.inertia * given_as.of_mean + given_as.torque)
+
     def lower(self, build: Lowering) -> None:
         here = build.point()
-        water = self.entrained or fields.Amount()
-        build.add(Inertia(here, build.own(self.inertia * (1.0 + water.of_mean) + water.torque)))
+        build.add(Inertia(here, build.own(self.inertia + self.water)))
         if self.damping is not None:
             build.add(self.damper(here, build))
-        for line in self.excitation:
+        for place, line in enumerate(self.excitation):
             order = Fraction(line.blade_order * (self.blades or 0))
-            share = line.torque.of_mean
-            build.add(Torque(build.name, here, order, torque=line.torque.torque, of_mean=share, phase=line.phase))
+            size, path = line.torque, (*build.parts[-1].path, "excitation", place)
+            build.add(Torque(build.name, here, order, None, size.torque, size.of_mean, phase=line.phase, path=path))
 
     def damper(self, station: int, build: Lowering) -> Damper:
         """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega."""

@@ -12,16 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.centre import by_layers, hung_from_the_middle
+from torsion.kernels.layers import add_children
+from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
 _UNIT_ROUNDOFF = 2.0**-53
 # Roundings that a bound has to outweigh, one unit each, and one more for every child of the station they enter:
 _ROUNDINGS_OF_INERTIA = 5  # w^2, its margin, the product with J
 _ROUNDINGS_OF_FLEXIBILITY = 3  # z and 1/z, seen as an error of h
 _ROUNDINGS_OF_STIFFNESS = 6  # the same z and 1/z, h + 1/z, its reciprocal and its margin
-_STATIONS_FOR_LEVELS = 4  # average stations a level above which sweeping level by level is the faster (measured)
-_FREQUENCIES_FOR_LEVELS = 200  # beyond which one station is enough work for one numpy call (measured)
 _LARGEST_SWEEP = 2**21  # stations times frequencies held at once; 16 MB an array
+_MOST_IN_BYTE = 255
 _ONE = np.ones(())
 _LEAST_BLOCK = 64  # frequencies in one sweep, however many stations
 
@@ -35,25 +36,22 @@ def count_below(tree: Tree, frequency: ArrayLike, *, bound: ArrayLike = 0) -> In
     each frequency (m,). Flexibilities must be finite.
     """
     w = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    return _count(tree, w, _margins(tree, np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)))
+    swept = tree if tree.is_ready else by_layers(tree).tree
+    return _count(swept, w, _margins(swept, np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)))
 
 
 def count_bounds(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
     """A count never less than the exact one at each of `low` (m,) rad/s, and one never more at each of `high` (m,)."""
-    number = len(low)
+    number, swept = len(low), tree if tree.is_ready else hung_from_the_middle(tree).tree
     lean = np.ones(2 * number)
     lean[number:] = -1.0
-    count = _count(tree, np.concatenate((low, high)), _margins(tree, lean))
+    count = _count(swept, np.concatenate((low, high)), _margins(swept, lean))
     return count[:number], count[number:]
 
 
 def _count(tree: Tree, w: FloatArray, margins: "_Margins | None") -> IntArray:
-    """Negative pivots z less negative pivots h + 1/z at each `w` (m,)."""
-    negative = _negative_by_stations
-    if tree.is_chain and margins is not None:
-        negative = _bound_in_chain
-    elif len(w) <= _FREQUENCIES_FOR_LEVELS and tree.size > (tree.depth + 1) * _STATIONS_FOR_LEVELS:
-        negative = _negative_by_levels
+    """Negative pivots z less negative pivots h + 1/z at each `w` (m,), in blocks, so that memory stays bounded."""
+    negative = _bound_in_chain if tree.is_chain and margins is not None else _negative
     square = w * w if margins is None else w * w * margins.square
     stiffness = None if margins is None else margins.stiffness
     block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
@@ -64,12 +62,6 @@ def _count(tree: Tree, w: FloatArray, margins: "_Margins | None") -> IntArray:
         return np.concatenate(
             [negative(tree, square[part], None if stiffness is None else stiffness[part]) for part in parts]
         )
-
-
-def _negative(rows: FloatArray) -> IntArray:
-    """Number of negative values (m,) in `rows` (..., m)."""
-    number: IntArray = np.add.reduce(rows < 0.0, axis=tuple(range(rows.ndim - 1)), dtype=np.int64)
-    return number
 
 
 @dataclass(frozen=True)
@@ -95,63 +87,95 @@ def roundings(tree: Tree) -> tuple[float, float]:
     return square * _UNIT_ROUNDOFF, (_ROUNDINGS_OF_STIFFNESS + siblings) * _UNIT_ROUNDOFF
 
 
-def _pass(z: FloatArray, flexibility: FloatArray, margin: FloatArray | None, pivot: FloatArray) -> FloatArray:
-    """What a span passes on of `z` (m,), made less by the relative `margin` (m,); `pivot` (m,) becomes h + 1/z."""
-    np.reciprocal(z, pivot)
-    np.add(pivot, flexibility, pivot)
-    passed: FloatArray = np.reciprocal(pivot)
-    if margin is not None:
-        factor = np.sign(passed)
-        np.multiply(factor, margin, factor)
-        np.subtract(_ONE, factor, factor)
-        np.multiply(passed, factor, passed)
-    return passed
+def _negative(tree: Tree, square: FloatArray, margin: FloatArray | None) -> IntArray:
+    """Negative z less negative h + 1/z at each `square` (m,) of a frequency; the latter are those that pass on less."""
+    station, size = tree.own_stiffness(square), tree.size
+    passed = np.empty((size + 1, len(square)))
+    passed[:size] = tree.flexibility[:, None]
+    passed[size] = 0.0
+    if tree.is_swept_by_stations:
+        _by_stations(tree, station, passed, margin)
+    else:
+        _by_layers(tree, station, passed, margin)
+    is_counted = station < 0.0
+    is_counted &= ~np.signbit(passed[:size])
+    return _sum_of_rows(is_counted)
 
 
-def _negative_by_stations(tree: Tree, square: FloatArray, margin: FloatArray | None) -> IntArray:
-    """Negative z less negative h + 1/z at each `square` (m,) of a frequency, one station after another."""
-    station = tree.own_stiffness(square)
-    span = np.ones_like(station)
-    seen, pivot, flexibility, parents = list(station), list(span), tree.flexibilities, tree.parents
-    for i in range(tree.size - 1, -1, -1):
-        if parents[i] >= 0:
-            inward = seen[parents[i]]
-            np.add(inward, _pass(seen[i], flexibility[i], margin, pivot[i]), inward)
-    return _negative(station) - _negative(span)
+def _by_stations(tree: Tree, station: FloatArray, passed: FloatArray, margin: FloatArray | None) -> None:
+    """Fill `station` and `passed` from the leaves inward, one station after another."""
+    seen, through, add = list(station), list(passed), np.add
+    for i, parent in zip(range(tree.size - 1, -1, -1), reversed(tree.parents), strict=True):
+        if parent >= 0:
+            _pass_on(seen[i], through[i], margin)
+            add(seen[parent], through[i], seen[parent])
+        else:
+            through[i].fill(0.0)
+
+
+def _by_layers(tree: Tree, station: FloatArray, passed: FloatArray, margin: FloatArray | None) -> None:
+    """Fill `station` and `passed` from the leaves inward, layer by layer."""
+    room, reciprocal, add = np.empty_like(station), np.reciprocal, np.add
+    passed[: tree.parents.count(-1)] = 0.0
+    for layer in reversed(tree.layers or ()):
+        through, factor = passed[layer.stations], room[layer.stations]
+        reciprocal(station[layer.stations], factor)
+        add(through, factor, through)
+        reciprocal(through, through)
+        if margin is not None:
+            _lessen(through, margin, factor)
+        add_children(layer, passed, station[layer.above])
 
 
 def _bound_in_chain(tree: Tree, square: FloatArray, margin: FloatArray | None) -> IntArray:
-    """Like `_negative_by_stations`, from both ends of a chain to its middle, side by side: half as many operations.
+    """Like `_negative`, from both ends of a chain to its middle, side by side: half as many operations.
 
     Not for a plain count: its zero pivots, where a frequency is met exactly, would depend on where the sweep ends.
     """
     stations, columns = tree.size, len(square)
     arm, first = (stations - 1) // 2, (stations - 1) % 2
     own = tree.own_stiffness(square)
-    single = np.ones(columns)
+    single = np.full(columns, tree.flexibility[first])
     if first:  # the near arm is longer by one station
-        own[1] += _pass(own[0], tree.flexibilities[1], margin, single)
-    station, span, spans = np.empty((3, arm, 2, columns))
+        _pass_on(own[0], single, margin)
+        own[1] += single
+    station, span = np.empty((2, arm, 2, columns))
     station[:, 0], station[:, 1] = own[first : first + arm], own[: stations - 1 - arm : -1]
-    spans[:, 0] = tree.flexibility[first + 1 : first + 1 + arm, None]
-    spans[:, 1] = tree.flexibility[: stations - 1 - arm : -1, None]
-    both, passed = None if margin is None else np.stack((margin, margin)), np.zeros((2, columns))
-    for z, flexibility, pivot in zip(station, spans, span, strict=True):
+    span[:, 0] = tree.flexibility[first + 1 : first + 1 + arm, None]
+    span[:, 1] = tree.flexibility[: stations - 1 - arm : -1, None]
+    both, passed = None if margin is None else np.concatenate((margin, margin)), np.zeros(2 * columns)
+    for z, through in zip(station.reshape(arm, 2 * columns), span.reshape(arm, 2 * columns), strict=True):
         np.add(z, passed, z)
-        passed = _pass(z, flexibility, both, pivot)
-    own[first + arm] += passed[0] + passed[1]
-    ends = own[:1] if first else own[:0]
-    middle = own[first + arm : first + arm + 1]
-    return _negative(station) + _negative(ends) + _negative(middle) - _negative(span) - (single < 0.0)
+        _pass_on(z, through, both)
+        passed = through
+    own[first + arm] += passed[:columns] + passed[columns:]
+    number = _sum_of_rows(np.greater(station.reshape(-1, columns) < 0.0, np.signbit(span.reshape(-1, columns))))
+    if first:
+        number += (own[0] < 0.0) & ~np.signbit(single)
+    number += own[first + arm] < 0.0
+    return number
 
 
-def _negative_by_levels(tree: Tree, square: FloatArray, margin: FloatArray | None) -> IntArray:
-    """Like `_negative_by_stations`, all stations of equal distance from the root at once."""
-    station = tree.own_stiffness(square)
-    span = np.ones_like(station)
-    for family in tree.families[:0:-1]:
-        pivot = np.empty((len(family.stations), len(square)))
-        passed = _pass(station[family.stations], tree.flexibility[family.stations, None], margin, pivot)
-        span[family.stations] = pivot
-        station[family.parents] += np.add.reduceat(passed, family.first, axis=0)
-    return _negative(station) - _negative(span)
+def _pass_on(stiffness: FloatArray, through: FloatArray, margin: FloatArray | None) -> None:
+    """Turn `through` (m,), a flexibility h, into what its span passes on of a `stiffness` z (m,): 1/(h + 1/z)."""
+    inverse = np.reciprocal(stiffness)
+    np.add(through, inverse, through)
+    np.reciprocal(through, through)
+    if margin is not None:
+        _lessen(through, margin, inverse)
+
+
+def _lessen(through: FloatArray, margin: FloatArray, factor: FloatArray) -> None:
+    """Make `through` (stations, m) less by the relative `margin` (m,); `factor` (stations, m) is room to work in."""
+    np.sign(through, factor)
+    np.multiply(factor, margin, factor)
+    np.subtract(_ONE, factor, factor)
+    np.multiply(through, factor, through)
+
+
+def _sum_of_rows(rows: BoolArray) -> IntArray:
+    """Number of rows (m,) that are true, by sums of bytes, which do not overflow."""
+    number = np.zeros(rows.shape[1], dtype=np.int64)
+    for begin in range(0, len(rows), _MOST_IN_BYTE):
+        number += np.add.reduce(rows[begin : begin + _MOST_IN_BYTE].view(np.uint8), axis=0, dtype=np.uint8)
+    return number

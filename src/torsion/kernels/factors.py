@@ -7,6 +7,7 @@ entries are sums, products and quotients of positive numbers.
 
 import numpy as np
 
+from torsion.kernels.banded import banded_values
 from torsion.kernels.chain import bidiagonal_factor
 from torsion.kernels.lapack import bidiagonal_singular_values, jacobi_svd
 from torsion.kernels.reduction import ReducedTrain
@@ -14,7 +15,9 @@ from torsion.kernels.tree import FloatArray
 
 _BODIES_FOR_JACOBI = 30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
 _BODIES_FOR_SQUARE = 150  # above, the eigenvalues of the square take a third of the time of a decomposition (measured)
+_BODIES_FOR_BAND = 150  # above, rotations within a narrow band take a third to a tenth of the time (measured)
 _SPREAD = 1e6  # of singular values that a plain decomposition leaves right to about 1e-10
+_SPREAD_OF_COLUMNS = 1e3  # beyond which that of the singular values is not worth finding first
 _SPREAD_OF_SQUARE = 1e5  # whose squares are right to about 1e-5
 _BODIES_FOR_DENSE = 2000  # above, a dense decomposition is slower than counting
 
@@ -28,8 +31,9 @@ def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
     ends = _chain_grounds(train)
     if ends is not None:
         return _chain_values(train, *ends)[:elastic][::-1]
-    if len(train.inertia) > _BODIES_FOR_DENSE:
-        return None
+    values = banded_values(train) if len(train.inertia) > _BODIES_FOR_BAND else None
+    if values is not None or len(train.inertia) > _BODIES_FOR_DENSE:
+        return values
     return _singular_values(_factor(train, elastic))
 
 
@@ -47,8 +51,11 @@ def _singular_values(factor: FloatArray) -> FloatArray:
         square: FloatArray = np.linalg.eigvalsh(factor.T @ factor).astype(np.float64, copy=False)
         if square[0] * _SPREAD_OF_SQUARE**2 > square[-1]:
             return np.asarray(np.sqrt(square))
+    is_small = len(factor) <= _BODIES_FOR_JACOBI
+    if is_small and not size.min() * _SPREAD_OF_COLUMNS > size.max():
+        return jacobi_svd(factor)[1][::-1]
     values: FloatArray = np.linalg.svd(factor, compute_uv=False)[::-1].astype(np.float64, copy=False)
-    if len(factor) <= _BODIES_FOR_JACOBI and not values[0] * _SPREAD > values[-1]:
+    if is_small and not values[0] * _SPREAD > values[-1]:
         return jacobi_svd(factor)[1][::-1]
     return values
 

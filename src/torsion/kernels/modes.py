@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from torsion.errors import SolveError
+from torsion.kernels.banded import banded_values
+from torsion.kernels.centre import hung_from_the_middle
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.enclosure import bisect, enclose, expected_width
 from torsion.kernels.factors import start_frequencies
 from torsion.kernels.long_chain.modes import long_chain_modes
-from torsion.kernels.passes import FreeShapes, free_shapes, stiffness_passes
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
+from torsion.kernels.shapes import FreeShapes, free_shapes
 from torsion.kernels.tree import BoolArray, FloatArray, Tree
 
 _SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
@@ -23,6 +25,7 @@ _STEPS = 4  # Rayleigh quotients converge cubically; a start that needs more is 
 _TRUSTED = 0.1  # a relative change beyond which a Rayleigh step is taken to have left its mode
 _START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
 _STATIONS_FOR_COUNTS = 300  # from which the few lowest modes of a branched tree are sooner found by counts (measured)
+_STATIONS_FOR_BAND = 1500  # up to which all frequencies of a narrow tree are sooner found than the lowest by counts
 _FEW = 0.05  # of all modes
 _FULL_BISECTION = 2.0**-52
 _LONG = 2000  # stations in a row from which few modes are faster found one by one (measured)
@@ -66,11 +69,14 @@ def tree_modes(
     if wanted == 0:
         none, empty = np.empty((tree.size, 0)), np.empty(0)
         return TreeModes(empty, empty, empty, none, none, len(known.free_roots), rigid_angle)
-    frequency, shapes = _polish(solved, _start(tree, known, wanted))
-    frequency, lower, upper, wrong = _prove(tree, frequency, len(known.free_roots), shapes.passed)
+    hung = hung_from_the_middle(solved)
+    swept = hung.tree
+    frequency, shapes = _polish(swept, _start(tree, swept, known, wanted))
+    frequency, lower, upper, wrong = _prove(swept, frequency, len(known.free_roots), shapes.passed)
     if wrong.any():
-        shapes = _determined_shapes(solved, frequency)
-    angle, torque = _complete(solved, frequency, shapes)
+        shapes = _determined_shapes(swept, frequency)
+    angle, torque = hung.angles(shapes.angle), hung.torques(shapes.torque)
+    _complete(solved, frequency, ~shapes.finite, angle, torque)
     if solved is not tree:
         torque = with_reactions(tree, known, torque)
     return TreeModes(frequency, lower, upper, angle, torque, len(known.free_roots), rigid_angle)
@@ -97,13 +103,17 @@ def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
     return scaled
 
 
-def _start(tree: Tree, known: Rigidity, wanted: int) -> FloatArray:
-    """Frequencies (wanted,) rad/s to begin with, ascending."""
+def _start(tree: Tree, swept: Tree, known: Rigidity, wanted: int) -> FloatArray:
+    """Frequencies (wanted,) rad/s to begin with, ascending; `swept` is the same train numbered for sweeps."""
     is_few = not tree.is_chain and tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
-    start = None if is_few else start_frequencies(reduce_tree(tree, known), known.elastic)
+    train = reduce_tree(tree, known)
+    if is_few:
+        start = banded_values(train) if tree.size <= _STATIONS_FOR_BAND else None
+    else:
+        start = start_frequencies(train, known.elastic)
     if start is None or not np.all(start > 0.0):
         modes = len(known.free_roots) + np.arange(wanted)
-        return bisect(tree, modes, tolerance=_START_BISECTION)
+        return bisect(swept, modes, tolerance=_START_BISECTION)
     return start[:wanted]
 
 
@@ -152,14 +162,14 @@ def _determined_shapes(tree: Tree, frequency: FloatArray) -> FreeShapes:
 
 
 def _all_shapes(tree: Tree, frequency: FloatArray) -> FreeShapes:
-    """`free_shapes` of `stiffness_passes`, in blocks of columns, so that memory stays bounded."""
+    """`free_shapes`, in blocks of columns, so that memory stays bounded."""
     block = max(_LEAST_COLUMNS, _LARGEST_BLOCK // tree.size)
     if len(frequency) <= block:
-        return free_shapes(tree, stiffness_passes(tree, frequency))
+        return free_shapes(tree, frequency)
     whole = FreeShapes.empty(tree.size, len(frequency))
     for begin in range(0, len(frequency), block):
         part = slice(begin, begin + block)
-        whole.put(part, free_shapes(tree, stiffness_passes(tree, frequency[part])))
+        whole.put(part, free_shapes(tree, frequency[part]))
     return whole
 
 
@@ -180,10 +190,11 @@ def _prove(
     return frequency, lower, upper, wrong
 
 
-def _complete(tree: Tree, frequency: FloatArray, shapes: FreeShapes) -> tuple[FloatArray, FloatArray]:
-    """Angles and torques (stations, m) with those of repeated frequencies put in, those of close ones orthogonal."""
-    angle, torque = shapes.angle, shapes.torque
-    groups = repeated_groups(frequency, ~shapes.finite)
+def _complete(
+    tree: Tree, frequency: FloatArray, undetermined: BoolArray, angle: FloatArray, torque: FloatArray
+) -> None:
+    """Put the shapes of repeated frequencies in, make those of close ones orthogonal, and choose the signs."""
+    groups = repeated_groups(frequency, undetermined)
     if groups:
         columns = np.concatenate(groups)
         angle[:, columns], torque[:, columns] = repeated_shapes(tree, frequency, groups)
@@ -191,7 +202,6 @@ def _complete(tree: Tree, frequency: FloatArray, shapes: FreeShapes) -> tuple[Fl
     sign = shape_sign(angle)
     angle *= sign
     torque *= sign
-    return angle, torque
 
 
 def shape_sign(angle: FloatArray) -> FloatArray:

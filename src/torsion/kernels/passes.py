@@ -11,8 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from torsion.kernels.chain_passes import both_ways, spread
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import FloatArray, Tree
 
 
 @dataclass(frozen=True)
@@ -45,19 +44,10 @@ def stiffness_passes(tree: Tree, w: FloatArray) -> Passes:
     """The two passes at angular frequencies `w` (m,). Infinite values are meant: a held station, a node."""
     own = tree.own_stiffness(w * w)
     with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
-        return _passes_of_chain(tree, own) if tree.is_chain else _passes_of_tree(tree, own)
+        return _passes(tree, own)
 
 
-def _passes_of_chain(tree: Tree, own: FloatArray) -> Passes:
-    columns = own.shape[1]
-    behind, through = both_ways(own, tree.flexibility)
-    passed, inward, returned = np.zeros((3, *own.shape))
-    passed[1:], returned[1:] = through[::-1, :columns], through[:, columns:]
-    inward[1:] = behind[:-1, columns:]
-    return Passes(own, behind[::-1, :columns], passed, inward, returned)
-
-
-def _passes_of_tree(tree: Tree, own: FloatArray) -> Passes:
+def _passes(tree: Tree, own: FloatArray) -> Passes:
     outward, (passed, inward, returned) = own.copy(), np.zeros((3, *own.shape))
     h, parents = tree.flexibilities, tree.parents
     base, z, zz, zd, y = list(own), list(outward), list(passed), list(inward), list(returned)
@@ -141,92 +131,6 @@ def forced(tree: Tree, passes: Passes, torque: FloatArray) -> tuple[FloatArray, 
         span[np.isinf(z) & np.isinf(zd)] = 0.0  # between two held stations
     span[tree.roots] = 0.0
     return forced_angles(tree, passes, norton), span
-
-
-@dataclass(frozen=True)
-class FreeShapes:
-    """Shapes (stations, m), mass-normalised, of the modes next to given frequencies."""
-
-    angle: FloatArray  # rad
-    torque: FloatArray  # N m
-    correction: FloatArray  # (m,) of w^2 by Rayleigh's quotient
-    passed: FloatArray  # (m,) sum over the spans of |torque| |angle at the parent|, N m
-
-    @classmethod
-    def empty(cls, stations: int, columns: int) -> "FreeShapes":
-        """Shapes yet to be put in."""
-        angle, torque = np.empty((2, stations, columns))
-        return cls(angle, torque, *np.empty((2, columns)))
-
-    @property
-    def finite(self) -> BoolArray:
-        """Whether each shape (m,) is finite throughout; the sum over its spans tells."""
-        return np.isfinite(self.passed)
-
-    def put(self, columns: IntArray | slice, shapes: "FreeShapes") -> None:
-        """Write `shapes` over those in `columns`."""
-        self.angle[:, columns], self.torque[:, columns] = shapes.angle, shapes.torque
-        self.correction[columns], self.passed[columns] = shapes.correction, shapes.passed
-
-    def take(self, columns: IntArray) -> "FreeShapes":
-        """The shapes in `columns`."""
-        return FreeShapes(
-            self.angle[:, columns], self.torque[:, columns], self.correction[columns], self.passed[columns]
-        )
-
-
-def free_shapes(tree: Tree, passes: Passes) -> FreeShapes:
-    """The shape at each frequency of `passes`, from the station where the residual |Z| / J is least.
-
-    A column comes out not finite where the frequency is a repeated one to the last digit: its shape is not determined
-    by one station.
-    """
-    total = passes.total
-    with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
-        start = _least_residual(tree, total)
-        inner, outer = passes.transmitted_inward, passes.transmitted_outward
-        angle, inward = spread(inner, outer, start) if tree.is_chain else _spread(tree, inner, outer, start)
-        at_parent = angle[tree.parent]
-        torque = np.where(inward != 0.0, -passes.returned * angle, passes.passed * at_parent)
-        torque[tree.roots] = 0.0
-        mass = tree.moving_inertia @ (angle * angle)
-        correction = total[start, np.arange(len(start))] / mass
-        np.multiply(at_parent, torque, at_parent)
-        passed = np.abs(at_parent, at_parent).sum(axis=0) / np.where(mass < np.inf, mass, np.nan)
-        scale = 1.0 / np.sqrt(mass)
-        angle *= scale
-        torque *= scale
-    return FreeShapes(angle, torque, correction, passed)
-
-
-def _spread(tree: Tree, inner: FloatArray, outer: FloatArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Angles (stations, m) that are 1 at `start` (m,), and those of them at the start and inward of it, else 0."""
-    angle, product = np.zeros(outer.shape), np.empty(len(start))
-    angle[start, np.arange(len(start))] = 1.0
-    rows, factor = list(angle), list(inner)
-    multiply, add = np.multiply, np.add
-    for i, parent in zip(range(tree.size - 1, -1, -1), reversed(tree.parents), strict=True):
-        if parent >= 0:
-            multiply(rows[i], factor[i], product)
-            add(rows[parent], product, rows[parent])
-    inward = angle.copy()
-    factor = list(np.where(inward != 0.0, 0.0, outer))
-    for i, parent in enumerate(tree.parents):
-        if parent >= 0:
-            multiply(rows[parent], factor[i], product)
-            add(rows[i], product, rows[i])
-    return angle, inward
-
-
-def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
-    """Station (m,) with inertia at which |Z| / J is least."""
-    residual = np.abs(total)
-    residual /= tree.moving_inertia[:, None]  # infinite without inertia, or not a number
-    undetermined = np.isnan(residual)
-    if undetermined.any():
-        residual[undetermined] = np.inf
-    least: IntArray = residual.argmin(axis=0)
-    return least
 
 
 def _transmission(seen_through: FloatArray, stiffness: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ _EVEN = 1e3 * REPEATED  # relative distance from which the modes of a group resp
 _ROUNDING_OF_PRODUCT = 4e-15  # inner products below are as orthogonal as the arithmetic allows
 _CLOSE = 1e-2  # relative distance of frequencies beyond which shapes are orthogonal to about 1e-14 by themselves
 _SHAPES_AT_ONCE = 256  # up to which one product is faster than one a run of close frequencies (measured)
+_NOTHING = 1e-140  # beside the largest, about 1; products of smaller ones would be subnormal, which are slow
 _SWEEPS = 8  # each squares the inner products
 
 
@@ -72,6 +73,7 @@ def orthogonalise(tree: Tree, frequency: FloatArray, angle: FloatArray, torque: 
         is_apart = run[part, None] != run[part]
         for _ in range(_SWEEPS if end - begin > 1 else 0):
             weighted = root * angle[:, part]
+            weighted[np.abs(weighted) < _NOTHING] = 0.0
             product = weighted.T @ weighted
             product.flat[:: end - begin + 1] -= 1.0
             product[is_apart | (np.abs(product) < _ROUNDING_OF_PRODUCT)] = 0.0

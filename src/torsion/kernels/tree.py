@@ -6,19 +6,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.kernels.layers import Layer, layers_of
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
 
 
-@dataclass(frozen=True)
-class Family:
-    """Stations of one level, sorted by parent; those of `parents[g]` begin at `first[g]`."""
-
-    stations: IntArray
-    parents: IntArray
-    first: IntArray
+_STATIONS_WITHOUT_LAYERS = 16  # (measured)
 
 
 @dataclass(frozen=True)
@@ -64,34 +60,24 @@ class Tree:
         return [self.flexibility[station, ...] for station in range(self.size)]
 
     @cached_property
-    def levels(self) -> tuple[IntArray, ...]:
-        """Stations of equal distance from their root, nearest first."""
-        levels: list[list[int]] = [[] for _ in range(self.depth + 1)]
-        for station, depth in enumerate(self._depths):
-            levels[depth].append(station)
-        return tuple(np.array(level, dtype=np.int64) for level in levels)
+    def layers(self) -> tuple[Layer, ...] | None:
+        """Stations of equal distance from their root; None where they are not numbered layer by layer."""
+        return layers_of(self.parent)
 
     @cached_property
-    def depth(self) -> int:
-        """The most spans between a station and its root; -1 without stations."""
-        return self.size - 1 if self.is_chain else max(self._depths, default=-1)
+    def is_swept_by_stations(self) -> bool:
+        """A chain, or so small that a sweep by layers is not worth finding them."""
+        return self.size <= _STATIONS_WITHOUT_LAYERS or self.is_chain
 
-    @cached_property
-    def _depths(self) -> list[int]:
-        depths: list[int] = []
-        for parent in self.parents:
-            depths.append(depths[parent] + 1 if parent >= 0 else 0)
-        return depths
-
-    @cached_property
-    def families(self) -> tuple[Family, ...]:
-        """The levels with brothers side by side, for sums over children; nearest the root first."""
-        return tuple(_family(level, self.parent) for level in self.levels)
+    @property
+    def is_ready(self) -> bool:
+        """Sweeps can take the stations as they are numbered."""
+        return self.is_swept_by_stations or self.layers is not None
 
     @cached_property
     def most_children(self) -> int:
         """The largest number of spans outward of one station."""
-        return max(map(len, self.children), default=0)
+        return int(np.bincount(self.parent + 1)[1:].max(initial=0))
 
     @cached_property
     def moving_inertia(self) -> FloatArray:
@@ -124,9 +110,3 @@ class Tree:
         """One root, no rigid span, and every station moves and has inertia."""
         rigid, roots = self.size - int(np.count_nonzero(self.flexibility[1:])), self.parents.count(-1)
         return rigid == roots == 1 and not self.holds and bool(self.inertia.min() > 0.0)
-
-
-def _family(level: IntArray, parent: IntArray) -> Family:
-    stations = level[np.argsort(parent[level], kind="stable")]
-    parents, first = np.unique(parent[stations], return_index=True)
-    return Family(stations, parents, first.astype(np.int64))

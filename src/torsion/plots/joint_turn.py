@@ -40,7 +40,7 @@ def _limits(axes: Axes, size: float, values: Sequence[Array]) -> None:
     """Keep rounding from filling a plot whose values do not vary; mark zero where it lies inside."""
     low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
     if high - low <= FLAT * size:
-        room = 0.1 * max(abs(low), size)
+        room = 0.1 * max(abs(low), size) or 1.0  # of values and a size that are all nothing: any, so that it is a range
         axes.set_ylim(low - room, high + room)
     elif low < 0.0 < high:
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)

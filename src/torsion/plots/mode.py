@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from torsion.plots.style import COLOURS, GREY, INK, legend_below, page
+from torsion.plots.style import COLOURS, GREY, INK, legend_below, page, thinned
 
 Array = NDArray[np.float64]
+MOST_TICKS = 40  # along the train
 
 
 def mode(
@@ -38,7 +39,8 @@ def mode(
         upper.plot(x[marked], angle[marked], "o", color=INK, markersize=2.6, zorder=5)
         upper.set_ylabel("angle / largest")
         lower.set_ylabel("torque / largest")
-        lower.set_xticks([at for at, _ in ticks], [text for _, text in ticks], rotation=30, ha="right", fontsize=7.5)
+        shown = thinned(ticks, MOST_TICKS)
+        lower.set_xticks([at for at, _ in shown], [text for _, text in shown], rotation=30, ha="right", fontsize=7.5)
         lower.tick_params(axis="x", color=GREY)
         legend_below(sheet)
     return sheet.svg

@@ -1,10 +1,11 @@
 """The look of every figure: A4 width, small type, thin grid, colours that the colour-blind can tell apart."""
 
 import io
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import cycle
-from typing import Any
+from typing import Any, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -13,6 +14,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
+Item = TypeVar("Item")
 WIDTH = 6.9  # inch: the text of an A4 page
 # Okabe and Ito (2008), without the yellow, which is too light on paper
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#444444")
@@ -55,7 +57,9 @@ SETTINGS: dict[Any, Any] = {
 @contextmanager
 def page(name: str, height: float, rows: int = 1, **grid: Any) -> Iterator["Page"]:
     """A figure of the page's width with `rows` plots above each other; its SVG is in `page.svg` afterwards."""
-    with mpl.rc_context({**SETTINGS, "svg.hashsalt": name}):
+    with mpl.rc_context({**SETTINGS, "svg.hashsalt": name}), warnings.catch_warnings():
+        # text stays text, and who shows it has fonts of his own for what these have no sign for
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
         canvas: Any = FigureCanvasSVG(figure)
         axes = figure.subplots(rows, 1, squeeze=False, **grid)[:, 0]
@@ -79,6 +83,11 @@ def pens(count: int) -> Iterator[dict[str, Any]]:
     colour = cycle(COLOURS)
     for index in range(count):
         yield {"color": next(colour), "linestyle": DASHES[index // len(COLOURS) % len(DASHES)]}
+
+
+def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
+    """About `most` of the items in even steps, the first among them; all where there are no more."""
+    return items[:: max(1, -(-len(items) // most))] if most else items
 
 
 def legend_below(sheet: Page) -> None:

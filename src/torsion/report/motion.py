@@ -12,7 +12,7 @@ from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import number, rpm
-from torsion.report.reading import amplitude, largest, over_speed, synthesis
+from torsion.report.reading import amplitude, largest, over_speed, rounding, synthesis, without
 
 SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compared
 Point = tuple[float, int]  # N m, position of the speed
@@ -66,20 +66,23 @@ def compared(findings: Findings) -> tuple[Compared, ...]:
     """Every element that carries torque: all orders together (where no torque has a fixed frequency), then each."""
     if findings.response is None or findings.periodic is None:
         return ()
-    return tuple(row for element in elements(findings.system) for row in _of(findings, element))
+    nothing = rounding(findings)
+    return tuple(row for element in elements(findings.system) for row in _of(findings, element, nothing))
 
 
-def _of(findings: Findings, element: Element) -> list[Compared]:
-    lines, exact = over_speed(findings).lines, exact_amplitude(findings, element.spans)
-    first = amplitude(findings, element.spans)
+def _of(findings: Findings, element: Element, nothing: FloatArray) -> list[Compared]:
+    """nothing: (spans,) N m, below which a torque is rounding and told as 0."""
+    spans, lines = element.spans, over_speed(findings).lines
+    here = nothing[list(spans)]
+    first, exact = without(amplitude(findings, spans), here), exact_amplitude(findings, spans)
     top = float(np.nanmax(np.append(exact, 0.0)))
     if top == 0.0 or findings.periodic is None:
         return []
-    orders = [line.order for line in lines]
+    exact, orders = without(exact, here), [line.order for line in lines]
     rows = []
     if None not in orders:
-        both = _largest(synthesis(findings, element.spans)), _largest(exact_half_range(findings, element.spans))
-        rows.append(Compared(element, None, *both))
+        both = synthesis(findings, spans), exact_half_range(findings, spans)
+        rows.append(Compared(element, None, *(_largest(without(one, here)) for one in both)))
     for k, order in enumerate(findings.periodic.orders):
         mine = None if order not in orders else _largest(first[:, orders.index(order)])
         found = _largest(exact[:, k])
@@ -97,6 +100,42 @@ def flagged(findings: Findings) -> np.ndarray:
     """(speeds,) bool: the exact response has no value, a coarse one, or one that small deviations leave."""
     found = exact_response(findings)
     return np.asarray((found.status != Found.OK) | found.is_unstable)
+
+
+@dataclass(frozen=True)
+class OtherMotion:
+    """One of several periodic motions at a speed, by its largest amplitude."""
+
+    speed: float  # rad/s
+    name: str  # "told", "another"
+    torque: float  # N m
+    order: Fraction
+    where: str
+    growth: float  # 1/s
+
+
+def other_motions(findings: Findings) -> tuple[OtherMotion, ...]:
+    """Every motion at the speeds at which several were found, the one that is told before the others."""
+    found = exact_response(findings)
+    if found.others is None:
+        return ()
+    rows = []
+    for speed in np.unique(found.others.speed).tolist():
+        here = int(np.flatnonzero(found.speed == speed)[0])
+        rows.append(_motion(findings, found, here, "told"))
+        rows += [
+            _motion(findings, found.others, k, "another") for k in np.flatnonzero(found.others.speed == speed).tolist()
+        ]
+    return tuple(rows)
+
+
+def _motion(findings: Findings, found: PeriodicResponse, row: int, name: str) -> OtherMotion:
+    """By its largest amplitude in any element."""
+    size = [(float(np.abs(found.torque[row][:, list(e.spans)]).max()), e) for e in elements(findings.system)]
+    torque, element = max(size, key=lambda one: one[0])
+    rank = int(np.abs(found.torque[row][:, list(element.spans)]).max(axis=1).argmax())
+    growth = np.nan if found.growth is None else float(found.growth[row])
+    return OtherMotion(float(found.speed[row]), name, torque, found.orders[rank], element.name, growth)
 
 
 def first_order_judged(findings: Findings) -> str:

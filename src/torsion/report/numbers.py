@@ -1,11 +1,12 @@
 """Numbers as an engineer reads them: significant digits, one scale a column, signs of what is no number."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 DIGITS = 5  # significant digits of a figure in a table
+MOST_DIGITS = 15  # that tell two floating-point numbers apart
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NONE = "–"
 PREFIXES = ((1e6, "M"), (1e3, "k"))
@@ -25,6 +26,20 @@ def number(value: float | None, digits: int = DIGITS) -> str:
     if -4 <= power < max(digits + 1, 6):
         return f"{float(f'{mantissa}e{power}'):.{max(digits - 1 - power, 0)}f}".replace("-", "−")
     return f"{mantissa}·10{str(power).translate(SUPERSCRIPT)}".replace("-", "−")
+
+
+def told_apart(values: Sequence[float], digits: int = DIGITS) -> list[str]:
+    """The values with the same number of significant digits: as many as keep different ones from reading alike."""
+    for more in range(digits, MOST_DIGITS):
+        found = [number(value, more) for value in values]
+        if len(set(found)) == len(set(values)):
+            return found
+    return [number(value, MOST_DIGITS) for value in values]
+
+
+def counted(count: int, noun: str) -> str:
+    """A number with its noun: '1 line', '4 lines'."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def given(value: float | None, digits: int = DIGITS) -> str:

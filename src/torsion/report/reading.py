@@ -9,11 +9,14 @@ from torsion.analyses.response.over_speed import Response
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import BoolArray, FloatArray
-from torsion.report.numbers import RPM, number
+from torsion.report.numbers import RPM, given, number
 from torsion.rules.check import BarredRange, Check
 from torsion.rules.evidence import Evidence
 
 Band = tuple[float, float]
+NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
+NO_VALUE = "no reliable value"  # of an amplitude where no line of the response can be relied on
+CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
 def evidence(findings: Findings) -> Evidence:
@@ -65,8 +68,21 @@ def barred_rpm(findings: Findings) -> tuple[Band, ...]:
 
 
 def band_words(band: Band) -> str:
-    """A barred range in rpm, rounded outward to a tenth so that nothing of it is lost."""
-    return f"{math.floor(10 * band[0]) / 10:.1f} to {math.ceil(10 * band[1]) / 10:.1f} rpm"
+    """A range in rpm, rounded outward to a tenth so that nothing of it is lost."""
+    return "{} to {} rpm".format(*outward(band))
+
+
+def outward(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]:
+    """Both ends of a range in rpm, rounded outward to a tenth, but not beyond two speeds (rpm).
+
+    What the conversion of units adds is not rounded outward.
+    """
+    low = math.floor(10.0 * band[0] * (1.0 + CONVERSION)) / 10.0
+    high = math.ceil(10.0 * band[1] * (1.0 - CONVERSION)) / 10.0
+    return (
+        given(within[0], 6) if low < within[0] else f"{low:.1f}",
+        given(within[1], 6) if high > within[1] else f"{high:.1f}",
+    )
 
 
 def unreliable(findings: Findings) -> BoolArray:
@@ -92,6 +108,34 @@ def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
         return np.zeros(0)
     size = findings.synthesis.half_range[:, list(spans)].max(axis=1)
     return np.where(unreliable(findings), np.nan, size)
+
+
+def judged(findings: Findings) -> bool:
+    """A rule read the response over speed."""
+    from torsion.asked import rules_need
+
+    return rules_need(findings.study, "response")
+
+
+def orders_together(findings: Findings) -> str:
+    """Of which lines the synthesis is made, in words."""
+    some = findings.response is not None and findings.response.left_out
+    return "the orders asked for" if some else "all orders"
+
+
+def rounding(findings: Findings) -> FloatArray:
+    """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, told as 0."""
+    response, ratio = findings.response, findings.system.span_ratio
+    if response is None or not response.lines:
+        return np.zeros(len(ratio))
+    size = np.where((response.status == Status.OK)[:, :, None], np.abs(response.torque), 0.0).max(axis=(0, 1))
+    size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
+    return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
+
+
+def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
+    """The values of some spans with 0 for what is `nothing` (spans,) in each of them."""
+    return np.where(values < nothing.min(initial=np.inf), 0.0, values)
 
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:

@@ -32,6 +32,11 @@ class Told:
         return self.first_span
 
     @property
+    def last_span(self) -> IntArray:
+        """(told spans,) position of the last of each stretch."""
+        return np.append(self.first_span, len(self.system.spans))[1:] - 1
+
+    @property
     def is_whole(self) -> bool:
         """Nothing is left out."""
         return self.longest == 1
@@ -39,16 +44,15 @@ class Told:
     @property
     def ends(self) -> IntArray:
         """(told spans, 2) driving and driven station of each told span or stretch, as positions in `stations`."""
-        last = np.append(self.first_span[1:], len(self.system.spans)) - 1
-        both = np.column_stack([self.system.driving[self.first_span], self.system.driven[last]])
+        both = np.column_stack([self.system.driving[self.first_span], self.system.driven[self.last_span]])
         return np.asarray(np.searchsorted(self.stations, both), dtype=np.int64)
 
     def names(self) -> list[str]:
         """(told spans,) names; of a stretch with its first and its last segment."""
-        spans, last = self.system.spans, np.append(self.first_span[1:], len(self.system.spans)) - 1
+        spans = self.system.spans
         return [
             spans[a].name if a == b else f"{spans[a].name[:-1]}..{spans[b].name.rpartition('[')[2]}"
-            for a, b in zip(self.first_span.tolist(), last.tolist(), strict=True)
+            for a, b in zip(self.first_span.tolist(), self.last_span.tolist(), strict=True)
         ]
 
     def over_stations(self, values: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ from torsion.fields import Declared
 
 if TYPE_CHECKING:
     from torsion.errors import Fault
+    from torsion.kernels.tree import FloatArray
     from torsion.rules.check import Check
     from torsion.rules.evidence import Evidence
     from torsion.study import Study
@@ -33,6 +34,16 @@ class Rule(Protocol):
 
     def check(self, evidence: "Evidence", asked: Declared) -> tuple["Check", ...]:
         """Its verdicts."""
+
+
+class VibrationRule(Rule, Protocol):
+    """What the module of a rule offers that reads the response over speed."""
+
+    def speeds(self, study: "Study", asked: Declared) -> tuple[float, ...]:
+        """Speeds (rad/s of the reference station) that must be computed, where they lie in the range."""
+
+    def speeds_between(self, evidence: "Evidence", asked: Declared) -> "FloatArray":
+        """(speeds,) rad/s between those computed at which it may find more."""
 
 
 def rule(name: str) -> Rule:

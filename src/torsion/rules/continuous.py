@@ -34,6 +34,11 @@ def within(use: Continuous | None, speed: FloatArray) -> BoolArray:
     return (speed >= use.first * (1 - SAME_SPEED)) & (speed <= use.last * (1 + SAME_SPEED))
 
 
+def ends(use: Continuous | None) -> tuple[float, ...]:
+    """rad/s: both ends of continuous use; none where it is the whole range."""
+    return () if use is None else (use.first, use.last)
+
+
 def continuous_words(use: Continuous | None) -> str:
     """Which speeds were judged; empty for the whole range."""
     return "" if use is None else f"in continuous use, {in_rpm(use.first)} to {in_rpm(use.last)}"

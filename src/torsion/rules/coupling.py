@@ -10,11 +10,11 @@ from torsion.components.coupling import Coupling
 from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, given
-from torsion.kernels.tree import FloatArray, IntArray
+from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.rules.check import Check
-from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, within
+from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import Evidence, parts_of_kind, rule_path, spans_of, vibration_faults
-from torsion.rules.judgement import EDITION, Clause, Curve, judge, largest_line, noted, worst_status
+from torsion.rules.judgement import EDITION, Clause, Curve, between, judge, largest_line, noted, worst_status
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -71,6 +71,21 @@ def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
     return tuple(line for line in found if line is not None)
 
 
+def speeds(study: Study, asked: Asked) -> tuple[float, ...]:
+    """rad/s: the rated speed and the ends of continuous use."""
+    rated = study.operation.rated
+    return (*(() if rated is None else (rated.speed,)), *ends(asked.continuous))
+
+
+def speeds_between(evidence: Evidence, asked: Asked) -> FloatArray:
+    """(speeds,) rad/s between those computed at which a coupling may be worse."""
+    found = []
+    for number, part in parts_of_kind(evidence.study, "coupling"):
+        spans = spans_of(evidence.system, number)
+        found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, spans, asked)]
+    return between(found)
+
+
 def heat(response: "Response", flexibility: float, viscous: float, loss_factor: float, span: int) -> FloatArray:
     """(speeds,) W: mean power that a span turns into heat, all lines together.
 
@@ -110,6 +125,17 @@ def _mean(evidence: Evidence, part: Part, spans: IntArray, limit: float) -> Chec
 
 
 def _vibration(evidence: Evidence, part: Part, spans: IntArray, asked: Asked) -> list[Check]:
+    """The verdicts on the vibration of one coupling."""
+    response, found = evidence.vibration()[0], []
+    for clause, curve, use, words in _clauses(evidence, part, spans, asked):
+        if (line := judge(clause, curve, use)) is not None:
+            found.append(noted(line, words, largest_line(response, line, spans), _tolerance(part), EDITION))
+    return found
+
+
+def _clauses(
+    evidence: Evidence, part: Part, spans: IntArray, asked: Asked
+) -> list[tuple[Clause, Curve, BoolArray, str]]:
     """Vibratory torque against T_KW and heat against P_KW in continuous use, greatest torque against T_Kmax always."""
     response, synthesis = evidence.vibration()
     always = np.ones(len(response.speed), dtype=bool)
@@ -121,15 +147,12 @@ def _vibration(evidence: Evidence, part: Part, spans: IntArray, asked: Asked) ->
         ("heat_limit", _clause(part, "P_KW", "power loss, sum of all lines", "W"), power, use, words),
         ("max_torque", _clause(part, "T_Kmax", "greatest torque, mean and vibration"), peak, always, ""),
     )
-    found, limits = [], _limits(part)
-    for key, clause, value, speeds, where in rows:
-        if key in limits:
-            curve = Curve(response.speed, value, np.full(len(value), limits[key]), worst_status(response))
-            line = judge(clause, curve, speeds)
-            if line is not None:
-                mostly = largest_line(response, line, spans)
-                found.append(noted(line, where, mostly, _tolerance(part), EDITION))
-    return found
+    limits, status = _limits(part), worst_status(response)
+    return [
+        (clause, Curve(response.speed, value, np.full(len(value), limits[key]), status), judged, where)
+        for key, clause, value, judged, where in rows
+        if key in limits
+    ]
 
 
 def _heat(system: "System", response: "Response", spans: IntArray) -> FloatArray:

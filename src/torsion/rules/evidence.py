@@ -12,7 +12,7 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
 from torsion.fields import Declared
 from torsion.kernels.tree import FloatArray, IntArray
-from torsion.study import Operation, Study
+from torsion.study import Study
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.found import Joints
@@ -67,14 +67,6 @@ def rated_torque(evidence: Evidence, spans: IntArray) -> FloatArray | None:
     return np.asarray(np.abs(np.array(rows)))
 
 
-def rated_is_computed(operation: Operation) -> bool:
-    """The rated speed lies in the speed range; so it does where there is no range yet."""
-    rated, speeds = operation.rated, operation.speeds
-    if rated is None or speeds is None:
-        return rated is not None
-    return speeds.first * (1 - SAME_SPEED) <= rated.speed <= speeds.last * (1 + SAME_SPEED)
-
-
 def excites(study: Study) -> bool:
     """Something in the train excites it by order, or at a frequency of its own."""
     harmonic = any(torque.order is not None or torque.frequency is not None for torque in study.train.torques)
@@ -99,6 +91,13 @@ def vibration_faults(study: Study, asked: Declared, rule: str) -> list[Fault]:
         hint = "give an excitation, or leave the rule out"
         found.append(Fault(rule_path(study, asked), f"nothing excites the train, so {rule} has nothing to judge", hint))
     return found
+
+
+def coverage(last: float, rated: float, needed: float = 1.0) -> str:
+    """That the speeds end below a share of the rated speed up to which is judged; empty where they do not; rad/s."""
+    if last >= needed * rated * (1 - SAME_SPEED):
+        return ""
+    return f"judged up to {in_rpm(last)} only, {last / rated:.3g} of the rated speed"
 
 
 def in_rpm(speed: float) -> str:

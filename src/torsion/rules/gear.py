@@ -10,18 +10,19 @@ from torsion.components.gear import Gear
 from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
+from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules.check import Check
-from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, within
+from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import (
     Evidence,
+    coverage,
     parts_of_kind,
-    rated_is_computed,
     rated_torque,
     rule_path,
     spans_of,
     vibration_faults,
 )
-from torsion.rules.judgement import EDITION, Clause, Curve, judge, largest_line, noted, worst_status
+from torsion.rules.judgement import EDITION, Clause, Curve, between, judge, largest_line, noted, worst_status
 from torsion.study import Operation, Study
 
 RULE = "gear-hammer"
@@ -67,25 +68,51 @@ def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
     return tuple(found)
 
 
+def speeds(study: Study, asked: Asked) -> tuple[float, ...]:
+    """rad/s: the rated speed and the ends of continuous use."""
+    return (_rated_speed(study), *ends(asked.continuous))
+
+
+def _rated_speed(study: Study) -> float:
+    """rad/s of the reference station; raises ValueError where the study has none."""
+    if study.operation.rated is None:
+        raise ValueError(f"{RULE} needs the rated speed")
+    return study.operation.rated.speed
+
+
+def speeds_between(evidence: Evidence, asked: Asked) -> FloatArray:
+    """(speeds,) rad/s between those computed at which a mesh may be worse."""
+    found = []
+    for number, part in parts_of_kind(evidence.study, "gear"):
+        for span in spans_of(evidence.system, number).tolist():
+            found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, span, asked)]
+    return between(found)
+
+
 def _mesh(evidence: Evidence, part: Part, span: int, asked: Asked) -> Iterator[Check]:
+    """The verdicts on one mesh."""
+    response = evidence.vibration()[0]
+    for clause, curve, use, words in _clauses(evidence, part, span, asked):
+        if (line := judge(clause, curve, use)) is not None:
+            yield noted(line, *words, largest_line(response, line, np.array([span])), EDITION)
+
+
+def _clauses(
+    evidence: Evidence, part: Part, span: int, asked: Asked
+) -> Iterator[tuple[Clause, Curve, BoolArray, tuple[str, ...]]]:
     """Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use."""
     response, synthesis = evidence.vibration()
     status, vibratory = worst_status(response), synthesis.half_range[:, span]
-    where, spans = evidence.system.spans[span].name, np.array([span])
-    share, origin = _share(part, asked)
-    rated = _rated(evidence, span)
+    where, (share, origin), rated = evidence.system.spans[span].name, _share(part, asked), _rated(evidence, span)
     if rated > 0:
-        curve = Curve(response.speed, vibratory, np.full(len(vibratory), share * rated), status)
         clause = Clause(RULE, "(K_A - 1) T_rated", where, "vibratory mesh torque, synthesis", "N m")
-        if (line := judge(clause, curve, np.ones(len(vibratory), dtype=bool))) is not None:
-            factor = f"{share:.4g} ({origin}) x {rated:.5g} N m"
-            yield noted(line, factor, largest_line(response, line, spans), EDITION)
-    mean = np.abs(response.mean[:, span])
+        curve = Curve(response.speed, vibratory, np.full(len(vibratory), share * rated), status)
+        reach = coverage(float(response.speed[-1]), _rated_speed(evidence.study))
+        yield clause, curve, np.ones(len(vibratory), dtype=bool), (f"{share:.4g} ({origin}) x {rated:.5g} N m", reach)
     clause = Clause(RULE, "torque reversal", where, "vibratory against mean mesh torque", "N m")
-    line = judge(clause, Curve(response.speed, vibratory, mean, status), within(asked.continuous, response.speed))
-    if line is not None:
-        use, idle = continuous_words(asked.continuous), "" if rated > 0 else "the mesh carries no mean torque"
-        yield noted(line, idle, use, largest_line(response, line, spans), EDITION)
+    curve = Curve(response.speed, vibratory, np.abs(response.mean[:, span]), status)
+    words = "" if rated > 0 else "the mesh carries no mean torque", continuous_words(asked.continuous)
+    yield clause, curve, within(asked.continuous, response.speed), words
 
 
 def _share(part: Part, asked: Asked) -> tuple[float, str]:
@@ -105,7 +132,7 @@ def _rated(evidence: Evidence, span: int) -> float:
 
 
 def _rated_faults(operation: Operation) -> list[Fault]:
-    """The rated torque must be known, and lie at a speed that is computed."""
+    """The rated torque must be known."""
     rated = operation.rated
     hint = "rated: {speed: 1500 rpm, power: 100 kW}"
     if rated is None:
@@ -113,7 +140,4 @@ def _rated_faults(operation: Operation) -> list[Fault]:
     if not has_mean_torque(operation):
         message = f"`power` is missing; {RULE} compares with the rated torque"
         return [Fault(("operation", "rated", "power"), message, hint)]
-    if not rated_is_computed(operation):
-        message = f"the rated speed is not among the speeds that are computed, and {RULE} needs its torque"
-        return [Fault(("operation", "rated", "speed"), message, "let operation.speeds hold the rated speed")]
     return []

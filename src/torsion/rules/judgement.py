@@ -1,10 +1,13 @@
 """The verdict on a value that is computed over speed: the worst point against its limit."""
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.response.grid import missed_peaks
 from torsion.kernels.response import Status
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.rules.check import Check
@@ -13,6 +16,7 @@ from torsion.rules.evidence import in_rpm
 if TYPE_CHECKING:
     from torsion.analyses.response.over_speed import Line, Response
 
+OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
 EDITION = "to be verified against the edition in force"
 
 
@@ -59,12 +63,28 @@ def judge(clause: Clause, curve: Curve, within: BoolArray) -> Check | None:
         return None
     share = np.where(within, curve.utilisation(), -np.inf)
     at = worst_of(share, curve.value)
+    value = math.inf if curve.status[at] == Status.SINGULAR else stated(curve.value[at])
     return Check(
         clause.rule, clause.clause, clause.where, clause.what,
-        value=stated(curve.value[at]), limit=float(curve.limit[at]), unit=clause.unit,
+        value=value, limit=float(curve.limit[at]), unit=clause.unit,
         verdict="fail" if share[at] > 1.0 else "pass",
         speed=float(curve.speed[at]), note=status_words(curve, at),
     )  # fmt: skip
+
+
+def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
+    """(speeds,) rad/s, ascending: where a share of a limit stands higher than at the computed speeds beside it.
+
+    curves: over the same speeds, each with the speeds at which it is judged.
+    """
+    shares, speed = [], np.empty(0)
+    for curve, within in curves:
+        share, speed = curve.utilisation(), curve.speed
+        shares.append(np.where(within & (share <= OBVIOUS), share, np.nan))
+    if not shares:
+        return speed
+    share = np.array(shares).T[:, None, :]
+    return missed_peaks(speed, share, np.ones((len(speed), 1), dtype=bool))[0]
 
 
 def noted(check: Check, *notes: str) -> Check:

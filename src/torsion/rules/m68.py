@@ -16,9 +16,9 @@ from torsion.rules import m68_formulas as formulas
 from torsion.rules.check import BarredRange, Check, Verdict
 from torsion.rules.evidence import (
     Evidence,
+    coverage,
     in_rpm,
     parts_of_kind,
-    rated_is_computed,
     rated_torque,
     rule_path,
     spans_of,
@@ -28,6 +28,7 @@ from torsion.rules.judgement import (
     EDITION,
     Clause,
     Curve,
+    between,
     judge,
     largest_line,
     noted,
@@ -36,8 +37,8 @@ from torsion.rules.judgement import (
     worst_of,
     worst_status,
 )
-from torsion.rules.m68_barred import barred_ranges, inside
-from torsion.rules.m68_formulas import BARRED_BELOW, LAST_CONTINUOUS
+from torsion.rules.m68_barred import Barring, barring
+from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS
 from torsion.rules.m68_shafts import PA, Asked, ClassedShaft, Slot, classed_shafts, is_classed, stress_modulus
 from torsion.study import Study
 
@@ -110,9 +111,26 @@ def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
             found.append((f"{RULE} for {part.name}", NOT_ROUND))
     if not has_mean_torque(study.operation):
         found.append((f"{RULE}: least diameters", "the rated power is not given"))
-    elif not rated_is_computed(study.operation):
-        found.append((f"{RULE}: least diameters", "the rated speed is not among the speeds that are computed"))
+    speeds, rated = study.operation.speeds, study.operation.rated
+    if speeds is not None and rated is not None and coverage(speeds.last, rated.speed, LAST_CONTINUOUS):
+        reach = f"the limits reach to {in_rpm(LAST_CONTINUOUS * rated.speed)}"
+        found.append((f"{RULE} above {in_rpm(speeds.last)}", f"`operation.speeds` ends there; {reach}"))
     return tuple(found)
+
+
+def speeds(study: Study, asked: Asked) -> tuple[float, ...]:
+    """rad/s: the rated speed, and those at which the limits bend or end."""
+    return tuple(share * _rated_speed(study) for share in (BARRED_BELOW, FLAT_FROM, 1.0, LAST_CONTINUOUS))
+
+
+def speeds_between(evidence: Evidence, asked: Asked) -> FloatArray:
+    """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
+    found, ends = [], list[float]()
+    for shaft in classed_shafts(evidence.study, asked):
+        curve, barred, ruled = _judged(evidence, shaft, asked)
+        found += [(curve, ruled), (curve, ruled & ~barred.passed)]
+        ends += [end for one in barred.permitted for end in (one.lower, one.upper)]
+    return np.union1d(between(found), ends)
 
 
 def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
@@ -149,50 +167,59 @@ def _rated_speed(study: Study) -> float:
 
 def _stresses(evidence: Evidence, shaft: ClassedShaft, asked: Asked) -> list[Check | None]:
     """The three clauses about the stress amplitude."""
-    response, _ = evidence.vibration()
-    rated, status = _rated_speed(evidence.study), worst_status(response)
-    speed, tau_c, tau_t, tau = _limits(evidence, shaft)
-    curve = Curve(speed, tau, tau_c, status)
-    barred = barred_ranges(curve, rated, shaft.name, asked.tachometer)
-    passed = inside(barred, curve, rated)
-    ruled = speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
+    curve, barred, ruled = _judged(evidence, shaft, asked)
+    passing = replace(curve, limit=_limits(evidence, shaft).tau_t)
     return [
-        _continuous(evidence, shaft, curve, ruled & ~passed, barred),
-        _passing(evidence, shaft, Curve(speed, tau, tau_t, status), passed, barred, asked),
+        _continuous(evidence, shaft, curve, ruled & ~barred.passed, barred),
+        _passing(evidence, shaft, passing, barred, asked),
         _outside(shaft, curve, ~ruled),
     ]
 
 
+def _judged(evidence: Evidence, shaft: ClassedShaft, asked: Asked) -> tuple[Curve, Barring, BoolArray]:
+    """Stress against tau_C, what is barred, and (speeds,) which speeds are not above 1.05."""
+    speed, tau_c, _, tau = _limits(evidence, shaft)
+    rated = _rated_speed(evidence.study)
+    curve = Curve(speed, tau, tau_c, worst_status(evidence.vibration()[0]))
+    barred = barring(curve, rated, shaft.name, asked.tachometer)
+    return curve, barred, speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
+
+
 def _continuous(
-    evidence: Evidence, shaft: ClassedShaft, curve: Curve, within: BoolArray, barred: tuple[BarredRange, ...]
+    evidence: Evidence, shaft: ClassedShaft, curve: Curve, within: BoolArray, barred: Barring
 ) -> Check | None:
-    """tau <= tau_C outside the barred ranges, up to 1.05."""
+    """tau <= tau_C outside the permitted barred ranges, up to 1.05."""
     line = judge(_clause(shaft, "tau_C", "synthesis stress amplitude"), curve, within)
     if line is None:
         return None
     mostly = largest_line(evidence.vibration()[0], line, spans_of(evidence.system, shaft.part))
-    rest = f"outside the barred range {_words(barred)}" if barred else ""
-    coverage = _coverage(curve.speed, _rated_speed(evidence.study))
-    return noted(line, mostly, rest, *shaft.notes, coverage)
+    rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
+    reach = coverage(float(curve.speed[-1]), _rated_speed(evidence.study), LAST_CONTINUOUS)
+    return noted(line, mostly, _refusal(barred), rest, *shaft.notes, reach)
 
 
-def _passing(
-    evidence: Evidence, shaft: ClassedShaft, curve: Curve, within: BoolArray, barred: tuple[BarredRange, ...],
-    asked: Asked,
-) -> Check | None:  # fmt: skip
-    """tau <= tau_T in the barred ranges, which no keyway allows and which end below 0.8."""
-    line = judge(_clause(shaft, "tau_T", "stress amplitude in the barred range"), curve, within)
+def _refusal(barred: Barring) -> str:
+    """That the stress above tau_C cannot be barred; empty where it can."""
+    if not barred.refused:
+        return ""
+    critical = " and ".join(in_rpm(one.critical) for one in barred.refused)
+    return (
+        f"the stress exceeds tau_C about {critical}: no barred range is permitted there (lambda >= "
+        f"{BARRED_BELOW:g}): detune; it would run from {_words(barred.refused)}"
+    )
+
+
+def _passing(evidence: Evidence, shaft: ClassedShaft, curve: Curve, barred: Barring, asked: Asked) -> Check | None:
+    """tau <= tau_T in the barred ranges, which no keyway allows."""
+    line = judge(_clause(shaft, "tau_T", "stress amplitude in the barred range"), curve, barred.passed)
     if line is None:
         return None
-    ceiling = BARRED_BELOW * _rated_speed(evidence.study)
     reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
-    if any(one.upper > ceiling for one in barred):
-        reasons.append(f"the barred range reaches above 0.8 of the rated speed, {in_rpm(ceiling)}")
     verdict: Verdict = "fail" if reasons else line.verdict
     tachometer = f"tachometer tolerance {100 * asked.tachometer:.3g} % " + ("added" if asked.tachometer else "assumed")
     mostly = largest_line(evidence.vibration()[0], line, spans_of(evidence.system, shaft.part))
-    found = noted(line, *reasons, f"barred range {_words(barred)}, to be passed rapidly", tachometer, mostly)
-    return replace(found, verdict=verdict, barred=barred)
+    found = noted(line, *reasons, f"barred range {_words(barred.permitted)}, to be passed rapidly", tachometer, mostly)
+    return replace(found, verdict=verdict, barred=barred.permitted)
 
 
 def _outside(shaft: ClassedShaft, curve: Curve, within: BoolArray) -> Check | None:
@@ -234,10 +261,3 @@ def _clause(shaft: ClassedShaft, clause: str, what: str) -> Clause:
 
 def _words(barred: tuple[BarredRange, ...]) -> str:
     return " and ".join(f"{in_rpm(one.lower)} to {in_rpm(one.upper)}" for one in barred)
-
-
-def _coverage(speed: FloatArray, rated: float) -> str:
-    """That the speeds computed end below 1.05 of the rated speed; empty where they do not."""
-    if speed[-1] >= LAST_CONTINUOUS * rated * (1 - SAME_SPEED):
-        return ""
-    return f"judged up to {in_rpm(speed[-1])} only, {speed[-1] / rated:.3g} of the rated speed"

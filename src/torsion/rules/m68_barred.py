@@ -1,5 +1,7 @@
 """Barred speed ranges of IACS UR M68: the least width about every critical speed, and every speed above tau_C."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from torsion.kernels.tree import BoolArray
@@ -8,13 +10,36 @@ from torsion.rules.judgement import Curve, worst_of
 from torsion.rules.m68_formulas import barred_range, may_be_barred
 
 
-def barred_ranges(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> tuple[BarredRange, ...]:
-    """The ranges, ascending and apart, for stress over speed against tau_C below 0.8 of the rated speed (rad/s).
+@dataclass(frozen=True)
+class Barring:
+    """What the stress above tau_C asks to be barred, and where the rule permits it."""
 
-    `tolerance` is the tachometer's, by which both ends move outward.
+    permitted: tuple[BarredRange, ...]  # ascending and apart
+    refused: tuple[BarredRange, ...]  # those that reach 0.8 of the rated speed, ascending and apart
+    passed: BoolArray  # (speeds,) inside a permitted range, and not above tau_C within a refused one
+
+
+def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> Barring:
+    """The ranges for stress over speed against tau_C; rated in rad/s.
+
+    A run of speeds above tau_C has its critical speed at its worst, wherever that lies; the range about it is refused
+    where its upper end reaches 0.8 of the rated speed. Both ends move outward by the `tolerance` of the tachometer.
     """
-    exceeds = curve.exceeds() & may_be_barred(curve.speed / rated)
-    ranges = [_range(curve, rated, shaft, tolerance, first, last) for first, last in _runs(exceeds)]
+    passed, ranges = np.zeros(len(curve.speed), dtype=bool), []
+    above = np.zeros(len(curve.speed), dtype=bool)
+    for first, last in _runs(curve.exceeds()):
+        one = _range(curve, rated, shaft, tolerance, first, last)
+        ranges.append(one)
+        above[first : last + 1] |= not may_be_barred(one.upper / rated)
+    permitted = _apart(curve, [one for one in ranges if may_be_barred(one.upper / rated)])
+    for one in permitted:
+        passed |= (curve.speed > one.lower) & (curve.speed < one.upper)
+    refused = _apart(curve, [one for one in ranges if not may_be_barred(one.upper / rated)])
+    return Barring(permitted, refused, passed & ~above)
+
+
+def _apart(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
+    """Ascending ranges with those that overlap as one."""
     merged: list[BarredRange] = []
     for later in ranges:
         if merged and later.lower <= merged[-1].upper:
@@ -22,14 +47,6 @@ def barred_ranges(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0
         else:
             merged.append(later)
     return tuple(merged)
-
-
-def inside(ranges: tuple[BarredRange, ...], curve: Curve, rated: float) -> BoolArray:
-    """(speeds,) which speeds are barred; none from 0.8 of the rated speed."""
-    barred = np.zeros(len(curve.speed), dtype=bool)
-    for one in ranges:
-        barred |= (curve.speed >= one.lower) & (curve.speed <= one.upper)
-    return barred & may_be_barred(curve.speed / rated)
 
 
 def _runs(mask: BoolArray) -> list[tuple[int, int]]:

@@ -62,10 +62,8 @@ STRENGTH_CAP: Mapping[tuple[Role, bool], float] = {  # N/mm2 by role and whether
     ("propeller", True): 600.0,
 }
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
-SMOOTH_DRIVE_FACTOR = (
-    95.0  # F of intermediate and thrust shafts behind a turbine, motor or slip coupling (to be verified)
-)
-DRIVE_FACTOR = 100.0  # F of any other drive, and of every propeller shaft (to be verified)
+SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
+DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified)
 
 
 def used_strength(strength: float, role: Role, *, alloy: bool) -> float:
@@ -118,7 +116,7 @@ def slot_c_k(concentration: float) -> float:
 
 def drive_factor(role: Role, *, smooth: bool) -> float:
     """F of the least diameter (to be verified)."""
-    return SMOOTH_DRIVE_FACTOR if smooth and role != "propeller" else DRIVE_FACTOR
+    return SMOOTH_DRIVE_FACTOR if smooth and role == "intermediate" else DRIVE_FACTOR
 
 
 def least_diameter(power_per_speed: float, strength: float, factor: float, k: float, bore_share: float = 0.0) -> float:

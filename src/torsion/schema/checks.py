@@ -1,22 +1,23 @@
 """What the sections of a file need of each other."""
 
-from collections import Counter
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator
 
-from torsion.errors import Fault, Path
-from torsion.primitives import Torque
+from torsion.assembly.held import held_faults
+from torsion.errors import Fault
 from torsion.rules import lacking, needed
 from torsion.study import Study
 
 _SPEEDS = "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`"
 _RATED = "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
-_LISTS = {"motor": "ripple", "propeller": "excitation"}  # keys of components that bring torques
 
 
-def study_faults(study: Study) -> list[Fault]:
-    """Faults between sections: speeds, frequencies, mean torque and what the rules need."""
-    found = [*_model_faults(study), *_check_faults(study), *_response_faults(study), *_joint_faults(study)]
-    return [*found, *_motion_faults(study), *_lateral_faults(study), *lacking(study)]
+def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
+    """Faults between sections: speeds, frequencies, mean torque and what the rules need.
+
+    faulty: sections that have faults of their own; what reads one of them is not judged.
+    """
+    return [fault for check, reads in _CHECKS if not set(reads) & set(faulty) for fault in check(study)]
 
 
 def _model_faults(study: Study) -> Iterator[Fault]:
@@ -25,6 +26,11 @@ def _model_faults(study: Study) -> Iterator[Fault]:
     if study.model != "lumped" and closed and any(bar.density > 0 for bar in study.train.bars):
         message = f"the model {study.model} takes no closed loops, and `links` closes one"
         yield Fault(("analyses", "model"), message, "model: lumped")
+
+
+def _held_faults(study: Study) -> list[Fault]:
+    """Held points that nothing elastic keeps apart."""
+    return held_faults(study.train)
 
 
 def _check_faults(study: Study) -> list[Fault]:
@@ -53,7 +59,16 @@ def _motion_faults(study: Study) -> list[Fault]:
         return []
     from torsion.analyses.motion.faults import asked_faults
 
-    return asked_faults(study)
+    found = asked_faults(study)
+    if "stability" in study.analyses and not _has_inertia(study):
+        message = "the train has no component with an inertia, and without one nothing can grow"
+        found.append(Fault(("analyses", "stability"), message, "leave it out, or give an inertia"))
+    return found
+
+
+def _has_inertia(study: Study) -> bool:
+    lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
+    return lumps or any(bar.density > 0 for bar in study.train.bars)
 
 
 def _lateral_faults(study: Study) -> list[Fault]:
@@ -77,26 +92,39 @@ def _response_faults(study: Study) -> Iterator[Fault]:
     if asked is not None and not speeds and not frequencies:
         hint = f"{_SPEEDS}, or `response: {{frequencies: {{from: 1, to: 200}}}}`"
         yield Fault(("analyses", "response"), "a response needs speeds or frequencies", hint)
+    if any(torque.table for torque in study.train.torques):
+        from torsion.analyses.coverage import table_faults
+
+        yield from table_faults(study)
     yield from _speed_faults(study, speeds=speeds or asked is not None or ruled, frequencies=frequencies)
     if speeds and not _has_mean_torque(study):
         yield from _mean_torque_faults(study)
 
 
+def _order_faults(study: Study) -> list[Fault]:
+    """Orders that the settings of `response` name and nothing excites."""
+    if "response" not in study.analyses:
+        return []
+    from torsion.analyses.response.over_speed import order_faults
+
+    return order_faults(study)
+
+
 def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[Fault]:
     """A torque at every frequency needs frequencies; all others need speeds, which is said once."""
-    for path, torque in _placed(study):
+    for torque in study.train.torques:
         if torque.order is None and torque.frequency is None:
             if not frequencies:
                 hint = "give it `order` or `frequency`, or `analyses: {response: {frequencies: {from: 1, to: 200}}}`"
-                yield Fault(path, "this torque acts at every frequency, and no frequencies are asked for", hint)
+                yield Fault(torque.path, "this torque acts at every frequency, and no frequencies are asked for", hint)
         elif not speeds:
-            yield Fault(path, "this excitation needs the speeds at which the train runs", _SPEEDS)
+            yield Fault(torque.path, "this excitation needs the speeds at which the train runs", _SPEEDS)
             speeds = True
 
 
 def _mean_torque_faults(study: Study) -> Iterator[Fault]:
     """The first value that needs the mean torque, where it is not known."""
-    needs = [path for path, torque in _placed(study) if torque.of_mean]
+    needs = [torque.path for torque in study.train.torques if torque.of_mean]
     parts, stations = study.train.parts, study.train.stations
     needs += [(*parts[stations[d.station].part].path, "damping") for d in study.train.dampers if d.torque_factor]
     if needs:
@@ -108,16 +136,24 @@ def _has_mean_torque(study: Study) -> bool:
     return not isinstance(operation.load, str) or (operation.rated is not None and operation.rated.power is not None)
 
 
-def _placed(study: Study) -> Iterator[tuple[Path, Torque]]:
-    """Every torque with the place in the file that brings it: a list of its component, or one of `excitations`."""
-    brought: Counter[str] = Counter()
-    for torque in study.train.torques:
-        part = study.train.part(torque.name)
-        key = _LISTS.get(part.component.keyword, "")
-        place = brought[torque.name]
-        if place < len(getattr(part.component, key, ())):
-            brought[torque.name] += 1
-            yield (*part.path, key, place), torque
-        else:
-            yield ("excitations", brought["excitations"]), torque
-            brought["excitations"] += 1
+def _power_faults(study: Study) -> list[Fault]:
+    """A mean torque that finds no way through the train, or whose table does not cover the speeds."""
+    if not _has_mean_torque(study):
+        return []
+    from torsion.analyses.coverage import power_faults
+
+    return power_faults(study)
+
+
+_CHECKS: tuple[tuple[Callable[[Study], Iterable[Fault]], tuple[str, ...]], ...] = (  # with the sections that each reads
+    (_held_faults, ("train", "links")),
+    (_model_faults, ("train", "links", "analyses")),
+    (_check_faults, ("train", "links", "analyses")),
+    (_response_faults, ("train", "operation", "analyses", "rules")),
+    (_order_faults, ("train", "excitations", "analyses")),
+    (_power_faults, ("train", "operation")),
+    (_joint_faults, ("train", "analyses")),
+    (_motion_faults, ("train", "links", "operation", "analyses")),
+    (_lateral_faults, ("train", "materials", "operation", "analyses")),
+    (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),
+)

@@ -80,7 +80,17 @@ def _located(fault: Fault, source: "Source") -> Fault:
     if fault.line is not None:
         return fault
     line, column = source.place(fault.path, key=fault.at_key)
-    return replace(fault, line=line, column=column)
+    message = fault.message
+    if fault.other:
+        there = source.place(fault.other)[0]
+        message += f" in line {there}" + ("" if there == line else f", {_excerpt(source.lines[there - 1])}")
+    return replace(fault, message=message, line=line, column=column)
+
+
+def _excerpt(line: str) -> str:
+    """A line as it is quoted within a message."""
+    plain = "".join(sign if sign.isprintable() else " " for sign in line).strip()
+    return f"`{plain}`" if len(plain) <= _WIDTH // 2 else f"`{plain[: _WIDTH // 2]}…`"
 
 
 def _told(fault: Fault, source: "Source") -> str:

@@ -33,7 +33,8 @@ EXAMPLES = {
 }
 NOTES = {  # what the keys of a kind need of each other
     "disc": "Give `inertia`, or `held: true`.",
-    "motor": "Give `inertia`, or `held: true` (and then no `ripple`). The mean torque enters at the motors.",
+    "motor": "Give `inertia`, or `held: true` (and then no `ripple`). The mean torque enters at the motors; "
+    "`power` says their shares of it, never its size, which follows from `operation`.",
     "propeller": "The mean torque leaves at the propellers. `excitation` needs `blades`. Of the models of damping "
     "`viscous` has a `value`, `schwanecke` needs `diameter`, `pitch_ratio` and `area_ratio`, others have a `factor`.",
     "shaft": "Give `diameter`, with or without `bore`, or `section`. The bore is smaller than the diameter at both "

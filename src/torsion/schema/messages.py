@@ -22,8 +22,7 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
     if not isinstance(body, dict):
         faults.append(Fault(path, f"{shown(body)} is not a mapping of keys", _keys(kind)))
         return None
-    known = [Fault((*path, *where), f"`{_name(where)}` has no value", "give one, or leave the key out", True)
-             for where in _empty(body)]  # fmt: skip
+    known = [_without_value((*path, *where), where) for where in _empty(body)]
     known += [unbuilt((*path, key), f"`{key}`") for key in getattr(kind, "unbuilt", ()) if body.get(key) is not None]
     filled = {key: value for key, value in _filled(body).items() if key not in getattr(kind, "unbuilt", ())}
     try:
@@ -72,6 +71,13 @@ def _empty(value: object, path: Path = ()) -> Iterator[Path]:
             yield from _empty(item, (*path, step))
     elif value is None:
         yield path
+
+
+def _without_value(path: Path, where: Path) -> Fault:
+    """The fault of a key without a value; one that begins with digits is half of a number with a decimal comma."""
+    name = _name(where)
+    hint = "a decimal comma? write a point" if name[:1].isdecimal() else "give one, or leave the key out"
+    return Fault(path, f"`{name}` has no value", hint, True)
 
 
 def _filled(value: Any) -> Any:

@@ -1,9 +1,11 @@
 """The file of a shaft train as a study; every fault of the file at once, each with its line and column."""
 
+from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Any
 
-from torsion.errors import Fault, InputError
+from torsion.components.excitation import Excitation
+from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given, required
 from torsion.schema import sections
 from torsion.schema.checks import study_faults
@@ -12,9 +14,9 @@ from torsion.schema.meshes import with_meshes
 from torsion.schema.messages import declared
 from torsion.schema.models import model_of
 from torsion.schema.source import Source, parse_source, read_source
-from torsion.schema.train_reader import components, repeated_names
+from torsion.schema.train_reader import components, kinds_by_name, repeated_names
 from torsion.study import Operation, Study
-from torsion.train import Train, train
+from torsion.train import Link, Train, lowered, name_fault
 
 
 class Scene(Declared):
@@ -52,15 +54,22 @@ def _study(source: Source) -> Study:
     faults: list[Fault] = []
     study = _sections(source, faults)
     if study is not None:
-        study = with_meshes(study, faults)
-    if study is not None and not faults:
-        faults += study_faults(study)
+        if "train" not in _faulty(faults):
+            study = with_meshes(study, faults)
+        faults += study_faults(study, _faulty(faults))
     if faults or study is None:
         raise input_error(faults, source)
     return study
 
 
+def _faulty(faults: list[Fault]) -> set[str]:
+    """The sections with faults; all of them where a key of the top level is unknown, which may be one misspelt."""
+    first = {str(fault.path[0]) if fault.path else "" for fault in faults}
+    return first if first <= Scene.model_fields.keys() else set(Scene.model_fields)
+
+
 def _sections(source: Source, faults: list[Fault]) -> Study | None:
+    """The study, where its train can be looked at; its faulty sections are left empty."""
     data = source.data
     scene = declared(Scene, _top(data), (), faults)
     if not isinstance(data, dict):
@@ -70,14 +79,14 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     analyses = sections.analyses(data.get("analyses"), faults)
     model, fem = model_of(data.get("analyses"), faults)
     rules = sections.rules(data.get("rules"), faults)
-    lowered = _train(data, materials, operation, faults)
-    if scene is None or operation is None or lowered is None:
+    found = _train(data, materials, operation, faults)
+    if found is None:
         return None
     return Study(
-        name=scene.name,
-        description=scene.description,
-        train=lowered,
-        operation=operation,
+        name=scene.name if scene is not None else "",
+        description=scene.description if scene is not None else "",
+        train=found,
+        operation=operation or Operation(),
         model=model,
         fem=fem,
         analyses=analyses,
@@ -98,19 +107,36 @@ def _top(data: object) -> object:
 def _train(
     data: dict[str, Any], materials: dict[str, Any], operation: Operation | None, faults: list[Fault]
 ) -> Train | None:
-    """The train as a whole, if all that it is made of is sound."""
-    before = len(faults)
+    """The train as a whole, without the links and excitations that are faulty; None where a component is."""
     excitations = sections.excitations(data.get("excitations"), faults)
     links = sections.links(data.get("links"), faults)
-    between = len(faults)
+    before = len(faults)
     parts = components(data["train"], ("train",), faults) if data.get("train") is not None else ()
-    if len(faults) > between or data.get("train") is None:
-        faults += repeated_names(data.get("train"))
-        return None
     reference = None if operation is None else operation.at
-    try:
-        lowered = train(parts, excitations=excitations, links=links, materials=materials, reference=reference)
-    except InputError as error:
-        faults += error.faults
+    if len(faults) > before or data.get("train") is None:
+        faults += repeated_names(data.get("train"))
+        faults += _unknown_names(data, reference, excitations, links)
         return None
-    return lowered if len(faults) == before else None
+    found, more = lowered(parts, excitations=excitations, links=links, materials=materials, reference=reference)
+    faults += more
+    return found
+
+
+def _unknown_names(
+    data: dict[str, Any], reference: str | None, excitations: list[Excitation | None], links: list[Link | None]
+) -> Iterator[Fault]:
+    """Names that no component goes by, of a train that is too faulty to be lowered."""
+    known = kinds_by_name(data.get("train"))
+    if known is None:
+        return
+    named: list[tuple[str, Path]] = []
+    for place, link in enumerate(links):
+        for side, end in enumerate(() if link is None else link.between):
+            named.append((end, ("links", place, "between", side)))
+    for place, excitation in enumerate(excitations):
+        if excitation is not None:
+            named.append((excitation.at, ("excitations", place, "at")))
+    found = [name_fault(name, path, known) for name, path in named]
+    if reference is not None and not data.get("links"):  # a component of `links` may be meant
+        found.append(name_fault(reference, ("operation", "at"), known, point=False))
+    yield from (fault for fault in found if fault is not None)

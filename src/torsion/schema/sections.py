@@ -34,20 +34,16 @@ def materials(section: object, faults: list[Fault]) -> dict[str, Material]:
     }
 
 
-def excitations(section: object, faults: list[Fault]) -> list[Excitation]:
-    """The excitations, or none if one is faulty: their positions are places in the file."""
+def excitations(section: object, faults: list[Fault]) -> list[Excitation | None]:
+    """The excitations, None for a faulty one: their positions are places in the file."""
     entries = _entries(section, ("excitations",), "`- {at: motor-1, order: 2, torque: 100 N*m}`", faults)
-    read = [declared(Excitation, entry, ("excitations", place), faults) for place, entry in enumerate(entries)]
-    sound = [excitation for excitation in read if excitation is not None]
-    return sound if len(sound) == len(read) else []
+    return [declared(Excitation, entry, ("excitations", place), faults) for place, entry in enumerate(entries)]
 
 
-def links(section: object, faults: list[Fault]) -> list[Link]:
-    """The links that close loops, or none if one is faulty."""
+def links(section: object, faults: list[Fault]) -> list[Link | None]:
+    """The links that close loops, None for a faulty one."""
     entries = _entries(section, ("links",), "`- {between: [a, b], coupling: {stiffness: 2e4}}`", faults)
-    read = [_link(entry, ("links", place), faults) for place, entry in enumerate(entries)]
-    sound = [link for link in read if link is not None]
-    return sound if len(sound) == len(read) else []
+    return [_link(entry, ("links", place), faults) for place, entry in enumerate(entries)]
 
 
 def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:

@@ -25,6 +25,7 @@ _FORBIDDEN = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U0
 _WORDS: dict[str, bool | None] = {"": None, "~": None}
 _WORDS |= dict.fromkeys(("null", "Null", "NULL"))
 _WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false", "False", "FALSE"), False)
+_HALF = re.compile(r"([0-9]+),$")  # of a number with a decimal comma, in a mapping within braces
 _WHOLE = re.compile(r"[-+]?[0-9]+(?:_[0-9]+)*|0x[0-9a-fA-F]+|0o[0-7]+")
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"
 _DECIMAL = re.compile(rf"[-+]?(?:\.{_DIGITS}|{_DIGITS}(?:\.(?:{_DIGITS})?)?)(?:[eE][-+]?[0-9]+)?")
@@ -99,7 +100,7 @@ def parse_source(text: str, name: str) -> Source:
     forbidden = _FORBIDDEN.search(text)
     if forbidden:
         raise input_error([_forbidden(forbidden[0], *_end(text[: forbidden.start()]))], bare)
-    builder = _Builder()
+    builder = _Builder(bare.lines)
     try:
         for event in yaml.parse(text, Loader=_LOADER):
             builder.take(event)
@@ -126,8 +127,9 @@ class _EndError(Exception):
 class _Builder:
     """Nodes from the events of the YAML parser, without recursion: depth is bounded before it can hurt."""
 
-    def __init__(self) -> None:
+    def __init__(self, lines: list[str]) -> None:
         self.root = Node(None, 1, 1)
+        self._lines = lines
         self.faults: list[Fault] = []
         self._anchors: dict[str, Node] = {}
         self._open: list[Node] = []
@@ -157,7 +159,8 @@ class _Builder:
         place, keys, key = _mark(event), self._open[-1].keys, event.value
         self._check_tag(event)
         if event.implicit[0] and not isinstance(resolved(key), str):
-            self.faults.append(_fault(f"the key {key or 'before this colon'} is not text", "put it in quotes", *place))
+            hint = self._decimal_comma(key, place) or "put it in quotes"
+            self.faults.append(_fault(f"the key {key or 'before this colon'} is not text", hint, *place))
         elif event.implicit[0] and key == "<<":
             self.faults.append(_fault("merge keys (<<) are not read", "write the keys out", *place))
         self._keys[-1] = key
@@ -165,6 +168,11 @@ class _Builder:
             self.faults.append(_fault(f"the key '{key}' is already in line {keys[key][0]}", "remove one", *place))
         else:
             keys[key] = place
+
+    def _decimal_comma(self, key: str, place: tuple[int, int]) -> str:
+        """The hint to a key that is the second half of a number like 1,5; empty where it is none."""
+        before = _HALF.search(self._lines[place[0] - 1][: place[1] - 1])
+        return f"a decimal comma? write {before[1]}.{key}" if before and key.isdecimal() else ""
 
     def _take_value(self, event: Any) -> None:
         if isinstance(event, yaml.AliasEvent):

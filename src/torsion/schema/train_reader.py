@@ -1,5 +1,6 @@
 """A train of the file as components: the kind of every entry is decided first, then read in the words of that kind."""
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -7,6 +8,7 @@ from torsion.components import KINDS, UNBUILT, component
 from torsion.components.base import Component
 from torsion.errors import Fault, Path
 from torsion.schema.messages import declared, shown, unbuilt, unknown
+from torsion.train import taken
 
 
 def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Component, ...]:
@@ -23,8 +25,7 @@ def repeated_names(entries: object) -> Iterator[Fault]:
     seen: dict[str, Path] = {}
     for name, path in _names(entries, ("train",)):
         if name in seen:
-            where = ".".join(str(step) for step in seen[name])
-            yield Fault(path, f"the name '{name}' is taken by {where}", "names are unique")
+            yield taken(name, path[:-1], seen[name])
         seen.setdefault(name, path[:-1])
 
 
@@ -34,6 +35,33 @@ def _names(body: object, path: Path) -> Iterator[tuple[str, Path]]:
             if step == "name" and isinstance(item, str):
                 yield item, (*path, step)
             yield from _names(item, (*path, step))
+
+
+def kinds_by_name(entries: object) -> dict[str, type[Component]] | None:
+    """The kind of every component by the name it goes by, of a train that is too faulty to be lowered.
+
+    None where that cannot be told: a kind is unknown, and so what the others are numbered.
+    """
+    found: dict[str, type[Component]] = {}
+    return found if _named(entries, found, Counter()) else None
+
+
+def _named(entries: object, found: dict[str, type[Component]], numbers: Counter[str]) -> bool:
+    for entry in entries if isinstance(entries, list) else [None]:
+        kind, body = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else (None, None)
+        if kind not in KINDS or not isinstance(body, dict | None):
+            return False
+        numbers[kind] += 1
+        given = (body or {}).get("name")
+        name = given if isinstance(given, str) else f"{kind}-{numbers[kind]}"
+        if name not in found or component(kind).sort == "point":
+            found[name] = component(kind)
+        branches = (body or {}).get("branches")
+        inner = [body, *(branches if isinstance(branches, list) else [])]
+        trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]
+        if not all(_named(train, found, numbers) for train in trains):
+            return False
+    return True
 
 
 def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:

@@ -74,10 +74,12 @@ def _periodic(
     """must: there is no answer without it."""
     from torsion.analyses.motion.faults import motion_faults
     from torsion.analyses.motion.periodic import Found
-    from torsion.analyses.motion.speeds import periodic_over_speed
+    from torsion.analyses.motion.speeds import periodic_over_speed, too_long
 
     log, progress = tell
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
+    if not refused and not must:
+        refused = too_long(study, system)
     if refused:
         log.without(PERIODIC, refused)
         return None
@@ -86,7 +88,8 @@ def _periodic(
             found = periodic_over_speed(study, system, first_order, progress=progress)
             step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
             harmonics = int(found.harmonics.max(initial=0))
-            step.size = f"{found.speed.size} speeds, up to {harmonics} harmonics of the common period"
+            kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
+            step.size = f"{found.speed.size} speeds, {kept}"
     except SolveError as fault:
         if must:
             raise
@@ -117,6 +120,8 @@ def stability(
     if settings is None:
         return None, None
     from torsion.analyses.motion.asked import Asked
+    from torsion.analyses.motion.loading import scene
+    from torsion.analyses.motion.periodic import harmonics_at_least
     from torsion.analyses.motion.reduced import stability_asked
 
     asked = settings if isinstance(settings, Asked) else Asked()
@@ -124,6 +129,7 @@ def stability(
     if not exciting_joints(system) or speeds is None:
         log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
         return None, None
+    harmonics_at_least(scene(study, system))  # refused before anything is computed
     with log.step("stability", "asked") as step:
         found = stability_asked(study, system, asked, speeds.values(), progress=progress)
         step.method = _METHODS[asked.method]
@@ -132,7 +138,8 @@ def stability(
         kept = "all modes" if found.kept is None else f"{found.kept} of {modes} elastic modes"
         step.size = f"{int(found.asked.sum())} speeds asked, {added} more around zones and boundaries; {kept}"
     if found.unsolved.size:
-        log.without(f"stability at {found.unsolved.size} speeds", "no periodic motion was found there")
+        number = found.unsolved.size
+        log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
     log.without("vibratory torques, in the stability", "joints and mean torque alone make the periodic motion there")
     return found, _map(study, system, asked, log, progress)
 

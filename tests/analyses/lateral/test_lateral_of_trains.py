@@ -20,6 +20,7 @@ from torsion.components.support import Support
 from torsion.errors import InputError
 from torsion.kernels.response import Status
 from torsion.kinematics.couples import couple_harmonics, double_cardan
+from torsion.schema.read import parse
 from torsion.study import Operation, Rated, SpeedRange
 from torsion.train import train
 
@@ -124,6 +125,63 @@ def test_shafts_in_a_row_bend_as_one_and_elastic_couplings_part_them() -> None:
     assert not faults
 
 
+BENT = """
+name: x
+train:
+  - disc: {inertia: 1}
+  - joint: {angle: 8 deg}
+  - shaft: {length: 1 m, diameter: 60 mm, material: z, KEYS}
+materials: {z: {density: 7850, shear_modulus: 80 GPa, youngs_modulus: 206 GPa}}
+analyses: {lateral: }
+"""
+
+
+@pytest.mark.parametrize(
+    ("keys", "at", "words"),
+    [
+        ("support: {at: 0.8, stiffness: [1e6, 0]}", "[1e6, 0]", "not held in the plane z"),
+        ("support: {at: 0.8, stiffness: [0, 1e6]}", "[0, 1e6]", "not held in the plane y"),
+        ("support: {at: 0, stiffness: 1e6}", "0, stiff", "one place only, as its support stands on the joint itself"),
+        ("support: {at: 0.8, stiffness: 1e-9}", "1e-9", "too soft to compute"),
+        ("note: a", "lateral", "shaft-1: it is not held: a joint at either end, a joint and a `support`"),
+    ],
+)
+def test_why_a_shaft_cannot_bend_is_told_at_the_key_that_would_mend_it(keys: str, at: str, words: str) -> None:
+    text = BENT.replace("KEYS", keys)
+    with pytest.raises(InputError) as caught:
+        parse(text)
+    (fault,) = caught.value.faults
+    assert words in fault.message
+    assert text.splitlines()[fault.line - 1][fault.column - 1 :].startswith(at)
+
+
+def test_a_shaft_that_is_held_but_weighs_nothing_is_told_at_its_material() -> None:
+    text = BENT.replace("KEYS", "support: {at: 0.8, stiffness: 1e6}").replace("density: 7850", "density: 0")
+    with pytest.raises(InputError) as caught:
+        parse(text)
+    (fault,) = caught.value.faults
+    assert "it has no mass" in fault.message
+    assert (fault.line, fault.path[-1]) == (6, "material")
+
+
+@pytest.mark.parametrize("share", [1e-2, 1e-4, 1e-6])
+def test_a_soft_support_lets_the_shaft_swing_as_a_rigid_pendulum(share: float) -> None:
+    """w2 = k a2/(m L2/3 + m d2/16), less a share of k/(E I/L3); what is softer yet is refused."""
+    bending = 206e9 * math.pi * 0.06**4 / 64
+    stiffness = share * bending / 0.8**2  # so that it holds the tilt with this share
+    tail = Shaft(length=1.0, diameter=0.06, support={"at": 0.8, "stiffness": stiffness})
+    (shaft,) = lateral(train([Disc(inertia=1.0), JOINT, tail]), SPEEDS, Asked(modes=1)).shafts
+    mass = 7850 * math.pi / 4 * 0.06**2
+    rigid = math.sqrt(stiffness * 0.64 / (mass * (1 / 3 + 0.06**2 / 16))) / (2 * math.pi)
+    assert shaft.at_rest[0][0] == pytest.approx(rigid, rel=1e-3 * share + 1e-6)
+
+
+def test_a_shaft_between_joints_needs_no_support_however_soft() -> None:
+    built = train([JOINT, _tube(support={"at": 0.7, "stiffness": 1e-9}), JOINT, Disc(inertia=1.0)])
+    (shaft,) = bending_shafts(built)[0]
+    assert shaft.lacks == ""
+
+
 def test_a_shaft_behind_a_gear_turns_at_its_own_speed() -> None:
     tail = [JOINT, Shaft(length=1.0, diameter=0.05), Joint(angle="6 deg"), Disc(inertia=1.0)]
     built = train([Disc(inertia=1.0), Gear(ratio=2, inertia=(0.1, 0.1)), *tail])
@@ -151,7 +209,7 @@ def test_what_is_left_out_is_told() -> None:
 
 
 def test_a_train_without_a_held_shaft_is_refused() -> None:
-    with pytest.raises(InputError, match="no shaft of the train is held"):
+    with pytest.raises(InputError, match="no shaft of the train can bend: shaft-1: it is not held"):
         lateral(train([Disc(inertia=1.0), Shaft(length=1.0, diameter=0.05), Disc(inertia=1.0)]), SPEEDS)
 
 

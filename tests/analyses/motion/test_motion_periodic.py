@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from torsion.analyses.motion.equations import right_hand_side
 from torsion.analyses.motion.loading import scene
 from torsion.analyses.motion.periodic import Found, PeriodicResponse, orbit, periodic_response, told
+from torsion.analyses.motion.several import others
 from torsion.analyses.response.excitation import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
@@ -374,3 +375,21 @@ def test_loss_factor_is_refused_in_time():
     at = scene(study, system)
     with pytest.raises(SolveError, match="loss factor"):
         right_hand_side(at.layout, here.now.loading, here.found.load, 0.0, np.zeros(2 * at.layout.free))
+
+
+def test_other_motions_at_a_peak_are_found_and_told_in_the_same_orders():
+    """All three motions of the lightly damped train, from whichever of them the search sets out."""
+    for way, _ in MOTIONS:
+        study, system = six_stations(20, 90, 1.5)
+        exact = raised(way, 90, GOVERNED / 2, 1.5)
+        further = others(scene(study, system), exact, [0])
+        rank = further.orders.index(Fraction(2))
+        found = [np.abs(shafts(system, exact, 2))]
+        found += [np.abs(torque[rank, system.flexibility > 0]) for torque in further.torque]
+        assert further.orders == exact.orders
+        assert sorted(one[0] for one in found) == pytest.approx(sorted(torques[0] for _, torques in MOTIONS), rel=1e-5)
+
+
+def test_a_train_with_one_motion_has_no_other():
+    study, system = six_stations(10, 0, 8.0)
+    assert others(scene(study, system), at_one(study, system, 50.0), [0]) is None

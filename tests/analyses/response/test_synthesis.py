@@ -109,3 +109,9 @@ def test_line_without_a_value_leaves_no_finite_number():
     assert np.isinf(found.half_range[0, 1])
     assert np.isinf(found.rms[0, 1])
     assert np.isinf(found.peak[0, 1])
+
+
+@pytest.mark.parametrize("orders", [[1], [1, 2], [1, "3"], []])
+def test_sum_over_a_train_without_spans_has_none(orders):
+    found = synthesis(None, _response(orders, np.empty((len(orders), 0))))
+    assert found.half_range.shape == found.peak.shape == found.rms.shape == (1, 0)

@@ -2,11 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from torsion.analyses.response.excitation import Excitation, Line, excitations, sources
+from torsion.analyses.response.over_speed import asked_orders
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.assembly.shafts import bar_segments
@@ -120,8 +120,7 @@ def compared_torques(one: Torques, exact: Torques) -> TorquesCompared:
 
 def _asked(study: Study, system: System) -> tuple[Excitation, ...]:
     """Every line, or those of the orders that the settings of `response` name."""
-    orders: Any = getattr(study.analyses.get("response"), "orders", "all")
-    return excitations(system, None if orders == "all" else orders)
+    return excitations(system, asked_orders(study))
 
 
 def _hertz(line: Line, speed: FloatArray) -> FloatArray:

@@ -117,7 +117,7 @@ def lateral_faults(train: Train, asked: Asked | None) -> list[Fault]:
     shafts, faults = bending_shafts(train)
     held = [shaft for shaft in shafts if not shaft.lacks]
     if not faults and not held:
-        faults.append(_none_held(train, asked is not None))
+        faults += _none_held(train, shafts, asked is not None)
     if asked is not None and asked.shear:
         faults += [fault for shaft in held for fault in _shear_faults(train, shaft)]
     return faults
@@ -217,12 +217,17 @@ def _divided(
     raise SolveError(f"{shaft.name}: its bending modes need too many elements; ask for fewer `modes`")
 
 
-def _none_held(train: Train, is_asked: bool) -> Fault:
-    """Told where bending is asked for, or else at the first support."""
-    hint = "a joint at either end, a joint and a `support`, or two supports would hold one"
+def _none_held(train: Train, shafts: Sequence[BendingShaft], is_asked: bool) -> list[Fault]:
+    """Told where every shaft lacks something; else where bending is asked for, or at the first support."""
+    named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
+    if named:
+        return named
     held = [part.path for part in train.parts if getattr(part.component, "support", ())]
     where: Path = PLACE if is_asked or not held else (*held[0], "support")
-    return Fault(where, "no shaft of the train is held sideways", hint, at_key=True)
+    if not shafts:
+        return [Fault(where, "the train has no shaft, and nothing else bends", at_key=True)]
+    reasons = "; ".join(f"{shaft.name}: {shaft.lacks}" for shaft in shafts)
+    return [Fault(where, f"no shaft of the train can bend: {reasons}", at_key=True)]
 
 
 def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:

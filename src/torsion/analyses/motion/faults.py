@@ -1,5 +1,8 @@
 """What the exact equations of motion do not take: told as faults of the file where they are asked for."""
 
+from torsion.analyses.motion.asked import Over
+from torsion.analyses.steady import has_mean_torque
+from torsion.components.base import Component
 from torsion.errors import Fault, Path
 from torsion.study import Study
 
@@ -32,4 +35,32 @@ def asked_faults(study: Study) -> list[Fault]:
         found.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
     if getattr(asked, "speeds", None) is None and study.operation.speeds is None:
         found.append(Fault(path, "stability needs speeds", SPEEDS))
+    over = getattr(getattr(asked, "map", None), "over", None)
+    if over is not None:
+        found += _map_faults(study, over, (*path, "map", "over"))
     return [*found, *motion_faults(study, path)]
+
+
+def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
+    """Why a map has nothing to vary: a factor on nothing, or the angle of joints that the train does not have."""
+    train, load = study.train, study.operation.load
+    if over == "torque":
+        flat = not isinstance(load, str) and not any(torque for _, torque in load)
+        if flat or not has_mean_torque(study.operation):
+            hint = "give it, for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`, or a table of `load`"
+            return [Fault(path, "the map varies the mean torque, and the train has none", hint)]
+    if over == "damping":
+        lossy = any(one.viscous > 0 or one.loss_factor > 0 for one in train.springs)
+        if not (lossy or train.dampers or any(bar.loss_factor > 0 for bar in train.bars)):
+            hint = "give the train its damping, for example `viscous` of a coupling or `damping` of a disc"
+            return [Fault(path, "the map varies the damping, and nothing in the train damps", hint)]
+    if over == "angle":
+        bent = [getattr(one.component, "angle", 0.0) for one in train.parts if _is_cross(one.component)]
+        if not any(angle > 0 for angle in bent):
+            hint = "bend one, for example `joint: {angle: 5 deg}`; tripods and cv joints keep their angle in a map"
+            return [Fault(path, "the map varies the angle of cross joints, and none of the train is bent", hint)]
+    return []
+
+
+def _is_cross(component: Component) -> bool:
+    return component.keyword == "joint" and getattr(component, "kind", "") == "cross"

@@ -78,6 +78,7 @@ class PeriodicResponse:
     why: tuple[str, ...]  # (speeds,) of no solution; else empty
     orbits: tuple[Orbit | None, ...]  # (speeds,)
     growth: FloatArray | None = None  # (speeds,) 1/s of small deviations from it; None where it was not computed
+    others: "PeriodicResponse | None" = None  # further motions at some of the speeds, in the same orders
 
     @property
     def is_unstable(self) -> BoolArray:
@@ -147,7 +148,7 @@ def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
     The number of harmonics is raised until those left out are small.
     """
     now = operating(at, speed)
-    count = _first_count(at) if start is None else start.found.count
+    count = harmonics_at_least(at) if start is None else start.found.count
     harmonic = rigid_motion(at, now, count) if start is None else start.found.harmonic
     load = now.load if start is None else start.found.load
     found = _solved(at, now, harmonic, load)
@@ -159,13 +160,22 @@ def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
     return Orbit(now, found)
 
 
-def _first_count(at: Scene) -> int:
-    """Harmonics with which to begin: enough for the joints' own errors and for the torques."""
+def harmonics_at_least(at: Scene) -> int:
+    """Harmonics of the common period with which to begin: enough for the joints' own errors and for the torques.
+
+    Raises SolveError where these are more than can be dealt with.
+    """
     uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
     rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
     highest = max((order for order, _ in at.torques), default=Fraction(0))
-    share = max(float(max(at.layout.orders, default=Fraction(0)) / at.order), 1.0)
-    return int(min(max(FEWEST, rank * share, float(highest / at.order) + 2), MOST))
+    joint = max(at.layout.orders, default=at.order)
+    first = max(int(rank * max(joint / at.order, Fraction(1))), int(highest / at.order) + 2)
+    if first > MOST and at.order < 1:
+        raise SolveError(
+            f"the joints and torques repeat together only every {at.order.denominator} turns, which takes about "
+            f"{first} harmonics, and {MOST} are the most; a gear ratio of smaller whole numbers repeats sooner"
+        )
+    return int(min(max(FEWEST, first), MOST))
 
 
 def _solved(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray) -> Balance:

@@ -8,11 +8,19 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.motion.floquet import by_monodromy, variation
-from torsion.analyses.motion.layout import layout
 from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import basis
-from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, Progress, continued, orbit, told
+from torsion.analyses.motion.periodic import (
+    Orbit,
+    PeriodicResponse,
+    Progress,
+    continued,
+    harmonics_at_least,
+    orbit,
+    told,
+)
 from torsion.analyses.motion.reduced import modes_that_matter
+from torsion.analyses.motion.several import others
 from torsion.analyses.motion.stability import damped
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
@@ -20,7 +28,9 @@ from torsion.errors import SolveError
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
-WORK = 2400  # speeds times coordinates: about 10 s on one slow core
+WORK = 2400  # speeds times coordinates, with few harmonics: about 10 s on one slow core
+FEW = 20  # harmonics; more take time in proportion
+PATIENCE = 60  # harmonics at least: a longer common period is left alone unless it is asked for
 FEWEST, MOST = 24, 201  # speeds
 EVERYWHERE = 0.5  # of the speeds: spread over the range; the others are for peaks
 AT_PEAKS = 0.25  # of the speeds: at the peaks of the first order
@@ -28,12 +38,30 @@ RESOLVED = 0.02  # of a peak: how far its neighbours may lie below it
 WORTH = 0.02  # of the largest amplitude of its span: lower peaks are not followed
 CLOSEST = 1e-5  # relative distance of two speeds
 BEYOND = 2.0  # times the highest of them: what the steps in time resolve
+MOST_SOUGHT, EACH = 3, 40  # speeds at which other motions are sought: at most, and one for so many speeds
 EDGE = 1e-3  # the same beside a speed without a periodic motion
 
 
-def number_of_speeds(system: System) -> int:
+def number_of_speeds(at: Scene) -> int:
     """How many speeds the exact response of a train is worth."""
-    return int(np.clip(WORK // max(1, layout(system).free), FEWEST, MOST))
+    each = max(1.0, at.layout.free * max(1.0, harmonics_at_least(at) / FEW))
+    return int(np.clip(WORK // each, FEWEST, MOST))
+
+
+def too_long(study: Study, system: System) -> str:
+    """Why the exact response takes too long to be computed unasked; empty where it does not."""
+    at = scene(study, system)
+    try:
+        harmonics = harmonics_at_least(at)
+    except SolveError as fault:
+        return str(fault)
+    if harmonics <= PATIENCE:
+        return ""
+    turns = at.order.denominator
+    return (
+        f"the joints share a common period of {turns} turns only, which takes {harmonics} harmonics or more; "
+        "ask for it with `response: {method: harmonic-balance}`"
+    )
 
 
 def periodic_over_speed(
@@ -43,8 +71,8 @@ def periodic_over_speed(
 
     Every speed is started from the nearest that is solved.
     """
-    tell, number = progress or (lambda what, share: None), most or number_of_speeds(system)
     at = scene(study, system)
+    tell, number = progress or (lambda what, share: None), most or number_of_speeds(at)
     known: dict[float, tuple[Orbit | None, str]] = {}
 
     def solve(speeds: FloatArray) -> PeriodicResponse:
@@ -63,7 +91,28 @@ def periodic_over_speed(
             break
         found = solve(np.sort(more))
     tell("stability of the periodic motion", 1.0)
-    return replace(found, growth=growths(at, found))
+    found = replace(found, growth=growths(at, found))
+    tell("other periodic motions", 1.0)
+    further = others(at, found, worth_another_look(found, max(1, min(MOST_SOUGHT, number // EACH))))
+    if further is not None:
+        further = replace(further, growth=growths(at, further))
+    return replace(found, others=further)
+
+
+def worth_another_look(found: PeriodicResponse, most: int) -> list[int]:
+    """Rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
+    rows = highest_peaks(found)[:most]
+    if found.growth is not None and found.is_unstable.any():
+        rows.append(int(np.nanargmax(found.growth)))
+    return list(dict.fromkeys(rows))
+
+
+def highest_peaks(found: PeriodicResponse) -> list[int]:
+    """Rows of the highest peaks, else of the largest torque."""
+    size = np.abs(found.torque)
+    rows = list(dict.fromkeys(row for row, _, _ in _peaks(size)))
+    largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
+    return rows or [int(largest.argmax())]
 
 
 def growths(at: Scene, found: PeriodicResponse) -> FloatArray:

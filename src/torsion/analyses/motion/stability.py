@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from torsion.analyses.motion.asked import Method
 from torsion.analyses.motion.floquet import Multipliers, by_hill, by_monodromy, hill_count, variation
@@ -12,7 +12,8 @@ from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.losses import viscous
 from torsion.analyses.motion.modes import Basis, basis, reduced
 from torsion.analyses.motion.periodic import Orbit, continued
-from torsion.analyses.motion.zones import Zone, candidates, modal_energy, zone
+from torsion.analyses.motion.ranges import UNSTABLE, UnstableRange, indicator, unstable_ranges
+from torsion.analyses.motion.zones import candidates
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.tree import ComplexArray, FloatArray
@@ -20,26 +21,11 @@ from torsion.study import Study
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
-UNSTABLE = 1e-7  # growth over one common period: less is rounding
-WITHIN = 1e-10  # relative: boundaries are sought this closely
-BISECTIONS = 10  # before a boundary of a train without damping is sought by the gap of its multipliers
 MOST_SEEDS = 60  # combination resonances that are looked at between the speeds asked for
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
 BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
 CHECKED = 3  # speeds at which the other method checks the growth rate
-
-
-@dataclass(frozen=True)
-class UnstableRange:
-    """Speeds between which small deviations grow."""
-
-    first: float  # rad/s of the reference station
-    last: float
-    is_open: tuple[bool, bool]  # the range goes on beyond the speeds asked for
-    growth: float  # 1/s, the greatest found within
-    at: float  # rad/s, where
-    zone: Zone
 
 
 @dataclass(frozen=True)
@@ -59,6 +45,14 @@ class Stability:
     loses: bool  # something damps; where nothing does, a growth of 0 is the best there is
     kept: int | None = None  # elastic modes that the train was reduced to; None: all
     left_out: float = 0.0  # 1/s: estimated error of that
+
+    @property
+    def unknown(self) -> tuple[tuple[float, float], ...]:
+        """Stretches of speed (rad/s) between neighbours with a periodic motion in which none was found."""
+        bare = np.concatenate([[False], np.isnan(self.growth), [False]])
+        first = np.maximum(np.flatnonzero(~bare[:-1] & bare[1:]) - 1, 0)
+        last = np.minimum(np.flatnonzero(bare[:-1] & ~bare[1:]), len(self.speed) - 1)
+        return tuple(zip(self.speed[first].tolist(), self.speed[last].tolist(), strict=True))
 
 
 @dataclass
@@ -140,7 +134,7 @@ def stability(
         tell("stability", 0.6 * k / len(asked))
         ask(speed)
     _look_between(ask, asked, tell)
-    ranges = _ranges(ask, tell)
+    ranges = unstable_ranges(ask, tell)
     speed = np.array(sorted(ask.known))
     solved = [ask.known[one] for one in speed.tolist()]
     growth = np.array([np.nan if one is None else one[1].growth for one in solved])
@@ -174,7 +168,7 @@ def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
             continue
 
         def height(speed: float) -> float:
-            value = _indicator(ask, speed, None)
+            value = indicator(ask, speed, None)
             return np.inf if np.isnan(value) else -value
 
         minimize_scalar(
@@ -182,96 +176,14 @@ def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
         )
 
 
-def _indicator(ask: Search, speed: float, at: complex | None) -> float:
-    """Smooth over speed, positive where unstable: growth, or without damping the squared gap of two multipliers.
-
-    at: unit complex number near which the two meet; None: wherever they lie closest.
-    """
-    found = ask(speed)
-    if found is None:
-        return np.nan
-    multipliers = found[1]
-    if ask.loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and at is None):
-        return multipliers.growth
-    value = multipliers.multiplier
-    if at is None:
-        apart = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
-        first, second = np.unravel_index(int(np.argmin(apart)), apart.shape)
-    else:
-        first, second = np.argsort(np.abs(value - at))[:2]
-    gap = np.log(value[first] / value[second]) / (2.0 * multipliers.period)
-    return float((gap * gap).real)
-
-
-def _ranges(ask: Search, tell: Progress) -> tuple[UnstableRange, ...]:
-    """Unstable ranges between neighbouring stable speeds, with their boundaries."""
-    speed = sorted(one for one, found in ask.known.items() if found is not None)
-    grows = [ask.is_unstable(one) for one in speed]
-    out, first = list[UnstableRange](), 0
-    while first < len(speed):
-        if not grows[first]:
-            first += 1
-            continue
-        last = first
-        while last + 1 < len(speed) and grows[last + 1]:
-            last += 1
-        tell("boundaries", 0.8 + 0.2 * first / len(speed))
-        opens, closes = first == 0, last == len(speed) - 1
-        lower = speed[0] if opens else _boundary(ask, speed[first], speed[first - 1])
-        upper = speed[-1] if closes else _boundary(ask, speed[last], speed[last + 1])
-        out.append(_named(ask, lower, upper, speed[first : last + 1], (opens, closes)))
-        first = last + 1
-    return tuple(out)
-
-
-def _boundary(ask: Search, inner: float, outer: float) -> float:
-    """The speed (rad/s) between an unstable and a stable one at which the growth begins."""
-    if ask.loses:
-        return float(brentq(lambda x: _growth(ask, x), inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
-    for _ in range(BISECTIONS):
-        middle = (inner + outer) / 2.0
-        inner, outer = (middle, outer) if ask.is_unstable(middle) else (inner, middle)
-    found = ask(inner)
-    if found is None:
-        raise SolveError("no periodic motion at the boundary of an unstable range")
-    at = np.exp(1j * np.angle(found[1].multiplier[0]))
-    try:
-        return float(brentq(lambda x: _indicator(ask, x, at), inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
-    except ValueError:
-        return (inner + outer) / 2.0
-
-
-def _growth(ask: Search, speed: float) -> float:
-    value = ask.growth(speed)
-    if np.isnan(value):
-        raise SolveError(f"no periodic motion at {speed:.8g} rad/s, beside an unstable range; ask for closer speeds")
-    return value
-
-
-def _named(ask: Search, lower: float, upper: float, inside: list[float], is_open: tuple[bool, bool]) -> UnstableRange:
-    """The range with its greatest growth and its name."""
-    if not ask.is_unstable((lower + upper) / 2.0):
-        worst = max(inside, key=ask.growth)
-    else:
-        worst = max([*inside, (lower + upper) / 2.0], key=ask.growth)
-    found = ask(worst)
-    if found is None:
-        raise SolveError("no periodic motion within an unstable range")
-    _, multipliers = found
-    energy = modal_energy(multipliers, ask.shapes, ask.reduced)
-    return UnstableRange(
-        lower, upper, is_open, multipliers.growth, worst, zone(energy, ask.shapes, 2.0 * np.pi / multipliers.period)
-    )
-
-
 def _check(ask: Search, asked: FloatArray) -> float:
     """1/s: largest difference between the growth rates of both methods at a few speeds."""
     other: Method = "monodromy" if ask.method == "hill" else "hill"
     worst = np.nan
-    for speed in asked[np.unique(np.linspace(0, len(asked) - 1, CHECKED).astype(int))].tolist():
-        found = ask(speed)
-        if found is None:
-            continue
+    known = [found for speed in asked.tolist() if (found := ask(speed)) is not None]
+    known = known or [found for found in ask.known.values() if found is not None]
+    for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
+        found = known[place]
         try:
             apart = abs(ask.exponents(found[0], other).growth - found[1].growth)
         except SolveError:

@@ -25,6 +25,7 @@ class Response:
     status: np.ndarray  # (speeds, lines) uint8: kernels.response.Status
     joint_error: FloatArray  # (speeds, lines) estimated relative error of the first-order joint model; 0 without joints
     remark: str = ""  # what the refinement around resonances had to leave out
+    left_out: tuple[Line, ...] = ()  # what excites by an order that was not asked for
 
 
 @dataclass(frozen=True)
@@ -66,3 +67,15 @@ def merged(first: Result, second: Result) -> Result:
         if isinstance(value, np.ndarray):
             both[key] = np.concatenate([value, getattr(second, key)])[place]
     return replace(first, **both)
+
+
+def joined(first: tuple[Response, Synthesis], second: tuple[Response, Synthesis]) -> tuple[Response, Synthesis]:
+    """Two responses of the same lines with their syntheses in one, by ascending speed."""
+    response = merged(first[0], second[0])
+    place = np.unique(np.concatenate([first[0].speed, second[0].speed]), return_index=True)[1]
+    both: dict[str, Any] = {
+        key: np.concatenate([value, getattr(second[1], key)])[place]
+        for key, value in vars(first[1]).items()
+        if isinstance(value, np.ndarray)
+    }
+    return response, replace(first[1], **both)

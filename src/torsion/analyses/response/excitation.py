@@ -14,6 +14,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.primitives import Torque
+from torsion.train import Train
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,14 @@ def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tup
 def lines(system: System) -> tuple[Line, ...]:
     """Every line that excites the train over speed."""
     return tuple(excitation.line for excitation in excitations(system))
+
+
+def excited_orders(train: Train) -> tuple[Fraction, ...]:
+    """The orders of the reference station that something excites, ascending."""
+    ratio = [station.ratio for station in train.stations]
+    found = {torque.order * ratio[torque.station] for torque in train.torques if torque.order is not None}
+    found |= {order * ratio[mesh.driving] for mesh in train.constraints for order, _ in mesh.error}
+    return tuple(sorted(found))
 
 
 def sweeping(system: System) -> Excitation:

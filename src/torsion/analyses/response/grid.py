@@ -7,6 +7,7 @@ import numpy as np
 
 from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes, modes, undamped_tree
+from torsion.analyses.steady import SAME_SPEED
 from torsion.assembly.system import System
 from torsion.kernels.counts import count_below
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
@@ -121,7 +122,14 @@ def refined(asked: FloatArray, where: Places, ratio: FloatArray) -> tuple[FloatA
     return every[(every >= asked[0]) & (every <= asked[-1])], remark
 
 
-def missed_peaks(x: FloatArray, torque: ComplexArray, sound: np.ndarray) -> tuple[FloatArray, str]:
+def apart(known: FloatArray, more: FloatArray) -> FloatArray:
+    """Those of `more` that none of the `known` points, ascending, stands for: they differ by more than rounding."""
+    place = np.clip(np.searchsorted(known, more), 1, max(len(known) - 1, 1))
+    near = np.minimum(np.abs(more - known[place - 1]), np.abs(more - known[np.minimum(place, len(known) - 1)]))
+    return np.asarray(more[near > SAME_SPEED * np.abs(more)])
+
+
+def missed_peaks(x: FloatArray, torque: ComplexArray | FloatArray, sound: np.ndarray) -> tuple[FloatArray, str]:
     """Places of peaks that stand higher than the highest computed point beside them; and what was left out, in words.
 
     x: (points,) ascending. torque: (points, lines, spans). sound: (points, lines) bool, where the answer is ok.

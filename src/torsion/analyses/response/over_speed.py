@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ from torsion.analyses.joints.first_order import joint_errors
 from torsion.analyses.modes import Modes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, merged
-from torsion.analyses.response.excitation import Excitation, Line, excitations, sources
+from torsion.analyses.response.excitation import Excitation, Line, excitations, excited_orders, lines, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.assembly.system import System
@@ -41,7 +42,7 @@ class Asked(Declared):
     """Settings of `response`."""
 
     orders: Annotated[Any, BeforeValidator(_read_orders)] = given(
-        "`all`, or a list of orders of the reference station", "all"
+        "`all`, or a list of orders of the reference station; rules about vibration judge all of them together", "all"
     )
     frequencies: FrequencyRange | None = given("also the response to the torques that act at every frequency")
     method: Literal["first-order", "harmonic-balance"] | None = given(
@@ -57,19 +58,24 @@ def response(
     damped: DampedModes | None = None,
     modes: Modes | None = None,
     speeds: FloatArray | None = None,
+    also: FloatArray | None = None,
+    all_orders: bool = False,
     progress: Progress | None = None,
 ) -> Response:
     """The response over `speeds` (rad/s of the reference station), else over the operation's speed range.
 
     `modes` and `damped` spare work and sharpen the grid where they were computed already. Speeds are added around
-    every resonance, and wherever a peak shows between two of them. Raises InputError where speeds, or a mean torque
-    that an excitation or a damping follows, are not given.
+    every resonance, wherever a peak shows between two of them, and those of `also` (rad/s) that lie in the range.
+    `all_orders`: of every order, whatever the settings name. Raises InputError where speeds, or a mean torque that an
+    excitation or a damping follows, are not given, or an order is named that nothing excites.
     """
     asked = _asked_speeds(study, speeds)
-    orders: Any = getattr(study.analyses.get("response"), "orders", "all")
-    found = excitations(system, None if orders == "all" else orders)
+    orders = asked_orders(study)
+    found = excitations(system, None if all_orders else orders)
     scene = _Scene(study, system, found, progress or (lambda what, share: None))
-    speed, remark = _refined_speeds(scene, asked, damped, modes)
+    further = np.empty(0) if also is None else also[(also > asked[0]) & (also < asked[-1])]
+    points = np.union1d(asked, grid.apart(asked, further))
+    speed, remark = _refined_speeds(scene, points, damped, modes)
     result = _solve(scene, speed)
     for _ in range(grid.ROUNDS_FOR_PEAKS):
         missed, left_out = grid.missed_peaks(result.speed, result.torque, result.status == Status.OK)
@@ -77,7 +83,41 @@ def response(
         if missed.size == 0:
             break
         result = merged(result, _solve(scene, missed))
-    return replace(result, asked=np.isin(result.speed, asked), remark=remark)
+    kept = {one.line.order for one in found}
+    rest = tuple(line for line in lines(system) if line.order not in kept)
+    return replace(result, asked=np.isin(result.speed, asked), remark=remark, left_out=rest)
+
+
+def response_at(study: Study, system: System, found: Response, speeds: FloatArray) -> Response:
+    """The response at `speeds` (speeds,) rad/s alone, ascending, of the lines that are found."""
+    orders = [line.order for line in found.lines if line.order is not None]
+    return _solve(_Scene(study, system, excitations(system, orders), lambda what, share: None), speeds)
+
+
+def asked_orders(study: Study) -> tuple[Fraction, ...] | None:
+    """The orders that the settings of `response` name, None for all; raises InputError where nothing excites one."""
+    orders: Any = getattr(study.analyses.get("response"), "orders", "all")
+    if orders == "all":
+        return None
+    faults = order_faults(study)
+    if faults:
+        raise InputError(faults)
+    return tuple(orders)
+
+
+def order_faults(study: Study) -> list[Fault]:
+    """Orders that the settings of `response` name and nothing excites."""
+    orders: Any = getattr(study.analyses.get("response"), "orders", "all")
+    if orders == "all":
+        return []
+    there = excited_orders(study.train)
+    hint = f"there are {', '.join(str(order) for order in there)}, per turn of the reference"
+    hint = hint if there else "nothing excites by order"
+    return [
+        Fault(("analyses", "response", "orders", place), f"no excitation has order {order}", hint)
+        for place, order in enumerate(orders)
+        if order not in there
+    ]
 
 
 @dataclass(frozen=True)
@@ -134,9 +174,9 @@ def _solve(scene: _Scene, speed: FloatArray) -> Response:
         )
         joint_error[:, k] = joint_errors(system, one, found.angle)
     steady_torque = np.zeros((len(speed), len(system.spans))) if mean is None else mean.torque.T
-    lines = tuple(one.line for one in scene.found)
+    each = tuple(one.line for one in scene.found)
     asked = np.zeros(len(speed), dtype=bool)
-    return Response(speed, asked, lines, frequency, angle, torque, steady_torque, residual, status, joint_error)
+    return Response(speed, asked, each, frequency, angle, torque, steady_torque, residual, status, joint_error)
 
 
 def _frequencies(line: Line, speed: FloatArray) -> FloatArray:

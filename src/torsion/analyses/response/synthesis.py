@@ -39,9 +39,8 @@ def synthesis(system: System, response: Response) -> Synthesis:
         highest[:] = size[:, ordered].sum(axis=1)
         lowest = -highest
     else:
-        spans = bound.shape[1]
         phasors = np.moveaxis(response.torque[:, ordered], 1, 2).reshape(-1, len(orders))
-        highest, lowest = (values.reshape(-1, spans) for values in extremes(phasors, harmonics))
+        highest, lowest = (values.reshape(bound.shape) for values in extremes(phasors, harmonics))
     half_range = (highest - lowest) / 2.0 + fixed
     peak = np.maximum(np.abs(response.mean + highest + fixed), np.abs(response.mean + lowest - fixed))
     answered = np.isfinite(bound) & (response.status != Status.SINGULAR).all(axis=1)[:, None]

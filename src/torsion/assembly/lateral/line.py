@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
+from torsion.assembly.lateral.lacking import missing, supports_of
 from torsion.assembly.lateral.shaft import Beam, Point, Segment
-from torsion.components.support import Support, fits
-from torsion.errors import Fault
+from torsion.components.support import fits
+from torsion.errors import Fault, Path
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -34,6 +35,7 @@ class BendingShaft:
     joints: tuple[JointAt, ...]  # before it, then behind it
     loads: tuple[str, ...]  # components that stand on it, whose mass the file does not say
     lacks: str = ""  # why its bending is not computed; empty where it is
+    place: Path = ()  # of the key in the file that this is about; empty where it is about none
 
 
 def bending_shafts(train: Train) -> tuple[tuple[BendingShaft, ...], list[Fault]]:
@@ -81,7 +83,9 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     straight = all(node[bar.driving] == at for bar, at in zip(row, stations, strict=False))
     if not straight or len(set(stations)) < len(stations):
         return BendingShaft(names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches")
-    lacks, before, of_material = "", len(faults), list[Fault]()
+    before, of_material = len(faults), list[Fault]()
+    lacks: str = ""
+    place: Path = ()
     joints = _joints(train, node, stations)
     if any(at not in (0, len(row)) for _, _, at in joints):
         lacks = "a joint stands between its ends"
@@ -90,11 +94,11 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
     if not lacks and len(faults) == before:
-        lacks = _missing(train, row, beam)
+        lacks, place = missing(train, row, beam)
     faults += [] if lacks else of_material
     at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
     ratio = train.stations[row[0].driving].ratio
-    return BendingShaft(names, parts, ratio, beam, at, _loads(train, node, stations, parts), lacks)
+    return BendingShaft(names, parts, ratio, beam, at, _loads(train, node, stations, parts), lacks, place)
 
 
 def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]:
@@ -136,14 +140,11 @@ def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[F
     points = []
     begin = 0.0
     for bar in row:
-        part = train.parts[bar.part]
-        given: Support | tuple[Support, ...] | None = getattr(part.component, "support", None)
-        every = (given,) if isinstance(given, Support) else given or ()
-        for number, support in enumerate(every):
+        part, every = train.parts[bar.part], supports_of(train, bar)
+        for number, (support, path) in enumerate(every):
             if not fits(support, bar.length):
-                step: tuple[str | int, ...] = ("support",) if len(every) == 1 else ("support", number)
                 message = f"the support stands {support.at:g} m along a shaft of {bar.length:g} m"
-                faults.append(Fault((*part.path, *step, "at"), message, "at most the length of the shaft"))
+                faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
                 continue
             place = bar.length - support.at if is_from_behind else support.at
             name = part.name if len(every) == 1 else f"{part.name} {number + 1}"
@@ -155,17 +156,6 @@ def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[F
             )  # fmt: skip
         begin += bar.length
     return points
-
-
-def _missing(train: Train, row: list[Bar], beam: Beam) -> str:
-    """Why a shaft cannot be computed; empty where it can."""
-    if any(getattr(train.parts[bar.part].component, "section", None) is not None for bar in row):
-        return "its section is a mesh, and bending needs diameters"
-    if max(beam.rigid_motions(0), beam.rigid_motions(1)):
-        return "it is not held: a joint at either end, or a `support`, would hold it"
-    if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
-        return "it has no mass"
-    return ""
 
 
 def _loads(train: Train, node: list[int], stations: list[int], parts: tuple[int, ...]) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from torsion.assembly.lateral.elements import Section, element, end_unknowns, size
+from torsion.errors import SolveError
 from torsion.kernels.tree import FloatArray, IntArray
 
 LONGEST_PHASE = 4.5  # rad of the bending wave along an element: the error of a frequency is then below 1e-13
@@ -72,6 +73,29 @@ class Beam:
         held = {point.at for point in self.points if point.held == "pinned" or point.stiffness[plane] > 0}
         return max(0, 2 - len(held))
 
+    def hold(self, plane: int) -> float:
+        """How stiffly its points hold it against the softest motion that bends nothing, over E I/length^3; at most 1.
+
+        The motions are 1 - x/L and x/L; no point counts for more than the bending stiffness.
+        """
+        if any(point.held == "clamped" for point in self.points):
+            return 1.0
+        bent, total = self.bending_stiffness, np.zeros((2, 2))
+        for point in self.points:
+            share = 1.0 if point.held == "pinned" else min(1.0, point.stiffness[plane] / bent)
+            motion = np.array([1.0 - point.at / self.length, point.at / self.length])
+            total += share * np.outer(motion, motion)
+        return float(min(1.0, np.linalg.eigvalsh(total)[0]))
+
+    @property
+    def bending_stiffness(self) -> float:
+        """E I/length^3 of its weakest section, N/m."""
+        sections = [
+            each.youngs_modulus * math.pi / 64.0 * (each.outer[end] ** 4 - each.bore[end] ** 4)
+            for each in self.segments for end in (0, 1)
+        ]  # fmt: skip
+        return min(sections) / self.length**3
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -116,7 +140,7 @@ def assemble_lateral(
     An interval between two points or changes of section has as many elements as keep the bending wave's phase along
     one of them below LONGEST_PHASE. rotary_inertia False is the beam of Euler: no inertia and no gyroscopic moment of
     the sections. shear True is the beam of Timoshenko with the coefficient of Cowper. Raises ValueError for a beam
-    without length or a point beside it.
+    without length or a point beside it, SolveError where too many elements were needed.
     """
     cells, nodes = _cells(beam, frequency, shear, elements)
     order = int(cells[-1].unknowns.max()) + 1
@@ -153,7 +177,8 @@ def _cells(beam: Beam, frequency: float, shear: bool, elements: int) -> tuple[tu
             sections += _divided(segment, begin, (left, right), (frequency, shear, elements))
         begin += segment.length
     if len(sections) > MOST_ELEMENTS:
-        raise ValueError(f"{beam.name or 'beam'}: {len(sections)} elements, at most {MOST_ELEMENTS} are possible")
+        why = f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
+        raise SolveError(f"{beam.name or 'beam'}: {why}; ask for fewer `modes` or lower `speeds`")
     starts = [start for start, _ in sections]
     inside = size(shear) - 4
     first = 2 * (len(sections) + 1)

@@ -1,30 +1,35 @@
 """Modes of finite elements beyond the lowest frequency of an element by itself, by a dense decomposition.
 
-For few, coarse elements of high degree of which many modes are asked. With K = B'B and M = C'C in factors, the upper
-triangle R of the stacked B and sqrt(s0) C makes C R^-1 a matrix whose singular values c give s = 1/c^2 - s0; Rayleigh's
-quotient of the energies, span by span, corrects them. Massless stations need no care. Nothing is proven.
+For few, coarse elements of high degree of which many modes are asked. In coordinates whose sum of squares is the
+elastic energy (`bends`), with the inertia in a factor C, the singular values c of C give s = 1/c^2; Rayleigh's quotient
+of the energies, span by span, corrects them. Massless stations need no care. Nothing is proven.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.kernels.bars.bends import Bends, bends
 from torsion.kernels.bars.element import ElementBars
 from torsion.kernels.bars.modes import BarModes
-from torsion.kernels.bars.spans import Bars
+from torsion.kernels.bars.singular import largest_right_vectors
+from torsion.kernels.bars.spans import Bars, one_mode_bars
 from torsion.kernels.bars.tree import BarTree
 from torsion.kernels.modes import rigid_shapes, shape_sign
-from torsion.kernels.reduction import Rigidity, rigidity
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.tree import FloatArray, Tree
+
+_LEAST = 1e-11  # of the largest singular value; one that is less is not right to 1e-4
 
 
 @dataclass(frozen=True)
-class _Unknowns:
-    """Angles of the moving rigid bodies, then the modes inside the elements."""
+class _Shapes:
+    """Shapes of generalised inertia 1."""
 
-    of_station: IntArray  # (stations,) unknown of each station; that of fixed ones is one more than the last, and 0
-    inside: IntArray  # (bars, modes)
-    number: int
+    square: FloatArray  # (m,) rad2/s2
+    angle: FloatArray  # (stations, m) rad
+    twist: FloatArray  # (stations, m) rad, angle at the inner end of a span less that at the outer one
+    torque: FloatArray  # (stations, m) N m, in the flexibility of a span; 0 of rigid ones
+    parts: FloatArray  # (bars, 2 + modes, m) unknowns of the elements: both ends, then the modes inside
 
 
 def element_modes_dense(tree: Tree, bars: Bars, count: int) -> BarModes:
@@ -32,42 +37,43 @@ def element_modes_dense(tree: Tree, bars: Bars, count: int) -> BarModes:
 
     `lower` and `upper` are the frequencies themselves and `certified` is False. Raises ValueError for other bars.
     """
-    train = BarTree(tree, bars)
-    element = _element(bars)
-    known = rigidity(train.static)
-    unknowns = _unknowns(train, known, element)
-    local = _local_inertia(element)
-    bend, mass = _rows_of_bend(train, unknowns, element), _rows_of_inertia(train, unknowns, local)
-    rigid = len(known.free_roots)
-    x = _vectors(bend, mass, _low_square(train.static), rigid + count)[:, rigid:]
-    twice, weight = np.sum((bend @ x) ** 2, axis=0), np.sum((mass @ x) ** 2, axis=0)
-    square = twice / np.where(weight > 0.0, weight, np.nan)
-    order = np.argsort(square, kind="stable")[: min(count, int(np.isfinite(square).sum()))]
-    x, square = x[:, order] / np.sqrt(weight[order]), square[order]
-    x = np.concatenate((x, np.zeros((1, len(square)))))
-    x = x * shape_sign(x[unknowns.of_station])
-    return _told(train, known, unknowns, element, local, x, square)
+    return dense_modes(BarTree(tree, bars), count)
+
+
+def dense_modes(train: BarTree, count: int) -> BarModes:
+    """`element_modes_dense` of a tree with its bars."""
+    element = _element(train.bars)
+    coordinates, local = bends(train, element), _local_inertia(element)
+    mass = _rows_of_inertia(train, coordinates, _root(local))
+    y = largest_right_vectors(mass, _number(train, element, count))
+    weight = np.sum((mass @ y) ** 2, axis=0)
+    square = np.sum(y * y, axis=0) / weight
+    order = np.argsort(square, kind="stable")
+    y, square = y[:, order] / np.sqrt(weight[order]), square[order]
+    return _told(train, element, local, _shapes(train, coordinates, y, square))
+
+
+def estimated_frequencies(train: BarTree, count: int) -> FloatArray:
+    """The lowest `count` elastic frequencies rad/s, ascending, of bars of any law with a finite limit.
+
+    With one mode inside each bar: too high by less than 0.08 (w/limit)^4 where bars are alike (measured). Fewer where
+    there are fewer, or where the others are too far from the first to be estimated.
+    """
+    element = one_mode_bars(train.bars)
+    mass = _rows_of_inertia(train, bends(train, element), _root(_local_inertia(element)))
+    values = np.linalg.svd(mass, compute_uv=False)[: _number(train, element, count)]
+    return np.asarray(1.0 / values[values > _LEAST * values.max(initial=0.0)])
+
+
+def _number(train: BarTree, element: ElementBars, count: int) -> int:
+    """As many of the modes asked for as there are."""
+    return min(count, train.known.elastic + int(np.count_nonzero(element.modes)))
 
 
 def _element(bars: Bars) -> ElementBars:
     if len(bars.laws) != 1 or not isinstance(bars.laws[0], ElementBars):
         raise ValueError("the dense way is for finite elements of one degree; expected one law of elements")
     return bars.laws[0]
-
-
-def _low_square(tree: Tree) -> float:
-    """Square of a frequency (rad2/s2) below most of the train's: whole flexibility and whole inertia in one."""
-    moving = tree.parent >= 0
-    return float(1.0 / (tree.moving_inertia.sum() * tree.flexibility[moving].sum()))
-
-
-def _unknowns(train: BarTree, known: Rigidity, element: ElementBars) -> _Unknowns:
-    free = np.unique(known.body[~known.fixed])
-    of_station = np.searchsorted(free, known.body)
-    number = len(free) + element.modes.size
-    of_station[known.fixed] = number
-    inside = len(free) + np.arange(element.modes.size).reshape(element.modes.shape)
-    return _Unknowns(of_station, inside, number)
 
 
 def _local_inertia(element: ElementBars) -> FloatArray:
@@ -83,76 +89,55 @@ def _local_inertia(element: ElementBars) -> FloatArray:
     return local
 
 
-def _rows_of_bend(train: BarTree, unknowns: _Unknowns, element: ElementBars) -> FloatArray:
-    """B (springs, unknowns): the square root of a stiffness times the twist; an inside mode has stiffness 1."""
-    tree = train.tree
-    plain = train.plain[(tree.parent[train.plain] >= 0) & (tree.flexibility[train.plain] > 0.0)]
-    outer = np.concatenate((plain, train.bars.node))
-    root = np.sqrt(np.concatenate((1.0 / tree.flexibility[plain], element.stiffness)))
-    rows, modes = np.arange(len(outer)), unknowns.inside.reshape(-1)
-    bend = np.zeros((len(outer) + len(modes), unknowns.number + 1))
-    bend[rows, unknowns.of_station[tree.parent[outer]]] += root
-    bend[rows, unknowns.of_station[outer]] -= root
-    bend[len(outer) + np.arange(len(modes)), modes] = 1.0
-    return bend[:, :-1]
+def _root(local: FloatArray) -> FloatArray:
+    """R of each inertia (bars, unknowns, unknowns) R'R."""
+    try:
+        return np.asarray(np.linalg.cholesky(local).transpose(0, 2, 1))
+    except np.linalg.LinAlgError:  # an element without inertia
+        values, vectors = np.linalg.eigh(local)
+        return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1))
 
 
-def _rows_of_inertia(train: BarTree, unknowns: _Unknowns, local: FloatArray) -> FloatArray:
-    """C (rows, unknowns), with as many rows for an element as it has unknowns."""
-    values, vectors = np.linalg.eigh(local)
-    root = np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1)
-    places = np.column_stack([_ends(train, unknowns), unknowns.inside])
-    stations = np.flatnonzero(train.tree.moving_inertia > 0.0)
-    mass = np.zeros((local.shape[0] * local.shape[1] + len(stations), unknowns.number + 1))
-    rows = np.arange(local.shape[0] * local.shape[1]).reshape(local.shape[:2])
-    np.add.at(mass, (rows[:, :, None], places[:, None, :]), root)
-    mass[rows.size + np.arange(len(stations)), unknowns.of_station[stations]] = np.sqrt(train.tree.inertia[stations])
-    return mass[:, :-1]
+def _rows_of_inertia(train: BarTree, coordinates: Bends, root: FloatArray) -> FloatArray:
+    """C (rows, coordinates), with as many rows for an element as it has unknowns."""
+    bars, unknowns, _ = root.shape
+    rows = root[:, :, :2] @ coordinates.angle[_ends(train)]
+    row = np.arange(unknowns)[None, :, None]
+    rows[np.arange(bars)[:, None, None], row, coordinates.inside[:, None, :]] += root[:, :, 2:]
+    inertia = train.tree.moving_inertia
+    stations = np.flatnonzero(inertia > 0.0)
+    own = np.sqrt(inertia[stations])[:, None] * coordinates.angle[stations]
+    return np.concatenate((rows.reshape(bars * unknowns, -1), own))
 
 
-def _ends(train: BarTree, unknowns: _Unknowns) -> IntArray:
-    return unknowns.of_station[np.column_stack([train.parent, train.bars.node])]
+def _ends(train: BarTree) -> np.ndarray:
+    """(bars, 2) stations at the inner and the outer end of each."""
+    return np.column_stack([train.parent, train.bars.node])
 
 
-def _vectors(bend: FloatArray, mass: FloatArray, low_square: float, wanted: int) -> FloatArray:
-    """Shapes (unknowns, wanted) in ascending order of frequency, the rigid motions first."""
-    stacked = np.concatenate((bend, np.sqrt(low_square) * mass))
-    scale = 1.0 / np.linalg.norm(stacked, axis=0)
-    triangle = np.asarray(np.linalg.qr(stacked * scale, mode="r"))
-    flat = np.linalg.solve(triangle.T, (mass * scale).T).T
-    vectors = np.linalg.svd(flat, full_matrices=False)[2][:wanted]
-    return np.asarray(scale[:, None] * np.linalg.solve(triangle, vectors.T))
+def _shapes(train: BarTree, coordinates: Bends, y: FloatArray, square: FloatArray) -> _Shapes:
+    angle = coordinates.angle @ y
+    y = y * (sign := shape_sign(angle))
+    angle *= sign
+    twist, torque = np.zeros_like(angle), np.zeros_like(angle)
+    bend, root = coordinates.bend @ y, coordinates.root[:, None]
+    twist[coordinates.spring], torque[coordinates.spring] = -root * bend, -bend / root
+    return _Shapes(square, angle, twist, torque, np.concatenate((angle[_ends(train)], y[coordinates.inside]), axis=1))
 
 
-def _told(
-    train: BarTree,
-    known: Rigidity,
-    unknowns: _Unknowns,
-    element: ElementBars,
-    local: FloatArray,
-    x: FloatArray,
-    square: FloatArray,
-) -> BarModes:
-    """Torques and energies of the shapes `x` (unknowns + 1, m) of generalised inertia 1."""
-    tree, node = train.tree, train.bars.node
-    angle = x[unknowns.of_station]
-    parts = np.concatenate((x[_ends(train, unknowns)], x[unknowns.inside]), axis=1)  # (bars, 2 + modes, m)
-    carried = np.einsum("bij,bjm->bim", local, parts)
-    of_bars = np.einsum("bim,bim->bm", parts, carried)
-    twist = angle[tree.parent] - angle
-    twist[tree.roots] = 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        torque = np.where(tree.flexibility[:, None] > 0.0, twist / tree.flexibility[:, None], 0.0)
-    torque[tree.roots] = 0.0
-    outer = torque.copy()
-    bend = element.stiffness[:, None] * twist[node]
-    torque[node], outer[node] = bend - square * carried[:, 0], bend + square * carried[:, 1]
+def _told(train: BarTree, element: ElementBars, local: FloatArray, shapes: _Shapes) -> BarModes:
+    """Torques at both ends of the spans and the energies."""
+    node, square, angle, torque = train.bars.node, shapes.square, shapes.angle, shapes.torque
+    carried = local @ shapes.parts
+    of_bars = np.sum(shapes.parts * carried, axis=1)
+    elastic, outer = torque * shapes.twist, torque.copy()
+    elastic[node] += np.sum(shapes.parts[:, 2:] ** 2, axis=1)
+    torque[node] -= square * carried[:, 0]
+    outer[node] += square * carried[:, 1]
     _fill_rigid(train, angle, torque, outer, square)
-    kinetic = tree.moving_inertia[:, None] * angle**2
+    kinetic = train.tree.moving_inertia[:, None] * angle**2
     train.add_ends(kinetic, 0.5 * of_bars, 0.5 * of_bars)
-    elastic = torque * twist
-    elastic[node] = bend * twist[node] + np.sum(parts[:, 2:] ** 2, axis=1)
-    frequency, rigid = np.sqrt(square), rigid_shapes(train.static, known)
+    frequency, rigid = np.sqrt(square), rigid_shapes(train.static, train.known)
     return BarModes(
         frequency,
         frequency.copy(),

@@ -11,6 +11,7 @@ Without unknowns inside, 1/h = k + s c and J is constant: linear elements keep f
 """
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,6 +23,8 @@ from torsion.kernels.bars.law import UNIT_ROUNDOFF, Pi, Slopes
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
+_AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array
+_FEW = 2**11  # modes inside times frequencies, up to which it does not pay to look for equal elements (measured)
 _NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the element turns by 1
 
 
@@ -59,43 +62,58 @@ class ElementBars:
         """The different elements, and which one each bar is."""
         columns = [getattr(self, name) for name in self.__dataclass_fields__]
         table = np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1)
-        _, first, position = np.unique(table, axis=0, return_index=True, return_inverse=True)
-        return ElementBars(*(column[first] for column in columns)), position.reshape(-1)
+        number: dict[bytes, int] = {}
+        position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
+        first = np.zeros(len(number), dtype=np.int64)
+        first[position[::-1]] = np.arange(self.size)[::-1]
+        return ElementBars(*(column[first] for column in columns)), position
+
+    @cached_property
+    def _weights(self) -> FloatArray:
+        """(bars, 3, inside) of s/(1 - s c_j) in 1/h, less its static part, and in both end inertias."""
+        pairs = (
+            (self.coupling_inner, self.coupling_outer),
+            (self.coupling_inner, self.coupling_turn),
+            (self.coupling_outer, self.coupling_turn),
+        )
+        return np.stack([one * other for one, other in pairs], axis=1)
 
     def at(self, square: NDArray[Any]) -> Pi:
         """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2 (m,) or (bars, m)."""
         if square.ndim > 1:
             return self._values(square)
+        if self.modes.size * len(square) <= _FEW:
+            return self._values(np.broadcast_to(square, (self.size, len(square))))
         few, position = self._distinct
         flexibility, inner, outer = few._values(np.broadcast_to(square, (few.size, len(square))))
         return flexibility[position], inner[position], outer[position]
 
     def _values(self, s: NDArray[Any]) -> Pi:
-        spring, inner, outer = (np.zeros(s.shape, dtype=s.dtype) for _ in range(3))
-        for j in range(self.modes.shape[1]):
-            answer = s / (1.0 - s * self.modes[:, j, None])
-            inward, outward = self.coupling_inner[:, j, None], self.coupling_outer[:, j, None]
-            turn = self.coupling_turn[:, j, None] * answer
-            spring += (inward * outward) * answer
-            inner += inward * turn
-            outer += outward * turn
-        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + spring))
-        return spring, self.inner[:, None] + inner, self.outer[:, None] + outer
+        rows = self._summed(s, lambda part, modes: part / (1.0 - part * modes))
+        return self._pi(s, rows)
+
+    def _pi(self, s: NDArray[Any], rows: NDArray[Any]) -> Pi:
+        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
+        return spring, self.inner[:, None] + rows[:, 1], self.outer[:, None] + rows[:, 2]
+
+    def _summed(self, s: NDArray[Any], answer: Callable[[NDArray[Any], FloatArray], NDArray[Any]]) -> NDArray[Any]:
+        """Sums (bars, 3, m) over the modes inside of `_weights` times `answer` of s (bars, m) and the modes."""
+        found = np.empty((self.size, 3, s.shape[1]), dtype=s.dtype)
+        block = max(1, _AT_ONCE // max(self.modes.size, 1))
+        for begin in range(0, s.shape[1], block):
+            part = slice(begin, begin + block)
+            found[:, :, part] = self._weights @ answer(s[:, None, part], self.modes[:, :, None])
+        return found
 
     def slopes(self, square: FloatArray) -> Slopes:
         """Values and derivatives with respect to s, each (bars, m), at s (m,)."""
         few, position = self._distinct
         s = np.broadcast_to(square, (few.size, len(square)))
-        h, inner, outer = few._values(s)
-        stiffness_slope, inner_slope, outer_slope = few.across[:, None] + np.zeros(s.shape), *np.zeros((2, *s.shape))
-        for j in range(few.modes.shape[1]):
-            answer = 1.0 / (1.0 - s * few.modes[:, j, None])
-            inward, outward = few.coupling_inner[:, j, None], few.coupling_outer[:, j, None]
-            stiffness_slope += (inward * outward) * s * answer * (1.0 + answer)
-            turn = few.coupling_turn[:, j, None] * (answer * answer)
-            inner_slope += inward * turn
-            outer_slope += outward * turn
-        rows = (h, inner, outer, -(h * h) * stiffness_slope, inner_slope, outer_slope)
+        plain = few._summed(s, lambda part, modes: part / (1.0 - part * modes))
+        squared = few._summed(s, lambda part, modes: 1.0 / (1.0 - part * modes) ** 2)
+        h, inner, outer = few._pi(s, plain)
+        of_stiffness = few.across[:, None] + (plain[:, 0] + s * squared[:, 0])
+        rows = (h, inner, outer, -(h * h) * of_stiffness, squared[:, 1], squared[:, 2])
         return Slopes(square, *(row[position] for row in rows))
 
     def rounding(self, square: FloatArray) -> FloatArray:
@@ -117,6 +135,31 @@ class ElementBars:
             np.where(swap, self.coupling_inner, self.coupling_outer),
             self.coupling_turn,
         )
+
+    def scaled(self, stiffness: ArrayLike, inertia: ArrayLike) -> "ElementBars":
+        """The elements with their stiffness and inertia multiplied by `stiffness` and `inertia` (bars,), positive.
+
+        Of one element, as many as there are factors.
+        """
+        k, m = (np.asarray(factor, dtype=np.float64) for factor in (stiffness, inertia))
+        g = (m / np.sqrt(k))[:, None]
+        return ElementBars(
+            self.stiffness * k,
+            self.across * m,
+            self.inner * m,
+            self.outer * m,
+            self.modes * (m / k)[:, None],
+            self.coupling_inner * g,
+            self.coupling_outer * g,
+            self.coupling_turn * g,
+        )
+
+    @classmethod
+    def joined(cls, parts: "Sequence[ElementBars]") -> "ElementBars":
+        """Elements of one degree, one part after another."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__))
 
 
 def element_bars(stiffness: ArrayLike, inertia: ArrayLike) -> ElementBars:

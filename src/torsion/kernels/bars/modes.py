@@ -12,14 +12,13 @@ from torsion.kernels.bars.spans import Bars
 from torsion.kernels.bars.tree import BarTree
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.modes import rigid_shapes, shape_sign
-from torsion.kernels.reduction import rigidity
 from torsion.kernels.repeated import repeated_groups
 from torsion.kernels.tree import BoolArray, FloatArray, Tree
 
-_LAST_STEP = 1e-8  # relative change of a frequency after which Newton's steps, of second order, have converged
-_SETTLED = 1e-12  # relative change by which the last shape still corrects its frequency
+_SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final one
 _STEPS = 6  # Newton's steps; a start that needs more is bisected instead
 _BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
+_OFF = 5e-2  # relative, that a frequency to start from may be off
 _FULL_BISECTION = 2.0**-52
 
 
@@ -53,15 +52,18 @@ def bar_modes(tree: Tree, bars: Bars, count: int) -> BarModes:
     repeated: their shapes are one orthogonal set of many. Raises SolveError for a mode above 0.95 times the lowest
     frequency of a bar with both ends held, and for a frequency that cannot be proven.
     """
-    given = BarTree(tree, bars)
-    static = given.static
-    known = rigidity(static)
+    return modes_of(BarTree(tree, bars), count)
+
+
+def modes_of(given: BarTree, count: int, *, start: FloatArray | None = None) -> BarModes:
+    """`bar_modes` of a tree with its bars, from frequencies (count,) rad/s near the modes, ascending, if known."""
+    tree, bars, static, known = given.tree, given.bars, given.static, given.known
     wanted = count if np.isfinite(bars.limit) else min(count, known.elastic)
     rigid_angle = rigid_shapes(static, known)
     cutting = needs_cutting(static, known)
     train = given.solved(cut(tree, known)) if cutting else given
     rigid = len(known.free_roots)
-    frequency, shapes = _frequencies(train, rigid, wanted)
+    frequency, shapes = _frequencies(train, rigid, wanted, start)
     frequency, lower, upper, wrong = _prove(train, frequency, rigid, shapes.passed)
     if wrong.any():
         shapes = determined_shapes(train, frequency)
@@ -81,29 +83,38 @@ def _is_bar(train: BarTree) -> BoolArray:
     return np.array(train.bar_of) >= 0
 
 
-def _frequencies(train: BarTree, rigid: int, wanted: int) -> tuple[FloatArray, BarShapes]:
-    """Frequencies (wanted,) after Newton's steps from brackets, ascending, and the shapes that go with them."""
+def _frequencies(train: BarTree, rigid: int, wanted: int, start: FloatArray | None) -> tuple[FloatArray, BarShapes]:
+    """Frequencies (wanted,) after Newton's steps from `start` or from brackets, ascending, and their shapes."""
     if wanted <= 0:
         return np.empty(0), BarShapes(*np.empty((4, train.tree.size, 0)), *np.empty((2, 0)))
-    low, high = brackets(train, rigid + np.arange(wanted))
-    frequency = low + 0.5 * (high - low)
-    room = _BEYOND * (high - low)
-    left = np.arange(wanted)
-    for _ in range(_STEPS):
-        change = _change(frequency[left], determined_shapes(train, frequency[left], ends=False).correction)
-        moved = frequency[left] * (1.0 + change)
-        inside = (moved >= low[left] - room[left]) & (moved <= high[left] + room[left])
-        frequency[left[inside]] = moved[inside]
-        left = left[inside & (np.abs(change) >= _LAST_STEP)]
-        if not len(left):
-            break
-    shapes = determined_shapes(train, frequency)
-    change = _change(frequency, shapes.correction)
-    frequency *= 1.0 + np.where(np.abs(change) < _SETTLED, change, 0.0)
+    if start is None:
+        low, high = brackets(train, rigid + np.arange(wanted))
+        frequency = low + 0.5 * (high - low)
+    else:
+        low, high, frequency = start * (1.0 - _OFF), start * (1.0 + _OFF), start.copy()
+    shapes = _polish(train, frequency, low, high)
     if (frequency[1:] >= frequency[:-1]).all():
         return frequency, shapes
     order = np.argsort(frequency, kind="stable")
     return frequency[order], shapes.take(order)
+
+
+def _polish(train: BarTree, frequency: FloatArray, low: FloatArray, high: FloatArray) -> BarShapes:
+    """Newton's steps of each `frequency` (m,) as long as they stay within `low` and `high`, in place; its shapes."""
+    room = _BEYOND * (high - low)
+    shapes = determined_shapes(train, frequency)
+    left, change = np.arange(len(frequency)), _change(frequency, shapes.correction)
+    for _ in range(_STEPS):
+        moved = frequency[left] * (1.0 + change)
+        inside = (moved >= low[left] - room[left]) & (moved <= high[left] + room[left])
+        frequency[left[inside]] = moved[inside]
+        left = left[inside & (np.abs(change) >= _SETTLED)]
+        if not len(left):
+            break
+        again = determined_shapes(train, frequency[left])
+        shapes.put(left, again)
+        change = _change(frequency[left], again.correction)
+    return shapes
 
 
 def _change(frequency: FloatArray, correction: FloatArray) -> FloatArray:

@@ -14,8 +14,8 @@ from torsion.kernels.bars.uniform import UniformBars, uniform_bars
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 __all__ = [
-    "Bars", "ElementBars", "Law", "ProfileBars", "UniformBars", "element_bars", "profile_bars", "profile_points",
-    "uniform_bars",
+    "Bars", "ElementBars", "Law", "ProfileBars", "UniformBars", "element_bars", "one_mode_bars", "profile_bars",
+    "profile_points", "uniform_bars",
 ]  # fmt: skip
 
 
@@ -94,3 +94,23 @@ class Bars:
     def turned(self, which: BoolArray) -> "Bars":
         """The same with inner and outer end exchanged in `which` (bars,)."""
         return Bars(self.node, tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True)))
+
+
+def one_mode_bars(bars: Bars) -> ElementBars:
+    """Elements with one mode inside that are near to bars of a finite limit, up to half of it.
+
+    Their values and slopes at frequency 0 are those of the bars, which gives the coupling of the mode; its own
+    frequency follows from the end inertias at half the limit.
+    """
+    middle = 0.25 * bars.limit**2
+    at, (_, inner, outer) = bars.slopes(np.zeros(1)), bars.at(np.array([middle]))
+    first, last = at.inner_slope[:, 0], at.outer_slope[:, 0]
+    turn = first + last
+    rise = inner[:, 0] - at.inner[:, 0] + (outer[:, 0] - at.outer[:, 0])
+    mode = 1.0 / middle - np.divide(turn, rise, out=np.full(bars.size, 1.0 / middle), where=rise > 0.0)
+    root = np.sqrt(np.maximum(turn, 0.0))
+    share = np.divide(1.0, root, out=np.zeros(bars.size), where=root > 0.0)
+    inside = (np.clip(mode, 0.0, 1.0 / bars.limit**2), first * share, last * share, root)
+    across = -at.flexibility_slope[:, 0] / at.flexibility[:, 0] ** 2
+    ends = (1.0 / at.flexibility[:, 0], across, at.inner[:, 0], at.outer[:, 0])
+    return ElementBars(*ends, *(values[:, None] for values in inside))

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from torsion.kernels.bars.spans import Bars
+from torsion.kernels.reduction import Rigidity, rigidity
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 
@@ -31,6 +32,8 @@ class BarTree:
     @cached_property
     def rounds(self) -> tuple[IntArray, ...]:
         """The bars in groups within which no two begin at one station."""
+        if len(set(self.parent.tolist())) == self.bars.size:
+            return (np.arange(self.bars.size),)
         order = np.argsort(self.parent, kind="stable")
         begins = self.parent[order]
         _, first, length = np.unique(begins, return_index=True, return_counts=True)
@@ -51,6 +54,11 @@ class BarTree:
         np.add.at(inertia, self.parent, inner)
         inertia[self.bars.node] += outer
         return replace(self.tree, flexibility=whole, inertia=inertia)
+
+    @cached_property
+    def known(self) -> Rigidity:
+        """Rigid bodies, fixed stations and free parts."""
+        return rigidity(self.static)
 
     def solved(self, tree: Tree) -> "BarTree":
         """The same bars on another tree of the same stations."""

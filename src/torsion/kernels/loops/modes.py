@@ -30,13 +30,16 @@ def graph_modes(
 
     `flexibility` (loops,) rad/(N m), positive. `loop_torque` is on the second station: (angle[first] - angle[second]) /
     flexibility. No count proves these frequencies: `lower`, `upper` hold the error bound of the method, 4 rounding
-    units a body (Jacobi's rotations of a star-mesh factor), and `certified` is False unless there is no loop.
+    units a body (Jacobi's rotations of a star-mesh factor), and `certified` is False unless there is no loop but
+    through held stations.
     """
     if len(first) == 0:
         return tree_modes(tree, count)
     if not np.all(flexibility > 0.0):
         raise ValueError("a span that closes a loop needs a positive flexibility; put rigid spans into the tree")
     train = stiffest_tree(tree, first, second, flexibility)
+    if not len(train.first):  # the loops go through held stations alone
+        return _told(tree, train, tree_modes(train.tree, count))
     known = rigidity(train.tree)
     solved = cut(train.tree, known) if needs_cutting(train.tree, known) else train.tree
     wanted = known.elastic if count is None else min(count, known.elastic)
@@ -47,20 +50,27 @@ def graph_modes(
     sign = shape_sign(angle)
     angle, torque = (angle * sign)[:, :wanted], (torque * sign)[:, :wanted]
     torque = _with_all_reactions(train, solved, known, torque)
-    given = train.sign[:, None] * torque[train.source]
     frequency = frequency[:wanted]
     margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(known.elastic, 1))
-    return TreeModes(
+    return _told(tree, train, TreeModes(
         frequency=frequency,
         lower=frequency - margin,
         upper=frequency + margin,
-        angle=angle[train.station],
-        torque=given[: tree.size],
+        angle=angle,
+        torque=torque,
         rigid=len(known.free_roots),
-        rigid_angle=rigid_shapes(train.tree, known)[train.station],
+        rigid_angle=rigid_shapes(train.tree, known),
         certified=False,
-        loop_torque=given[tree.size :],
-    )
+    ))  # fmt: skip
+
+
+def _told(tree: Tree, train: LoopedTrain, found: TreeModes) -> TreeModes:
+    """The modes of the spanning tree at the stations and spans of `tree` and at those that close it."""
+    given = train.sign[:, None] * found.torque[train.source]
+    return replace(
+        found, angle=found.angle[train.station], rigid_angle=found.rigid_angle[train.station],
+        torque=given[: tree.size], loop_torque=given[tree.size :],
+    )  # fmt: skip
 
 
 def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, FloatArray]:

@@ -128,7 +128,9 @@ def balance(
         if last:
             return Balance(harmonic, load, step, _truncation(here, harmonic, w0, count))
         last = _is_small(move, harmonic) and part == 1.0
-    raise SolveError("no periodic solution found; start nearer to it, or with more harmonics or damping")
+    raise SolveError(
+        "no periodic solution found; smaller angles of the joints, more damping or closer speeds may lead to one"
+    )
 
 
 def _is_small(move: ComplexArray, harmonic: ComplexArray) -> bool:

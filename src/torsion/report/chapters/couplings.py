@@ -7,7 +7,7 @@ from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, Scale, rpm, scale
-from torsion.report.reading import largest, synthesis, unreliable
+from torsion.report.reading import largest, orders_together, synthesis, unreliable
 
 
 def chapter(findings: Findings) -> list[Block]:
@@ -21,9 +21,9 @@ def chapter(findings: Findings) -> list[Block]:
     torque = {e: synthesis(findings, e.spans) for e in found}
     unit = scale("N m", [float(np.nanmax(np.append(row, 0.0))) for row in torque.values()])
     text = (
-        "Heat is the mean power that the internal damping takes from the vibration, the sum over all lines; for "
-        "damping "
-        "by hysteresis it is ψ ω T²/(4 π k) of the elastic torque T. Values stand at their own worst speed."
+        "Heat is the mean power that the internal damping takes from the vibration, the sum over all lines "
+        f"({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic torque T. "
+        "Values stand at their own worst speed."
     )
     return [Heading("Couplings"), Paragraph(text), _table(findings, torque, unit)]
 

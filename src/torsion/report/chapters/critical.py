@@ -19,13 +19,20 @@ def chapter(findings: Findings) -> list[Block]:
     inside = [c for c in findings.critical if c.is_inside]
     text = (
         f"A speed of {reference(findings)} is critical where an order that is excited meets a natural frequency. "
-        f"Of {len(findings.critical)} such speeds {len(inside)} lie in the speed range "
+        f"{_inside(len(inside), len(findings.critical))} in the speed range "
         f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm."
     )
     return [
         Heading("Critical speeds"), Paragraph(text), _matrix(findings), _list(findings),
         Figure("campbell", "Campbell diagram", "campbell", _diagram(findings)),
     ]  # fmt: skip
+
+
+def _inside(inside: int, total: int) -> str:
+    """How many of the critical speeds lie in the range, as the subject and the verb of a sentence."""
+    if total == 1:
+        return "The only such speed lies" if inside else "The only such speed does not lie"
+    return f"Of {total} such speeds {inside if inside else 'none'} {'lie' if inside > 1 else 'lies'}"
 
 
 def _orders(findings: Findings) -> list[Fraction]:

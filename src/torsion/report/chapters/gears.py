@@ -7,7 +7,7 @@ from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, RPM, Scale, number, rpm, scale
-from torsion.report.reading import barred_rpm, largest, rated_rpm, synthesis, unreliable
+from torsion.report.reading import NO_VALUE, barred_rpm, largest, orders_together, rated_rpm, synthesis, unreliable
 
 
 def chapter(findings: Findings) -> list[Block]:
@@ -46,30 +46,38 @@ def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -
     for mesh, values in torque.items():
         at, mean = largest(values), _mean(findings, mesh)
         if at is None:
-            rows.append((mesh.name, "no reliable value", *[NONE] * 5))
+            rows.append((mesh.name, NO_VALUE, *[NONE] * 5))
             marks.append("")
             continue
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.full(len(values), np.nan) if mean is None else np.where(mean > 0, values / mean, np.nan)
-        worst = largest(share)
+        share = np.full(len(values), np.nan) if mean is None else _share(values, mean)
+        worst = None if np.all(np.isnan(share)) else int(np.nanargmax(share))
         turns = "" if worst is None else _reverses(speed, share)
         marks.append("fail" if turns not in ("", "no") else "")
         rows.append((
             mesh.name, unit.text(float(values[at])), rpm(float(speed[at])),
             NONE if mean is None else unit.text(float(mean[at])),
             NONE if worst is None else number(float(share[worst]), 4),
-            NONE if worst is None else rpm(float(speed[worst])),
+            NONE if worst is None or np.isinf(share[worst]) else rpm(float(speed[worst])),
             turns or "not known",
         ))  # fmt: skip
-    return Table(
-        columns, tuple(rows), "Vibratory torque (synthesis, half range) and mean torque in the meshes", tuple(marks)
-    )
+    caption = f"Vibratory torque (half range of {orders_together(findings)}) and mean torque in the meshes"
+    return Table(columns, tuple(rows), caption, tuple(marks))
+
+
+def _share(values: FloatArray, mean: FloatArray) -> FloatArray:
+    """(speeds,) vibratory / mean torque: infinite where there is no mean torque, 0 where there is neither."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = values / mean
+    share[(values == 0) & (mean == 0)] = 0.0
+    return np.asarray(share)
 
 
 def _reverses(speed: FloatArray, share: FloatArray) -> str:
     over = np.flatnonzero(share > 1.0)
     if len(over) == 0:
         return "no"
+    if len(over) == np.count_nonzero(~np.isnan(share)):
+        return "yes, everywhere"
     return f"yes, between {rpm(float(speed[over[0]]))} and {rpm(float(speed[over[-1]]))} rpm"
 
 

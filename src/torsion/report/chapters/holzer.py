@@ -74,7 +74,8 @@ def _row(findings: Findings, table: HolzerTable, place: tuple[int, int], sums: _
     ]  # fmt: skip
     if span < 0:
         return (*cells, NONE, NONE, NONE, NONE)
-    name = system.train.parts[system.spans[span].part].name
+    bars = {bar.part: bar.name for bar in system.train.bars}
+    name = bars.get(system.spans[span].part, system.spans[span].name)
     flexibility, twist = float(sums.flexibility[line]), float(sums.twist[line])
     through = "rigid" if flexibility == 0 else number(flexibility)
     return (*cells, name, number(float(table.torque[row]) / scale), through, number(twist / scale))

@@ -6,6 +6,7 @@ import numpy as np
 
 from torsion.asked import has_inertia
 from torsion.assembly.section.resolved import stress_modulus
+from torsion.components.propeller import Propeller
 from torsion.findings import Findings
 from torsion.primitives import Bar, SectionMesh
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
@@ -21,7 +22,7 @@ def chapter(findings: Findings) -> list[Block]:
             "Own: at the component's own speed. Referred: to the speed of the reference component, that is J i² and "
             f"k i² with i the speed ratio of the table. {_distributed(findings)}"
         ),
-        *([_inertias(findings)] if has_inertia(findings.system) else []),
+        *([_inertias(findings), *_water(findings)] if has_inertia(findings.system) else []),
         _springs(findings),
     ]
     if findings.study.train.bars:
@@ -66,6 +67,19 @@ def _inertias(findings: Findings) -> Table:
         Column("Source", align="left"),
     )  # fmt: skip
     return Table(columns, tuple(rows), "Inertias")
+
+
+def _water(findings: Findings) -> list[Block]:
+    """What entrained water adds to the propellers, in a sentence each."""
+    told = []
+    for part in findings.study.train.parts:
+        if not isinstance(screw := part.component, Propeller):
+            continue
+        dry, water = screw.inertia, screw.water
+        share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
+        sum_ = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
+        told.append(f"{part.name}: J {sum_ if screw.entrained is not None else 'dry, no entrained water is given'}.")
+    return [Paragraph(" ".join(told))] if told else []
 
 
 def _springs(findings: Findings) -> Table:

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element
-from torsion.report.numbers import NONE, RPM, Scale, number, order, rpm, scale
+from torsion.report.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
 from torsion.report.reading import amplitude, over_speed, rated_rpm, unstable_rpm
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def chapter(findings: Findings) -> list[Block]:
     judged = first_order_judged(findings)
     if judged:
         blocks.append(Paragraph(judged, "note"))
-    blocks += _flagged(findings)
+    blocks += [*_flagged(findings), *_others(findings)]
     if rows:
         unit = scale("N m", [point[0] for row in rows for point in (row.first, row.exact) if point is not None])
         blocks.append(_table(findings, rows, unit))
@@ -49,7 +49,8 @@ def _introduction(findings: Findings) -> Paragraph:
     found = exact_response(findings)
     known = found.truncation[np.isfinite(found.truncation)]
     harmonics = int(found.harmonics.max(initial=0))
-    text = f"{MODEL} {found.speed.size} speeds, up to {harmonics} harmonics of the common period"
+    kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
+    text = f"{MODEL} {counted(found.speed.size, 'speed')}, {kept}"
     if known.size:
         text += f"; largest harmonic left out, estimated: {number(float(known.max()), 2)} of the largest kept"
     if np.isfinite(found.drive).any():
@@ -73,17 +74,40 @@ def _flagged(findings: Findings) -> list[Block]:
         Column("Harmonic left out"), Column("Why", align="left"),
     )  # fmt: skip
     rows, marks = [], []
-    for k in bad[:MOST_FLAGGED].tolist():
+    told = told_apart([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
+    for k, speed in zip(bad[:MOST_FLAGGED].tolist(), told, strict=True):
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
         word = WORDS[found.status[k]] + (", unstable" if unstable else "")
         why = found.why[k] or ("small deviations grow: the train does not settle in this motion" if unstable else
                                "more harmonics would be needed")  # fmt: skip
-        rows.append((rpm(float(found.speed[k])), word, growth, number(float(found.truncation[k]), 2), why))
+        rows.append((speed, word, growth, number(float(found.truncation[k]), 2), why))
         marks.append("fail" if unstable or found.why[k] else "note")
     rest = f"; the first {MOST_FLAGGED} of {bad.size}" if bad.size > MOST_FLAGGED else ""
     caption = f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}"
     return [Table(columns, tuple(rows), caption, tuple(marks))]
+
+
+def _others(findings: Findings) -> list[Block]:
+    """Further motions at the same speed; nothing where none was found."""
+    from torsion.report.motion import exact_response, other_motions
+
+    if exact_response(findings).others is None:
+        return []
+    columns = (
+        Column("Speed", "rpm"), Column("Motion", align="left"), Column("Largest torque amplitude", "N m"),
+        Column("Order"), Column("in", align="left"), Column("Growth of deviations", "1/s"),
+    )  # fmt: skip
+    rows = [
+        (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
+        for one in other_motions(findings)
+    ]
+    text = (
+        "At some peaks the equations have several periodic motions. Which of them the train settles in depends on how "
+        "it comes there; where deviations grow it does not stay. The curves and tables hold the one called `told`."
+    )
+    caption = "Periodic motions found at the same speed, at the highest peaks"
+    return [Paragraph(text, "note"), Table(columns, tuple(rows), caption)]
 
 
 def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Table:

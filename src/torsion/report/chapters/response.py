@@ -2,25 +2,30 @@
 
 import numpy as np
 
-from torsion.analyses.response.over_speed import Response
+from torsion.analyses.response.over_speed import Response, asked_orders
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
-from torsion.report.numbers import NONE, RPM, Scale, degrees, exact, number, order, rpm, scale
+from torsion.report.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
 from torsion.report.peaks import peaks
 from torsion.report.reading import (
+    NO_VALUE,
     amplitude,
     barred_rpm,
     joint_model,
+    judged,
     largest,
+    orders_together,
     over_speed,
     rated_rpm,
     reference,
+    rounding,
     synthesis,
     unreliable,
     unstable_rpm,
+    without,
 )
 
 MOST_LINES = 8  # orders in one figure
@@ -53,22 +58,32 @@ def chapter(findings: Findings) -> list[Block]:
 def _introduction(findings: Findings, response: Response) -> Paragraph:
     asked, extra = int(response.asked.sum()), int((~response.asked).sum())
     made = findings.synthesis
-    cycle = ""
+    cycle, lines = "", "the lines of the orders asked for" if response.left_out else "all lines"
     if made is not None:
         cycle = (
-            f" The synthesis is the half range of all lines together, true to phase, over the common cycle of "
+            f" The synthesis is the half range of {lines} together, true to phase, over the common cycle of "
             f"{exact(made.turns)} turn{'' if made.turns <= 1 else 's'} of {reference(findings)}."
             if made.turns
             else " The lines have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
     text = (
-        f"{len(response.lines)} lines at {asked} speeds as asked and {extra} more placed around the resonances, so "
-        "that no "
-        "peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and "
-        "damping "
-        f"part together, at the element's own speed.{cycle}"
+        f"{counted(len(response.lines), 'line')} at {counted(asked, 'speed')} as asked and {extra} more placed "
+        f"around the resonances{' and where the rules judge' if judged(findings) else ''}, so that no peak falls "
+        "between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and damping part "
+        f"together, at the element's own speed.{cycle}"
     )
+    text += _orders(findings, response)
     return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))
+
+
+def _orders(findings: Findings, response: Response) -> str:
+    """Which orders are told, where the file names some, in a sentence; else empty."""
+    if response.left_out:
+        names = "; ".join(f"order {order(line.order)} ({', '.join(line.sources)})" for line in response.left_out)
+        return f" Left out of all that follows, as `orders` does not name it: {names}."
+    if asked_orders(findings.study) is None:
+        return ""
+    return " All orders are told, not only those that `orders` names, as the rules judge them together."
 
 
 def _status(findings: Findings, response: Response) -> Paragraph:
@@ -94,21 +109,26 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
         Column("Largest order there"), Column("Its torque", unit.unit), Column("RMS", unit.unit),
         Column("Sum of magnitudes", unit.unit), Column("Mean", mean.unit),
     )  # fmt: skip
-    rows = []
+    rows, nothing = [], rounding(findings)
     for element in found:
-        half, parts = synthesis(findings, element.spans), amplitude(findings, element.spans)
+        here = nothing[list(element.spans)]
+        half, parts = (without(one(findings, element.spans), here) for one in (synthesis, amplitude))
         at = largest(half)
         if at is None or made is None:
-            rows.append((element.name, "no reliable value", *[NONE] * 6))
+            rows.append((element.name, NO_VALUE, *[NONE] * 6))
             continue
         line = int(np.nanargmax(parts[at]))
         span = element.spans[int(np.argmax(made.half_range[at, list(element.spans)]))]
+        if half[at] == 0.0:
+            rows.append((element.name, "0", NONE, NONE, "0", "0", "0", mean.text(float(response.mean[at, span]))))
+            continue
         rows.append((
             element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _line(response, line),
             unit.text(float(parts[at, line])), unit.text(float(made.rms[at, span])),
             unit.text(float(made.bound[at, span])), mean.text(float(response.mean[at, span])),
         ))  # fmt: skip
-    return Table(columns, tuple(rows), "Largest vibratory torque of every element over the speed range")
+    caption = f"Largest vibratory torque of every element over the speed range, {orders_together(findings)}"
+    return Table(columns, tuple(rows), caption)
 
 
 def _line(response: Response, index: int) -> str:
@@ -128,7 +148,7 @@ def _angles(findings: Findings, response: Response) -> Table:
         size = np.where(response.status == Status.OK, np.abs(response.angle[:, :, index]), np.nan)
         at = largest(size.ravel())
         if at is None:
-            rows.append((station.name, "no reliable value", *[NONE] * 4))
+            rows.append((station.name, NO_VALUE, *[NONE] * 4))
             continue
         speed, line = divmod(at, size.shape[1])
         angle = float(size[speed, line])

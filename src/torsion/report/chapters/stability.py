@@ -6,8 +6,9 @@ import numpy as np
 
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
-from torsion.report.numbers import NONE, RPM, number, rpm
+from torsion.report.numbers import NONE, RPM, counted, number, rpm, told_apart
 from torsion.report.reading import rated_rpm, reference
+from torsion.report.unstable import ABOVE, BELOW, beyond, end, fastest, legend
 
 if TYPE_CHECKING:
     from torsion.analyses.motion.map import StabilityMap
@@ -49,6 +50,8 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
         f" Where both were used, monodromy and Hill's matrix differ by at most {number(found.check, 2)} 1/s."
         if np.isfinite(found.check)
         else " The second method was too large for this train: the growth rates stand unchecked."
+        if np.isfinite(found.growth).any()
+        else " No periodic motion was found at any of them, so that no growth rate is known."
     )
     if found.kept is not None:
         checked += (
@@ -57,9 +60,9 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
         )
     damps = "" if found.loses else " Nothing in the train damps: a growth of 0 is the best there is."
     text = (
-        f"{MODEL} {int(found.asked.sum())} speeds of {reference(findings)} as asked, {int((~found.asked).sum())} more "
-        f"in and around zones.{checked}{damps} Elastic modes with straight joints: {modes} rad/s"
-        f"{' and higher' if found.modes.size > 6 else ''}."
+        f"{MODEL} {counted(int(found.asked.sum()), 'speed')} of {reference(findings)} as asked, "
+        f"{int((~found.asked).sum())} more in and around zones.{checked}{damps} "
+        f"Elastic modes with straight joints: {modes} rad/s{' and higher' if found.modes.size > 6 else ''}."
     )
     return Paragraph(text)
 
@@ -81,29 +84,33 @@ def _verdict(findings: Findings, found: "Stability") -> Paragraph:
 
 def _ranges(findings: Findings, found: "Stability") -> Table:
     speeds = findings.study.operation.speeds
-    columns = (
+    columns: tuple[Column, ...] = (
         Column("From", "rpm"), Column("To", "rpm"), Column("Type", align="left"), Column("Largest growth", "1/s"),
         Column("At speed", "rpm"), Column("Factor per turn"), Column("Within the operation", align="left"),
     )  # fmt: skip
+    shown = found.ranges[:MOST_ROWS]
+    further = any(beyond(one) for one in shown)
+    if further:
+        columns += (Column("Beyond its ends", align="left"),)
     rows, marks = [], []
-    for one in found.ranges[:MOST_ROWS]:
-        inside = speeds is None or (one.first < speeds.last and one.last > speeds.first)
-        low, high = (" (open)" if is_open else "" for is_open in one.is_open)
+    for one in shown:
+        inside = speeds is None or one.meets(speeds.first, speeds.last)
         factor = float(np.exp(min(one.growth * 2.0 * np.pi / one.at, 700.0)))
         rows.append((
-            rpm(one.first, 9) + low, rpm(one.last, 9) + high, one.zone.name, number(one.growth), rpm(one.at),
-            number(factor, 4), "UNSTABLE" if inside else "outside",
+            end(one, BELOW, 9), end(one, ABOVE, 9), one.zone.name, number(one.growth), fastest(one),
+            number(factor, 4), "UNSTABLE" if inside else "outside", *(["; ".join(beyond(one))] if further else []),
         ))  # fmt: skip
         marks.append("fail" if inside else "note")
     rest = f"; {MOST_ROWS} of {len(found.ranges)}" if len(found.ranges) > MOST_ROWS else ""
-    caption = f"Unstable ranges of speed (open: the range goes on beyond the speeds asked for){rest}"
+    caption = f"Unstable ranges of speed{legend(shown)}{rest}"
     return Table(columns, tuple(rows), caption, tuple(marks))
 
 
 def _unsolved(found: "Stability") -> Table:
     speeds = found.unsolved[:MOST_ROWS].tolist()
     rest = f"; {MOST_ROWS} of {found.unsolved.size}" if found.unsolved.size > MOST_ROWS else ""
-    rows = tuple((rpm(speed), "no periodic motion was found: nothing can be said of its stability") for speed in speeds)
+    told = told_apart([speed * RPM for speed in speeds])
+    rows = tuple((speed, "no periodic motion was found: nothing can be said of its stability") for speed in told)
     columns = (Column("Speed", "rpm"), Column("Remark", align="left"))
     return Table(columns, rows, f"Speeds without an answer{rest}", ("fail",) * len(rows))
 
@@ -120,11 +127,12 @@ def _map(findings: Findings, found: "StabilityMap") -> list[Block]:
     what, unit = OVER[found.over]
     missing = int(np.isnan(found.growth).sum())
     text = (
-        f"Growth over speed and {what}, on {found.modes} of {found.of_modes} elastic modes. At {found.checked} points "
-        f"the whole train was computed too: largest difference {number(found.error, 2)} 1/s."
+        f"Growth over speed and {what}, on {found.modes} of {found.of_modes} elastic modes. At "
+        f"{counted(found.checked, 'point')} the whole train was computed too: largest difference "
+        f"{number(found.error, 2)} 1/s.{_missed(findings, found)}"
     )
     if found.elsewhere:
-        text += f" At {found.elsewhere} points it settled in another periodic motion."
+        text += f" At {counted(found.elsewhere, 'point')} it settled in another periodic motion."
     if missing:
         text += f" At {missing} of {found.growth.size} points no periodic motion was found; they are hatched."
     value = np.degrees(found.value) if found.over == "angle" else found.value
@@ -137,6 +145,20 @@ def _map(findings: Findings, found: "StabilityMap") -> list[Block]:
         _values(found, what, unit, value),
         Figure("stability-map", f"Growth rate over speed and {what}; the line: growth 0", "stability map", drawn),
     ]  # fmt: skip
+
+
+def _missed(findings: Findings, found: "StabilityMap") -> str:
+    """That unstable ranges lie between the speeds of the map."""
+    ranges = () if findings.stability is None else findings.stability.ranges
+    missed = sum(not np.any((found.speed >= one.first) & (found.speed <= one.last)) for one in ranges)
+    if not missed:
+        return ""
+    which = "the" if len(ranges) == 1 else f"{missed} of the {len(ranges)}"
+    return (
+        f" The map knows its {counted(found.speed.size, 'speed')} alone: {which} unstable "
+        f"{'range' if len(ranges) == 1 else 'ranges'} above {'lies' if missed == 1 else 'lie'} between them and "
+        "cannot be seen in it."
+    )
 
 
 def _values(found: "StabilityMap", what: str, unit: str, value: np.ndarray) -> Table:
@@ -156,7 +178,8 @@ def _values(found: "StabilityMap", what: str, unit: str, value: np.ndarray) -> T
             continue
         at = int(np.argmax(np.where(known, growth, -np.inf)))
         grows = growth[known] > SMALL
-        words = ("UNSTABLE" if grows.any() else "stable") + (", in part unknown" if unknown else "")
+        where = f"{known.sum()} of {known.size} speeds" if unknown else f"the {counted(known.size, 'speed')} of the map"
+        words = ("UNSTABLE" if grows.any() else f"stable at {where}") + (", in part unknown" if unknown else "")
         rows.append((number(float(value[k]), 4), number(float(growth[at]), 4), rpm(float(found.speed[at])),
                      number(100.0 * float(grows.mean()), 3), number(unknown, 3), words))  # fmt: skip
         marks.append("fail" if grows.any() or unknown else "")

@@ -8,7 +8,7 @@ from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, number, rpm
-from torsion.report.reading import barred, evidence, largest, rated_rpm, unreliable
+from torsion.report.reading import NO_VALUE, barred, evidence, largest, orders_together, rated_rpm, unreliable
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12
@@ -25,7 +25,8 @@ def chapter(findings: Findings) -> list[Block]:
     if not findings.response.lines:
         return []
     blocks: list[Block] = [Heading("Stress of the shafts")]
-    text = "Nominal shear stress on the plain section, τ = torque / W_{p}, half range of the synthesis of all orders."
+    of = f"half range of the synthesis of {orders_together(findings)}"
+    text = f"Nominal shear stress on the plain section, τ = torque / W_{{p}}, {of}."
     curves = {bar.name: Curves(findings, bar) for bar in findings.study.train.bars}
     if any(curve.continuous is not None for curve in curves.values()):
         text += " τ_{C} limits continuous operation, τ_{T} the stress while a barred range is passed (IACS UR M68)."
@@ -89,7 +90,7 @@ def _table(findings: Findings, curves: dict[str, Curves]) -> Table:
         role = getattr(findings.study.train.part(name).component, "role", None) or NONE
         at = largest(curve.stress)
         if at is None:
-            rows.append((name, role, "no reliable value", *[NONE] * (len(columns) - 3)))
+            rows.append((name, role, NO_VALUE, *[NONE] * (len(columns) - 3)))
             continue
         limits = (_at(curve.continuous, at), _at(curve.transient, at), *_utilisation(curve)) if limited else ()
         rows.append((name, role, number(float(curve.stress[at])), rpm(float(curve.speed[at])), *limits))

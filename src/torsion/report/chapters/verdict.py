@@ -61,7 +61,8 @@ def _first_order(findings: Findings) -> list[Block]:
 def _row(check: Check) -> tuple[str, ...]:
     sign = "≥ " if check.at_least else ""
     limit = "none" if np.isnan(check.limit) else sign + given(check.limit)
-    value = "no finite value" if np.isinf(check.value) else number(check.value)
+    nothing = "no answer" if check.clause == "stability" else "no finite value"
+    value = nothing if np.isinf(check.value) else number(check.value)
     what = f"{check.what} ({check.rule}, {check.clause})"
     unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
     verdict = check.verdict.upper() + ("" if _is_kept(check) or check.verdict == "fail" else ", not kept")
@@ -81,15 +82,17 @@ def _overall(findings: Findings) -> Paragraph:
         text = "No rule was asked, or none applies to this train: the report gives results without a verdict."
         return Paragraph(text, "note")
     if bad:
+        number_of = "The only check" if len(checks) == 1 else f"{len(bad)} of {len(checks)} checks"
         where = ", ".join(dict.fromkeys(check.where for check in bad))
         return Paragraph(
-            f"{len(bad)} of {len(checks)} checks failed ({where}). The train does not satisfy {_asked(findings)}.",
+            f"{number_of} failed ({where}). The train does not satisfy {_asked(findings)}.",
             "fail",
         )
     if any(check.verdict != "pass" for check in checks):
         return Paragraph(f"No check failed: {_count(checks)}.", "note")
     restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
-    return Paragraph(f"All {len(checks)} checks passed: the train satisfies {_asked(findings)}{restricted}.", "pass")
+    passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
+    return Paragraph(f"{passed} passed: the train satisfies {_asked(findings)}{restricted}.", "pass")
 
 
 def _asked(findings: Findings) -> str:
@@ -113,10 +116,7 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
         f"Barred range: {band_words(band)}. Not for continuous operation; to be passed rapidly."
         for band in barred_rpm(findings)
     ]
-    found += [
-        f"Unstable range: {band_words((one.first * RPM, one.last * RPM))}, {one.zone.name}. Not for operation."
-        for one in (() if findings.stability is None else findings.stability.ranges)
-    ]
+    found += _unstable(findings)
     bad = unreliable(findings)
     response = findings.response
     if response is not None and np.any(bad):
@@ -130,6 +130,21 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
     return tuple(found)
 
 
+def _unstable(findings: Findings) -> list[str]:
+    """The unstable ranges, and where it could not be said whether there is one."""
+    stable = findings.stability
+    if stable is None:
+        return []
+    from torsion.report.unstable import unanswered, words
+
+    ends = float(stable.speed[0]), float(stable.speed[-1])
+    found = [f"Unstable range: {words(one, ends)}. Not for operation." for one in stable.ranges]
+    nothing = [check for check in findings.checks if check.clause == "stability" and np.isinf(check.value)]
+    if nothing:
+        return found + [f"No answer on the stability of the {check.where}: {check.note}." for check in nothing]
+    return found + [f"No periodic motion was found {where}: nothing is known there." for where in unanswered(stable)]
+
+
 def _listed(speeds: np.ndarray) -> str:
     groups: list[list[float]] = []
     for speed in speeds.tolist():
@@ -137,9 +152,7 @@ def _listed(speeds: np.ndarray) -> str:
             groups[-1].append(speed)
         else:
             groups.append([speed])
-    words = [
-        number(group[0], 5) if len(group) == 1 else f"{number(group[0], 5)}–{number(group[-1], 5)}" for group in groups
-    ]
+    words = ["–".join(dict.fromkeys((number(group[0], 5), number(group[-1], 5)))) for group in groups]
     more = f" and {len(words) - 8} further ranges" if len(words) > 8 else ""
     return f"{', '.join(words[:8])} rpm{more}"
 

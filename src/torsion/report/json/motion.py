@@ -1,6 +1,6 @@
 """The exact periodic response, the stability and its map as plain data."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,6 +8,9 @@ from torsion.findings import Findings
 from torsion.kernels.tree import ComplexArray
 from torsion.report.json.numbers import exact, finite, numbers, pairs
 from torsion.report.json.response import told_spans, told_stations
+
+if TYPE_CHECKING:
+    from torsion.analyses.motion.periodic import PeriodicResponse
 
 
 def _pairs(values: ComplexArray) -> Any:
@@ -35,15 +38,24 @@ def periodic(findings: Findings) -> dict[str, Any] | None:
         "is_unstable": numbers(found.is_unstable),
         "drive_Nm": numbers(found.drive),
         "mean_torque_Nm": numbers(found.mean[:, spans]),
-        "orders": [
-            {
-                "order": exact(order),
-                "angle_rad": _pairs(found.angle[:, k, stations]),
-                "torque_Nm": _pairs(found.torque[:, k, spans]),
-            }
-            for k, order in enumerate(found.orders)
-        ],
-    }
+        "orders": _orders(found, stations, spans),
+        "others": None if found.others is None else {
+            "speed_rad_per_s": numbers(found.others.speed),
+            "growth_per_s": None if found.others.growth is None else numbers(found.others.growth),
+            "orders": _orders(found.others, stations, spans),
+        },
+    }  # fmt: skip
+
+
+def _orders(found: "PeriodicResponse", stations: list[int], spans: list[int]) -> list[dict[str, Any]]:
+    return [
+        {
+            "order": exact(order),
+            "angle_rad": _pairs(found.angle[:, k, stations]),
+            "torque_Nm": _pairs(found.torque[:, k, spans]),
+        }
+        for k, order in enumerate(found.orders)
+    ]
 
 
 def stability(findings: Findings) -> dict[str, Any] | None:
@@ -69,6 +81,7 @@ def stability(findings: Findings) -> dict[str, Any] | None:
                 "from_rad_per_s": one.first,
                 "to_rad_per_s": one.last,
                 "goes_on": list(one.is_open),
+                "unknown_to_rad_per_s": list(one.unknown),
                 "growth_per_s": finite(one.growth),
                 "at_rad_per_s": one.at,
                 "name": one.zone.name,

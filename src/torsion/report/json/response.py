@@ -62,6 +62,7 @@ def response(findings: Findings) -> dict[str, Any] | None:
             for k, line in enumerate(found.lines)
         ],
         "remark": found.remark,
+        "orders_left_out": [exact(line.order) for line in found.left_out],
     }
 
 

@@ -51,7 +51,8 @@ def verdicts(findings: Findings) -> Grid:
         limit = "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit, 4)
         unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
         word = Text(SHORT.get(check.verdict, check.verdict.upper()), style=COLOURS[check.verdict])
-        cells = (check.where, check.clause, number(check.value, 4), limit, unit, rpm(check.speed, 4))
+        value = "no answer" if np.isinf(check.value) else number(check.value, 4)
+        cells = (check.where, check.clause, value, limit, unit, rpm(check.speed, 4))
         made.add_row(word, *(Text(cell) for cell in cells))
     return made
 

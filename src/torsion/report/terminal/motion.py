@@ -35,9 +35,12 @@ def unstable_ranges(findings: Findings) -> Grid | None:
     """The unstable ranges of speed."""
     if findings.stability is None:
         return None
-    made = grid("Unstable ranges of speed", ("from rpm", ">"), ("to rpm", ">"), ("growth, 1/s", ">"), ("at rpm", ">"),
-                ("type", "<"))  # fmt: skip
+    from torsion.report.unstable import ABOVE, BELOW, end, fastest, legend
+
+    ranges = findings.stability.ranges
+    heads = (("from rpm", ">"), ("to rpm", ">"), ("growth, 1/s", ">"), ("at rpm", ">"), ("type", "<"))
+    made = grid(f"Unstable ranges of speed{legend(ranges)}", *heads)
     return filled(made, [
-        [rpm(one.first, 7), rpm(one.last, 7), number(one.growth, 4), rpm(one.at), one.zone.name]
-        for one in findings.stability.ranges
+        [end(one, BELOW, 7), end(one, ABOVE, 7), number(one.growth, 4), fastest(one), one.zone.name]
+        for one in ranges
     ])  # fmt: skip

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
 from rich.console import Console, RenderableType
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -14,7 +13,8 @@ from rich.text import Text
 from torsion.findings import Findings
 from torsion.report.chapters import verdict
 from torsion.report.chapters.lateral import speed_range
-from torsion.report.numbers import number, order, rpm
+from torsion.report.numbers import NONE, number, order, rpm
+from torsion.report.reading import NO_VALUE, largest, rounding, synthesis, without
 from torsion.report.terminal.check import largest_errors
 from torsion.report.terminal.grids import filled, grid, printed, verdicts
 from torsion.report.terminal.joints import lines_as_one
@@ -70,18 +70,19 @@ def _critical_speeds(findings: Findings) -> Grid | None:
 
 
 def _torques(findings: Findings) -> Grid | None:
-    """The largest synthesis of every component."""
-    response, total = findings.response, findings.synthesis
-    if response is None or total is None:
+    """The largest synthesis of every component, of the speeds at which every line is reliable."""
+    response = findings.response
+    if response is None or findings.synthesis is None:
         return None
     made = grid("Largest vibratory torque, all orders", ("element", "<"), ("N m", ">"), ("at rpm", ">"))
-    rows = []
+    rows, nothing = [], rounding(findings)
     for part, name in enumerate(one.name for one in findings.study.train.parts):
         spans = [k for k, span in enumerate(findings.system.spans) if span.part == part]
         if spans:
-            half = total.half_range[:, spans]
-            speed, _ = np.unravel_index(np.argmax(half), half.shape)
-            rows.append([name, number(float(half.max())), rpm(float(response.speed[speed]))])
+            half = without(synthesis(findings, spans), nothing[spans])
+            at = largest(half)
+            told = [NO_VALUE, NONE] if at is None else [number(float(half[at])), rpm(float(response.speed[at]))]
+            rows.append([name, *told])
     return filled(made, rows)
 
 

@@ -1,0 +1,97 @@
+"""A tree hung from its middle and numbered layer by layer, which halves the number of layers that a sweep passes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.kernels.tree import FloatArray, IntArray, Tree
+
+
+@dataclass(frozen=True)
+class Hung:
+    """A tree with another root and numbering."""
+
+    tree: Tree  # its stations are numbered layer by layer
+    station: IntArray | None  # (stations,) where each station of the given tree is now; None: where it was
+    span: IntArray | None  # (stations,) where each span of the given tree is now; None: where it was
+    sign: FloatArray | None  # (stations, 1) -1 where a span of the given tree now runs the other way; None: nowhere
+
+    def angles(self, angle: FloatArray) -> FloatArray:
+        """Angles (stations, m) in the numbering of the given tree."""
+        return angle if self.station is None else angle.take(self.station, 0)
+
+    def torques(self, torque: FloatArray) -> FloatArray:
+        """Span torques (stations, m) in the numbering and with the signs of the given tree."""
+        given = torque if self.span is None else torque.take(self.span, 0)
+        if self.sign is not None:
+            np.multiply(given, self.sign, out=given)
+        return given
+
+
+def hung_from_the_middle(tree: Tree) -> Hung:
+    """The same train with the middle of its longest path as the root.
+
+    The root stays where there are several, and where a held one has more than one span: a held station is a leaf.
+    A chain stays as it is, for it is swept from both ends at once, and a small tree for it is not worth while.
+    """
+    if tree.is_swept_by_stations:
+        return Hung(tree, None, None, None)
+    parents = tree.parents
+    path = [] if not parents or parents.count(-1) > 1 else _to_the_middle(parents)
+    if len(path) < 2 or (tree.held[0] and parents.count(0) > 1):
+        return by_layers(tree)
+    inward, span, sign = parents.copy(), list(range(tree.size)), np.ones((tree.size, 1))
+    for outer, inner in zip(path[1:], path, strict=False):
+        inward[inner], span[inner] = outer, outer
+    inward[path[-1]], span[path[-1]] = -1, path[0]
+    sign[path[1:]] = -1.0
+    return _renumbered(tree, inward, np.array(span), sign)
+
+
+def by_layers(tree: Tree) -> Hung:
+    """The same train numbered layer by layer, its roots where they are."""
+    return _renumbered(tree, tree.parents, np.arange(tree.size), None)
+
+
+def _renumbered(tree: Tree, inward: list[int], span: IntArray, sign: FloatArray | None) -> Hung:
+    """The train with parents `inward`; each station has the span that was numbered `span` (stations,)."""
+    order = _by_layers(inward)
+    station, span = _inverse(order), span[order]
+    number = np.append(station, -1)  # the last one is what -1 finds
+    parent = number[np.array(inward, dtype=np.int64)[order]]
+    turned = Tree(parent, tree.flexibility[span], tree.inertia[order], tree.held[order])
+    return Hung(turned, station, _inverse(span), sign)
+
+
+def _to_the_middle(parents: list[int]) -> list[int]:
+    """Stations from the only root to the middle of the longest path."""
+    size = len(parents)
+    height, second, tallest = [0] * size, [0] * size, [-1] * size
+    for station in range(size - 1, 0, -1):
+        parent, reach = parents[station], height[station] + 1
+        if reach > height[parent]:
+            height[parent], second[parent], tallest[parent] = reach, height[parent], station
+        elif reach > second[parent]:
+            second[parent] = reach
+    path, behind = [0], 0
+    while height[path[-1]] > max(behind, second[path[-1]]) + 1:
+        behind = max(behind, second[path[-1]]) + 1
+        path.append(tallest[path[-1]])
+    return path
+
+
+def _by_layers(parents: list[int]) -> IntArray:
+    """Stations in the order of their distance from a root, brothers side by side."""
+    children: list[list[int]] = [[] for _ in parents]
+    order: list[int] = []
+    for station, parent in enumerate(parents):
+        (children[parent] if parent >= 0 else order).append(station)
+    for station in order:
+        order += children[station]
+    return np.array(order, dtype=np.int64)
+
+
+def _inverse(order: IntArray) -> IntArray:
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    return place

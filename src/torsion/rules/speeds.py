@@ -1,0 +1,51 @@
+"""The speeds that verdicts stand on: bounds of the limits, corners of tables, and the worst between two of them."""
+
+from collections.abc import Iterator
+from typing import cast
+
+import numpy as np
+
+from torsion.analyses.response import grid
+from torsion.fields import Declared
+from torsion.kernels.tree import FloatArray
+from torsion.rules import VibrationRule, rule
+from torsion.rules.evidence import Evidence
+from torsion.study import Study
+
+FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
+
+
+def judged_speeds(study: Study) -> FloatArray:
+    """(speeds,) rad/s, ascending, in the range of the operation: what its rules need beyond the speeds asked for."""
+    speeds = study.operation.speeds
+    if speeds is None:
+        return np.empty(0)
+    named = [speed for one, asked in _vibration_rules(study) for speed in one.speeds(study, asked)]
+    found = np.unique([*named, *_corners(study)])
+    even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
+    if speeds.steps < FEWEST_JUDGED:
+        found = np.union1d(found, grid.apart(found, even)) if found.size else even
+    return np.asarray(found[(found >= speeds.first) & (found <= speeds.last)])
+
+
+def speeds_between(evidence: Evidence) -> FloatArray:
+    """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
+    response, _ = evidence.vibration()
+    found = [one.speeds_between(evidence, asked) for one, asked in _vibration_rules(evidence.study)]
+    more = np.unique(np.concatenate([np.empty(0), *found]))
+    inside = (more > response.speed[0]) & (more < response.speed[-1])
+    return grid.apart(response.speed, more[inside])
+
+
+def _vibration_rules(study: Study) -> Iterator[tuple[VibrationRule, Declared]]:
+    """The study's rules that read the response over speed, with their settings."""
+    for name, asked in study.rules:
+        if "response" in rule(name).needs(asked):
+            yield cast(VibrationRule, rule(name)), asked
+
+
+def _corners(study: Study) -> list[float]:
+    """rad/s of the reference station at the rows of every table of torque, between which it is straight."""
+    train, load = study.train, study.operation.load
+    own = [row[0] / float(train.stations[torque.station].ratio) for torque in train.torques for row in torque.table]
+    return own if isinstance(load, str) else [*own, *(row[0] for row in load)]
