@@ -63,9 +63,10 @@ class Quantity:
                     "deg or rad" if self.unit == "rad" else "rpm or rad/s",
                 )
             number = _finite(value)
-        return self._within(number)
+        return self._within(number, *units.written(value, self.unit) if isinstance(value, str) else (self.unit, 1.0))
 
-    def _within(self, number: float) -> float:
+    def _within(self, number: float, unit: str, size: float) -> float:
+        """The number, where the limits allow it; they are told in the unit it was written in, of that size."""
         if not math.isfinite(number):
             raise refuse(f"{number} is not a finite number")
         for limit, holds, words in (
@@ -75,8 +76,8 @@ class Quantity:
             (self.at_most, operator.le, "at most"),
         ):
             if limit is not None and not holds(number, limit):
-                unit = "" if self.unit == "1" else f" {self.unit}"
-                raise refuse(f"{number:g}{unit} is out of range", f"must be {words} {limit:g}{unit}")
+                behind = "" if unit == "1" else f" {unit}"
+                raise refuse(f"{number / size:g}{behind} is out of range", f"must be {words} {limit / size:g}{behind}")
         return number
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:

@@ -103,6 +103,16 @@ def to_si(text: str, unit: str) -> float:
     return _rounded(amount * scale if scale else _converted(amount, written, unit, text), text)
 
 
+def written(text: str, unit: str) -> tuple[str, float]:
+    """The unit that the quantity `text` is written in and its size in `unit`; `unit` itself where it is no common one.
+
+    Raises UnitFault.
+    """
+    spelled = _parts(text)[1]
+    size = _COMMON.get(unit, {}).get(spelled)
+    return (unit, 1.0) if size is None else (spelled, float(size))
+
+
 def number(text: str) -> float:
     """The number that `text` is, without any unit; raises UnitFault."""
     amount, written = _parts(text)

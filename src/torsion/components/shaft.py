@@ -48,6 +48,13 @@ class Shaft(Component):
             raise refuse("a shaft with a `section` has no `diameter`", "the mesh says the dimensions; remove one")
         return section
 
+    @field_validator("support")
+    @classmethod
+    def _is_there(cls, support: tuple[Support, ...]) -> tuple[Support, ...]:
+        if not support:
+            raise refuse("`support` is an empty list", "give a support, or leave the key out")
+        return support
+
     @model_validator(mode="after")
     def _has_a_wall(self) -> Self:
         if self.section is not None:

@@ -5,7 +5,7 @@ import math
 from typing import TYPE_CHECKING
 
 from torsion.report.blocks import Block, Column, Paragraph, Table
-from torsion.report.numbers import NONE, RPM, degrees, given, given_rpm, number, order, scale
+from torsion.report.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import JointFound, Joints, LineFound, OptimumFound
@@ -28,8 +28,9 @@ def geometry(joints: "Joints") -> Table:
     leading = {line.joints[0] for line in joints.lines}
     rows = tuple(
         (
-            joint.name, joint.kind, degrees(joint.angle), NONE if k in leading else degrees(joint.plane),
-            degrees(joint.phase), degrees(math.remainder(joint.yoke, math.tau)),
+            joint.name, joint.kind, degrees(joint.angle, below_right(joint.angle)),
+            NONE if k in leading else degrees(joint.plane), degrees(joint.phase),
+            degrees(math.remainder(joint.yoke, math.tau)),
             number(math.tan(joint.angle / 2) ** 2) if joint.kind == "cross" else NONE,
         )
         for k, joint in enumerate(joints.joints)
@@ -187,4 +188,4 @@ def _percent(value: float) -> str:
 
 def _angle(value: float) -> str:
     """A resultant angle; its square is the amplitude that rounding is judged by."""
-    return number(math.degrees(value)) if value * value > STILL else "0"
+    return number(math.degrees(value), below_right(value)) if value * value > STILL else "0"

@@ -78,6 +78,14 @@ def degrees(angle: float, digits: int = DIGITS) -> str:
     return given(math.degrees(angle), digits)
 
 
+def below_right(angle: float, digits: int = DIGITS) -> int:
+    """So many significant digits, or as many as keep an angle in rad below 90 deg from reading 90 deg."""
+    value = math.degrees(angle)
+    while value < 90.0 <= float(f"{value:.{digits - 1}e}"):
+        digits += 1
+    return digits
+
+
 @dataclass(frozen=True)
 class Scale:
     """A unit with its prefix, and what an SI value is multiplied with."""

@@ -7,7 +7,7 @@ from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.layout import Layout, layout
-from torsion.report.numbers import degrees, exact, given_rpm
+from torsion.report.numbers import below_right, degrees, exact, given_rpm
 from torsion.report.reading import rated, reference
 
 MOST_NAMES = 14  # components up to which the sketch bears their names, not their numbers alone
@@ -111,7 +111,7 @@ def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[
 
 def _link_label(findings: Findings, position: int, part: Part) -> str:
     angle = getattr(part.component, "angle", None)
-    return _label(findings, position, part) + ("" if angle is None else f" ({degrees(angle, 3)}°)")
+    return _label(findings, position, part) + ("" if angle is None else f" ({degrees(angle, below_right(angle, 3))}°)")
 
 
 def _drawing(findings: Findings, position: int, part: Part) -> tuple[str, dict[str, Any]]:
