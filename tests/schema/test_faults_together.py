@@ -80,7 +80,8 @@ def test_a_table_is_judged_at_the_components_own_speed_and_where_it_is_read_alon
     short = line.replace("50 rpm, 5]", "60 rpm, 5]")
     assert of(told(short), (9, "covers 60 rpm to 450 rpm, the speeds run from 50 rpm to 450 rpm"))
     assert parse(short + "analyses: {modes: }\n").train.torques
-    assert parse(short + "analyses: {response: {orders: [1]}}\n").train.torques
+    more = short.replace("}]", "}, {at: a, order: 1, torque: 2}]")
+    assert parse(more + "analyses: {response: {orders: [1]}}\n").train.torques
     assert of(told(short + "analyses: {response: {orders: [3/2]}}\n"), (9, "covers 60 rpm"))
 
 
