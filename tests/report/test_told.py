@@ -115,3 +115,16 @@ def test_a_train_of_one_station_and_no_span_has_a_report(inertia):
     assert (every.names(), every.ends.shape, every.spans.size) == ([], (0, 2), 0)
     assert [station["name"] for station in json.loads(text(found))["stations"]] == ["motor-1"]
     assert "motor-1" in html(document(found, date(2026, 1, 1)))
+
+
+def test_a_train_of_one_station_has_a_response_over_frequency():
+    asked = "{response: {frequencies: {from: 1, to: 20, steps: 20}}}"
+    found = torsion.run(
+        torsion.parse(
+            f"name: x\ntrain: [disc: {{name: wheel, inertia: 2}}]\nanalyses: {asked}\n"
+            "excitations: [{at: wheel, torque: 10}]\n"
+        )
+    )
+    page = html(document(found, date(2026, 1, 1)))
+    assert "Largest angular amplitude" in page
+    assert "Largest torque amplitude" not in page

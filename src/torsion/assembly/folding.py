@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.assembly.held import held_faults
 from torsion.assembly.walking import MANY, Walk, connected, walk
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
@@ -152,7 +153,8 @@ def _spanning(system: "System", flexibility: FloatArray, ends: _Ends) -> BoolArr
             group[a] = b
             chosen[span] = True
         elif flexibility[span] == 0:
-            raise InputError([_rigid_loop(system.train.parts[system.span_part[span]])])
+            part = system.train.parts[system.span_part[span]]
+            raise InputError(held_faults(system.train) or [_rigid_loop(part)])
     return chosen
 
 

@@ -21,19 +21,25 @@ def chapter(findings: Findings) -> list[Block]:
     natural = [] if findings.modes is None else findings.modes.frequency.tolist()
     found = elements(findings.system)
     torque = np.array([np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in found])
+    torque = torque.reshape(len(found), sweep.frequency.size)
     own = [k for k, s in enumerate(findings.study.train.stations) if not s.is_ground]
     angle = np.where(bad, np.nan, np.abs(sweep.angle[:, own]).T)
     unit = scale("N m", [float(np.nanmax(np.append(torque, 0.0)))])
     common = {"frequency": sweep.frequency, "bad": bad, "natural": natural}
     names = [e.name for e in found]
     stations = [findings.study.train.stations[k].name for k in own]
-    return [
+    blocks: list[Block] = [
         Heading("Response over the frequency range"),
         Paragraph("The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."),
-        _table("Largest torque amplitude", "Element", names, torque * unit.factor, unit.unit, sweep.frequency),
-        Figure("sweep-torque", "Torque amplitude over the frequency", "frequency",
-               {**common, "lines": _lines(names, torque * unit.factor), "quantity": f"torque amplitude, {unit.unit}"}),
-        _table("Largest angular amplitude", "Station", stations, angle, "rad", sweep.frequency),
+    ]
+    if found:
+        blocks += [
+            _table("Largest torque amplitude", "Element", names, torque * unit.factor, unit.unit, sweep.frequency),
+            Figure("sweep-torque", "Torque amplitude over the frequency", "frequency", {
+                **common, "lines": _lines(names, torque * unit.factor), "quantity": f"torque amplitude, {unit.unit}"}),
+        ]  # fmt: skip
+    return [
+        *blocks, _table("Largest angular amplitude", "Station", stations, angle, "rad", sweep.frequency),
         Figure("sweep-angle", "Angular amplitude over the frequency", "frequency",
                {**common, "lines": _lines(stations, np.degrees(angle)), "quantity": "angular amplitude, deg"}),
     ]  # fmt: skip
