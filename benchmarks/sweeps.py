@@ -42,7 +42,7 @@ class Sweep:
             value, fault = error(), ""
             if not np.isfinite(value):
                 value, fault = float("inf"), "no finite answer"
-        except Exception as failed:
+        except Exception as failed:  # peers fail in ways of their own; the page tells each with its words
             value, fault = float("inf"), f"{type(failed).__name__}: {failed}".splitlines()[0][:120]
         self.points.setdefault(method, []).append(Point(at, value, fault))
 

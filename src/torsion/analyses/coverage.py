@@ -47,8 +47,11 @@ def _over_speed(train: Train, orders: object) -> Iterator[Torque]:
     for torque in train.torques:
         if not torque.table or (torque.order is None and torque.frequency is None):
             continue
-        wanted = not isinstance(orders, tuple) or torque.order is None
-        if wanted or torque.order * train.stations[torque.station].ratio in orders:  # type: ignore[operator]
+        if (
+            torque.order is None
+            or not isinstance(orders, tuple)
+            or torque.order * train.stations[torque.station].ratio in orders
+        ):
             yield torque
 
 

@@ -39,9 +39,11 @@ def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
     return replace(train, bars=tuple(bars))
 
 
-def ready(train: Train, model: str, **how: object) -> System:
+def ready(
+    train: Train, model: str, *, frequency: float = 0.0, degree: int | None = None, elements: int | None = None
+) -> System:
     """A system with its tree and the laws of its shafts, which are made when first used."""
-    system = assemble(train, model, **how)  # type: ignore[arg-type]
+    system = assemble(train, model, frequency=frequency, degree=degree, elements=elements)
     _ = system.folded, system.folded_bars
     return system
 

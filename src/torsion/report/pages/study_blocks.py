@@ -1,6 +1,7 @@
 """Chapters of the study of run times: what to take, each quantity, how the times were taken, all rows."""
 
 import math
+from typing import Literal
 
 import numpy as np
 
@@ -35,8 +36,8 @@ def blocks(timings: Timings) -> list[Block]:
 def _summary(timings: Timings) -> list[Block]:
     made: list[Block] = []
     for quantity in timings.quantities:
-        kind = "pass" if fastest(quantity.rows, timings.tolerance) is not None else "fail"
-        made.append(Paragraph(f"{quantity.title}. {recommendation(quantity, timings.tolerance)}", kind))  # type: ignore[arg-type]
+        kind: Literal["pass", "fail"] = "pass" if fastest(quantity.rows, timings.tolerance) is not None else "fail"
+        made.append(Paragraph(f"{quantity.title}. {recommendation(quantity, timings.tolerance)}", kind))
     if timings.remarks:
         made.append(Points(timings.remarks))
     return made
