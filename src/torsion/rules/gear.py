@@ -5,7 +5,6 @@ from typing import Annotated, cast
 
 import numpy as np
 
-from torsion.analyses.steady import has_mean_torque
 from torsion.components.gear import Gear
 from torsion.components.lowering import Part
 from torsion.errors import Fault
@@ -137,7 +136,7 @@ def _rated_faults(operation: Operation) -> list[Fault]:
     hint = "rated: {speed: 1500 rpm, power: 100 kW}"
     if rated is None:
         return [Fault(("operation", "rated"), f"`rated` is missing; {RULE} compares with the rated torque", hint)]
-    if not has_mean_torque(operation):
+    if not operation.has_mean_torque:
         message = f"`power` is missing; {RULE} compares with the rated torque"
         return [Fault(("operation", "rated", "power"), message, hint)]
     return []
