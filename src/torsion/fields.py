@@ -117,7 +117,7 @@ class Quantity:
                 must = f"must be {words} {_with_unit(limit / size, unit)}"
                 raise refuse(f"{_with_unit(number / size, unit)} is out of range", must)
         what, meant = _READING.get()
-        if not (meant or self._is_usual(number)):
+        if not (meant or number == 0 or self._is_usual(number)):
             lifts = f"; if it is meant, `unusual: true` on the {what} says so" if what else ""
             guess = self._slip(number / size)
             hint = f"{guess}{' ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
@@ -126,12 +126,12 @@ class Quantity:
 
     def _is_usual(self, number: float) -> bool:
         low, high = self.usual
-        return number == 0 or ((low is None or number >= low) and (high is None or number <= high))
+        return (low is None or number >= low) and (high is None or number <= high)
 
     def _slip(self, number: float) -> str:
         """The number with the first unit that makes it usual, as a question; else what it may be mistaken for."""
         for unit in self.slip:
-            if self._is_usual(units.to_si(f"{number!r} {unit}", self.unit)):
+            if self._is_usual(number * units.to_si(f"1 {unit}", self.unit)):
                 return f"{_with_unit(number, unit)}?"
         return f"{self.mistaken}?" if self.mistaken else ""
 
@@ -264,6 +264,11 @@ Tolerance = Annotated[float, Quantity("1", at_least=0, usual=(None, 1.0), slip=(
 LossFactor = Annotated[float, Quantity("1", at_least=0, usual=(None, 2.0), slip=("%",))]
 Number = Annotated[float, Quantity("1", above=0)]
 _exact = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": "^[0-9./]+$"}]}
-_amount = {"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "object", "required": ["of_mean"]}]}
+_of_mean = {
+    "type": "object",
+    "required": ["of_mean"],
+    "properties": {"of_mean": {"x-usual": list(SHARE_OF_MEAN.usual)}},
+}
+_amount = {"anyOf": [{"type": "number"}, {"type": "string"}, _of_mean]}
 Exact = Annotated[Fraction, _plain(read_exact, _exact)]
 TorqueAmount = Annotated[Amount, _plain(read_amount, _amount)]
