@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
 from torsion.components.excitation import Table, read_table
-from torsion.fields import Declared, given, refuse, required
+from torsion.fields import Declared, Sized, given, refuse, required
 from torsion.kernels.tree import FloatArray
 from torsion.train import Train
 
@@ -65,7 +65,7 @@ def _read_load(value: Any) -> Any:
     return read_table(value if isinstance(value, list | tuple) else [value])
 
 
-class Operation(Declared):
+class Operation(Sized):
     """How the train is run; speeds and power are those of the component `at`."""
 
     at: str | None = given("the component whose speed is meant (default: the first)")

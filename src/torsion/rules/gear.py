@@ -32,7 +32,7 @@ NO_LOAD = 1e-9  # a mesh with a smaller share of the train's greatest mean torqu
 class Asked(Declared):
     """Settings of `gear-hammer`."""
 
-    limit: Annotated[float, Quantity("1", above=0)] | None = given(
+    limit: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
         "vibratory torque / rated torque (default: application_factor - 1 of the gear, else 0.35)"
     )
     continuous: Continuous | None = given(

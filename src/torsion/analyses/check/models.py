@@ -3,19 +3,18 @@
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import Literal, Self, get_args
+from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
 from pydantic import model_validator
 
-from torsion import fields
 from torsion.analyses.check.shapes import shape_errors, shape_weights
 from torsion.analyses.check.torques import Torques, TorquesCompared, compared_torques, end_torques, operating_speeds
 from torsion.analyses.division import assembled, divided_modes, told_division
 from torsion.analyses.modes import Modes, undamped_tree
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
-from torsion.fields import Declared, given, refuse
+from torsion.fields import Declared, Quantity, given, refuse
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
@@ -29,7 +28,9 @@ class CheckSettings(Declared):
     """Settings of `check`."""
 
     models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
-    tolerance: fields.Number = given("largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3)
+    tolerance: Annotated[float, Quantity("1", above=0, usual=(None, 1.0), slip=("%",))] = given(
+        "largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3
+    )
 
     @model_validator(mode="after")
     def _compares(self) -> Self:

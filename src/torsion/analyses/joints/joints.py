@@ -16,7 +16,7 @@ from torsion.analyses.steady import Steady
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path
-from torsion.fields import Declared, given
+from torsion.fields import Declared, Quantity, given
 from torsion.findings import Work
 from torsion.study import Operation
 from torsion.train import Train
@@ -38,7 +38,9 @@ class JointsSettings(Declared):
         "torque in the driving shaft of every joint (default: the mean torque, if known)"
     )
     carrier: Literal["driving", "driven"] = given("the shaft of a joint whose torque is constant", "driving")
-    bearings: Mapping[str, fields.Length] = given("distance of the bearings that carry a joint's couple, by joint", {})
+    bearings: Mapping[str, Annotated[float, Quantity("m", above=0, usual=(None, 100.0), slip=("mm",))]] = given(
+        "distance of the bearings that carry a joint's couple, by joint", {}
+    )
 
 
 def joints(
