@@ -212,6 +212,27 @@ def test_alloy_steel_may_be_used_up_to_800(study, evidence) -> None:
     assert "600 N/mm2 (of 900)" in carbon.note
 
 
+@pytest.mark.parametrize("features", [["tube shaft"], ["tube shaft", "flange"], ["flange", "tube shaft"]])
+def test_alloy_steel_of_a_tube_shaft_may_be_used_up_to_600_whatever_its_role(study, evidence, features) -> None:
+    """950 N/mm2, 300 mm, C_K 0.8, C_D 0.64722, lambda 1.05: 30.168 N/mm2, as of a propeller shaft."""
+    rpm = np.array([1000.0, 1050.0])
+    strong = {"strong": Material(shear_modulus=79e9, density=7850.0, tensile_strength=950e6)}
+    asked = m68.Asked(alloy=("line",), drive="electric")
+    found = {}
+    for role in ("intermediate", "propeller"):
+        scene = study(line(role, material="strong", features=features, diameter=0.3), materials=strong)
+        seen = evidence(scene, rpm, half={"line": stress([0, 27])}, mean={"line": [1e5, 1e5]})
+        found[role] = m68.check(seen, asked)
+    (check,) = clauses(found["intermediate"], "tau_C")
+    assert check.limit == pytest.approx(760 / 18 * 0.8 * (0.35 + 0.93 * 300**-0.2) * 1.38, rel=1e-12)
+    assert check.limit == pytest.approx(30.168, abs=5e-4)
+    assert "600 N/mm2 (of 950)" in check.note
+    tube, propeller = (clauses(found[role], "minimum diameter")[0].limit for role in found)
+    load = 1e5 * RPM / 1e3  # kW per rpm
+    assert tube == pytest.approx(100 * 1.15 * (load * 560 / 760) ** (1 / 3), rel=1e-12)
+    assert tube == propeller
+
+
 def test_cone_takes_the_smaller_end_of_each_piece_and_the_greatest_diameter(study, evidence) -> None:
     rpm = np.array([500.0, 1000.0])
     scene = study(line(diameter=[0.1, 0.12]))

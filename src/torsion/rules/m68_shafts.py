@@ -54,7 +54,7 @@ class ClassedShaft:
 
     part: int
     name: str
-    role: Role
+    role: Role  # as the rule sees it: a tube shaft is one of the propeller shafts
     strength: float  # N/mm2, as used
     details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K and the greatest k govern
     diameter: float  # mm, greatest: for C_D
@@ -119,7 +119,7 @@ def _modulus(bar: Bar, at: FloatArray) -> FloatArray:
 
 def _classed(study: Study, asked: Asked, number: int, part: Part) -> ClassedShaft:
     component = cast(Shaft, part.component)
-    role = cast(Role, component.role)
+    role = _ruled_as(component)
     stated = study.train.materials[component.material].tensile_strength
     steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
     strength = formulas.used_strength(steel, role, alloy=part.name in asked.alloy)
@@ -130,6 +130,11 @@ def _classed(study: Study, asked: Asked, number: int, part: Part) -> ClassedShaf
         diameter=max(outer) * MM, ends=ends, notes=(),
     )  # fmt: skip
     return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
+
+
+def _ruled_as(shaft: Shaft) -> Role:
+    """The role that the rule gives a shaft: a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)."""
+    return "propeller" if "tube shaft" in shaft.features else cast(Role, shaft.role)
 
 
 def _details(
