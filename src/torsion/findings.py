@@ -62,7 +62,7 @@ class Findings:
     def failed(self) -> bool:
         """A rule, or a model of the shafts, does not keep its limit."""
         models = () if self.check is None else self.check.failed
-        return bool(models) or any(check.verdict == "fail" for check in self.checks)
+        return bool(models) or any(check.fails for check in self.checks)
 
 
 def run(study: Study, *, progress: Progress | None = None, bending: bool = True) -> Findings:

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from torsion.components.material import Material
+from torsion.components.material import STEEL, Material
 from torsion.rules import m68
 from torsion.rules.m68_formulas import barred_range, least_diameter, tau_c, tau_t
 
@@ -103,7 +103,7 @@ def test_keyway_fails_with_a_barred_range_and_not_without(study, evidence, featu
     share = np.full(96, 0.3)
     scene = study(line(features=[feature]))
     quiet = m68.check(evidence(scene, rpm, half={"line": stress(limit(rpm, c_k) * share)}), m68.Asked())
-    assert {check.verdict for check in quiet} <= {"pass", "to be verified"}
+    assert {check.verdict for check in quiet} == {"pass"}
     share[40] = 1.1
     loud = m68.check(evidence(scene, rpm, half={"line": stress(limit(rpm, c_k) * share)}), m68.Asked())
     (passing,) = clauses(loud, "tau_T")
@@ -200,7 +200,21 @@ def test_dimensions_of_a_slot_replace_its_factor(study, evidence) -> None:
     assert check.limit / clauses(m68.check(seen, m68.Asked()), "tau_C")[0].limit == pytest.approx(
         0.39564 / 0.3, rel=2e-5
     )
-    assert "to be verified against the edition in force" in check.note
+    assert (check.standing, check.verdict) == ("to be verified", "pass")
+    assert clauses(m68.check(seen, m68.Asked()), "tau_C")[0].standing == "rule text"
+    loud = evidence(scene, rpm, half={"line": stress([1, 100])})
+    verdicts = [clauses(m68.check(loud, one), "tau_C")[0].verdict for one in (asked, m68.Asked())]
+    assert verdicts == ["not kept", "fail"]
+
+
+def test_limit_of_a_steel_whose_strength_is_not_stated_is_to_be_verified(study, evidence) -> None:
+    rpm = np.array([500.0, 1000.0])
+    plain = {"plain": STEEL}
+    scene = study(line(material="plain"), materials=plain)
+    for share, verdict in ((0.99, "pass"), (1.01, "not kept"), (math.nan, "fail")):
+        torque = stress([0.0, share * tau_c(400, 100, 1.0, 1.0)])
+        (check,) = clauses(m68.check(evidence(scene, rpm, half={"line": torque}), m68.Asked()), "tau_C")
+        assert (check.standing, check.verdict) == ("to be verified", verdict)
 
 
 def test_alloy_steel_may_be_used_up_to_800(study, evidence) -> None:
@@ -262,17 +276,13 @@ def test_least_diameter_follows_the_rated_mean_torque_and_is_to_be_verified(stud
     seen = evidence(study(line()), rpm, half={}, mean={"line": torque * (rpm / RATED) ** 2})
     (check,) = clauses(m68.check(seen, m68.Asked()), "minimum diameter")
     assert check.limit == pytest.approx(least_diameter(100 / RATED, 600, 100, 1), rel=1e-12)
-    assert (check.value, check.unit, check.verdict, check.at_least) == (
-        pytest.approx(100),
-        "mm",
-        "to be verified",
-        True,
-    )
-    assert check.note.startswith("kept")
+    assert (check.value, check.unit, check.at_least) == (pytest.approx(100), "mm", True)
+    assert (check.verdict, check.standing, check.fails) == ("pass", "to be verified", False)
     (smooth,) = clauses(m68.check(seen, m68.Asked(drive="electric")), "minimum diameter")
     assert smooth.limit == pytest.approx(0.95 * check.limit, rel=1e-12)
     heavy = evidence(study(line()), rpm, half={}, mean={"line": [1e6, 1e6, 1e6]})
-    assert clauses(m68.check(heavy, m68.Asked()), "minimum diameter")[0].note.startswith("not kept")
+    (thin,) = clauses(m68.check(heavy, m68.Asked()), "minimum diameter")
+    assert (thin.verdict, thin.standing, thin.fails) == ("not kept", "to be verified", True)
 
 
 def test_geared_shaft_counts_the_rated_speed_of_its_own(study, evidence) -> None:

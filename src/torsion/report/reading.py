@@ -146,7 +146,7 @@ def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
 
 def failed(findings: Findings) -> tuple[Check, ...]:
     """The checks that failed."""
-    return tuple(check for check in findings.checks if check.verdict == "fail")
+    return tuple(check for check in findings.checks if check.fails)
 
 
 def joint_model(findings: Findings) -> str:

@@ -7,10 +7,9 @@ from typing import Annotated
 from torsion.analyses.joints.found import JointFound, Joints, LineFound
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
-from torsion.rules.check import Check
+from torsion.rules.check import TO_BE_VERIFIED, Check, Standing, verdict_of
 from torsion.rules.evidence import Evidence, parts_of_kind, rule_path
 from torsion.rules.joint_tubes import Tube, tubes
-from torsion.rules.judgement import EDITION
 from torsion.study import Study
 
 RULE = "universal-joints"
@@ -78,16 +77,21 @@ def _line(found: Joints, line: LineFound, asked: Asked, speed: float) -> Iterato
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
     limit = "limit after Elbe, 3 deg in round figures" if asked.unevenness == ELBE else "setting `unevenness`"
-    yield _verdict("U", where, "non-uniformity tan b sin b", line.index, asked.unevenness, "1", None, bend, limit)
+    standing = _published(asked.unevenness, ELBE)
+    yield _verdict(
+        "U", where, "non-uniformity tan b sin b", line.index, asked.unevenness, "1", standing, None, bend, limit
+    )
     value = joints[-1].steepest * (speed * float(joints[0].ratio)) ** 2
     limit = "limit after Spicer" if asked.torsional == SPICER_TORSIONAL else "setting `torsional`"
     what = "acceleration of the driven side by all joints"
-    yield _verdict("torsional", where, what, value, asked.torsional, "rad/s2", speed, limit)
+    standing = _published(asked.torsional, SPICER_TORSIONAL)
+    yield _verdict("torsional", where, what, value, asked.torsional, "rad/s2", standing, speed, limit)
 
 
 def _between(found: Joints, asked: Asked, speed: float) -> list[Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
     limit = "limit after Spicer" if asked.inertial == SPICER_INERTIAL else "setting `inertial`"
+    standing = _published(asked.inertial, SPICER_INERTIAL)
     checks: dict[int, Check] = {}
     for line in found.lines:
         first = speed * float(found.joints[line.joints[0]].ratio)
@@ -95,15 +99,18 @@ def _between(found: Joints, asked: Asked, speed: float) -> list[Check]:
             joint = found.joints[position]
             what, value = "acceleration of the shaft behind it", joint.steepest * first**2
             checks[position] = _verdict(
-                "inertial", joint.name, what, value, asked.inertial, "rad/s2", speed, limit, "driven from its first end"
-            )
+                "inertial", joint.name, what, value, asked.inertial, "rad/s2", standing, speed, limit,
+                "driven from its first end",
+            )  # fmt: skip
     return list(checks.values())
 
 
 def _speed_angle(joint: JointFound, limit: float, speed: float) -> Check:
     """Speed times angle of one joint, as its maker counts it."""
     value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
-    return _verdict("n b", joint.name, "speed times angle", value, limit, "deg/min", speed, "setting `speed_angle`")
+    return _verdict(
+        "n b", joint.name, "speed times angle", value, limit, "deg/min", "setting", speed, "setting `speed_angle`"
+    )
 
 
 def _bending(tube: Tube, share: float, speed: float) -> Check:
@@ -111,18 +118,25 @@ def _bending(tube: Tube, share: float, speed: float) -> Check:
     own, critical = speed * float(tube.ratio) * RPM, tube.critical * RPM
     twice = "passes it within the speeds" if 2.0 * own >= critical else "stays below it"
     return _verdict(
-        "n_crit", tube.name, "speed of the tube", own, share * critical, "rpm", speed,
+        "n_crit", tube.name, "speed of the tube", own, share * critical, "rpm",
+        TO_BE_VERIFIED if share == SHARE_OF_CRITICAL else "setting", speed,
         f"{share:.3g} x critical bending speed {critical:.5g} rpm (simply supported at the joints)",
-        f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}", EDITION,
+        f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}",
     )  # fmt: skip
 
 
 def _verdict(
-    clause: str, where: str, what: str, value: float, limit: float, unit: str, speed: float | None, *notes: str
-) -> Check:
+    clause: str, where: str, what: str, value: float, limit: float, unit: str, standing: Standing,
+    speed: float | None, *notes: str,
+) -> Check:  # fmt: skip
     words = "; ".join(note for note in notes if note)
-    verdict = "pass" if value <= limit else "fail"
-    return Check(RULE, clause, where, what, value, limit, unit, verdict, speed=speed, note=words)  # type: ignore[arg-type]
+    verdict = verdict_of(value <= limit, standing)
+    return Check(RULE, clause, where, what, value, limit, unit, verdict, standing, speed=speed, note=words)
+
+
+def _published(limit: float, by_maker: float) -> Standing:
+    """Of a limit that makers publish and the file may set."""
+    return "maker" if limit == by_maker else "setting"
 
 
 def _speed(study: Study) -> float | None:

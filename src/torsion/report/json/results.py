@@ -207,6 +207,7 @@ def _check(check: Any) -> dict[str, Any]:
         "limit_is_a_least_value": check.at_least,
         "unit": check.unit,
         "verdict": check.verdict,
+        "standing": check.standing,
         "speed_rad_per_s": finite(check.speed),
         "order": exact(check.order),
         "note": check.note,
