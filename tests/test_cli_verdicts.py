@@ -1,13 +1,27 @@
 """Exit status and words of the verdicts: a limit that is not kept is never a pass, whatever its standing."""
 
 import json
+import math
 from pathlib import Path
 
+import pytest
 from typer.testing import CliRunner
 
+from torsion import job
 from torsion.cli import app
 
 SCENES = Path(__file__).parents[1] / "shafting_specs"
+HELD = """
+name: tube on a bearing between its joints
+operation: {speeds: {from: 300 rpm, to: 12000 rpm, steps: 11}}
+train:
+  - motor: {inertia: 1}
+  - joint: {angle: 1 deg}
+  - shaft: {name: tube, length: 1.5 m, diameter: 120 mm, bore: 108 mm, support: {at: 0.75 m, stiffness: 10 GN/m}}
+  - joint: {angle: 1 deg}
+  - disc: {inertia: 1}
+rules: [{universal-joints: {torsional: 1e6 rad/s**2, inertial: 1e6 rad/s**2}}]
+"""
 
 
 def solve(*arguments: str):
@@ -39,3 +53,25 @@ def test_limits_to_be_verified_that_are_kept_end_with_status_0(tmp_path: Path) -
     assert "No check failed: 8 passed, 3 outside the range" in told
     assert "3 limits are to be verified against the edition in force." in told
     assert "NOT KEPT" not in told
+
+
+@pytest.mark.parametrize(("share", "status"), [("0.65", 0), ("0.3", 1)])
+def test_tube_on_a_bearing_is_judged_by_the_speeds_of_the_bending_analysis(tmp_path, share, status) -> None:
+    """12000 rpm: 1.37 of the critical speed without the bearing, 0.36 of that with it."""
+    scene = tmp_path / "held.yaml"
+    scene.write_text(HELD.replace("inertial:", f"critical_share: {share}, inertial:"), encoding="utf-8")
+    done = solve(str(scene), "--json")
+    assert done.exit_code == status, done.output
+    found = json.loads(done.output)
+    (check,) = (one for one in found["checks"] if one["clause"] == "n_crit")
+    first = min(one["speed_rad_per_s"] for one in found["lateral"]["shafts"][0]["critical_speeds"] if one["order"] == 1)
+    assert check["limit"] == pytest.approx(float(share) * first * 30 / math.pi, rel=1e-12)
+    assert check["standing"] == ("to be verified" if share == "0.65" else "setting")
+
+
+def test_joints_alone_leave_out_the_tube_on_a_bearing_and_say_so(tmp_path: Path) -> None:
+    scene = tmp_path / "held.yaml"
+    scene.write_text(HELD, encoding="utf-8")
+    found = job.joint(scene)
+    assert "n_crit" not in [check.clause for check in found.checks]
+    assert "supports" in dict(found.plan.left_out)["universal-joints: bending of tube"]

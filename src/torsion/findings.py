@@ -94,7 +94,7 @@ def _run(study: Study, progress: Progress, bending: bool) -> Findings:
     critical = _critical(study, system, found, log)
     joints = _joints(study, steady, log)
     bent, held = bend(study, log, progress) if bending and study.bends else (None, ())
-    checks = (*moved.checks, *held, *_checks(study, system, (found, steady, response, synthesis, joints), log))
+    checks = (*moved.checks, *held, *_checks(study, system, (found, steady, response, synthesis, joints, bent), log))
     compared = compared_models(study, log, progress)
     plan = Plan(tuple(log.lines), tuple(log.left_out), versions(system, bent is not None))
     return Findings(
@@ -251,7 +251,7 @@ def compared_models(study: Study, log: Log, progress: Progress, *, always: bool 
 def _checks(
     study: Study,
     system: System,
-    results: "tuple[Modes | None, Steady | None, Response | None, Synthesis | None, Joints | None]",
+    results: "tuple[Modes | None, Steady | None, Response | None, Synthesis | None, Joints | None, Lateral | None]",
     log: Log,
 ) -> "tuple[Check, ...]":
     if not study.rules:

@@ -22,7 +22,7 @@ CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 def evidence(findings: Findings) -> Evidence:
     """The findings as a rule reads them."""
     f = findings
-    return Evidence(f.study, f.system, f.modes, f.steady, f.response, f.synthesis, f.joints)
+    return Evidence(f.study, f.system, f.modes, f.steady, f.response, f.synthesis, f.joints, f.lateral)
 
 
 def over_speed(findings: Findings) -> Response:
