@@ -46,7 +46,7 @@ def conclusion(findings: Findings) -> list[Block]:
     """The conclusion, that of the comparison of models, and the restrictions of speed, in plain sentences."""
     blocks: list[Block] = [_overall(findings)]
     if findings.get(Compared) is not None:
-        blocks.append(compared_models(findings.get(Compared)))
+        blocks.append(compared_models(findings.need(Compared)))
     if findings.get(PeriodicResponse) is not None:
         blocks.extend(_first_order(findings))
     restrictions = _restrictions(findings)
