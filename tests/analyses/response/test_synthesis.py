@@ -160,9 +160,10 @@ def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
     assert found.half_range[0, 0] == pytest.approx(1.5, rel=1e-15)
 
 
-def test_line_flagged_as_singular_leaves_no_finite_number():
+@pytest.mark.parametrize("status", [Status.NEAR_SINGULAR, Status.SINGULAR])
+def test_line_that_is_not_ok_leaves_no_finite_number(status):
     response = _response([1, 2], [[1.0], [1e15]])
-    found = synthesis(None, replace(response, status=np.array([[Status.OK, Status.SINGULAR]], dtype=np.uint8)))
+    found = synthesis(None, replace(response, status=np.array([[Status.OK, status]], dtype=np.uint8)))
     assert np.isinf([found.half_range, found.peak, found.rms, found.bound]).all()
 
 

@@ -32,7 +32,7 @@ def synthesis(system: System, response: Response) -> Synthesis:
 
     Orders are summed as phasors in time. Lines of fixed frequency have no common cycle with them: their magnitudes
     are added. The same holds, as a bound, where the cycle of all orders is too long; `turns` is 0 then.
-    Where a line has no answer (status singular), so has the sum: it is infinite.
+    Where the status of a line is not ok, the sum has no value: it is infinite.
     """
     size = np.abs(response.torque)
     bound = size.sum(axis=1)
@@ -50,7 +50,7 @@ def synthesis(system: System, response: Response) -> Synthesis:
         highest, lowest = (values.reshape(bound.shape) for values in extremes(phasors, harmonics))
     half_range = (highest - lowest) / 2.0 + fixed
     peak = np.maximum(np.abs(response.mean + highest + fixed), np.abs(response.mean + lowest - fixed))
-    answered = np.isfinite(bound) & (response.status != Status.SINGULAR).all(axis=1)[:, None]
+    answered = np.isfinite(bound) & (response.status == Status.OK).all(axis=1)[:, None]
     values = [np.where(answered, value, np.inf) for value in (half_range, peak, rms, bound)]
     return Synthesis(values[0], values[1], values[2], values[3], turns)
 
