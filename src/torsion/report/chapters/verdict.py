@@ -126,7 +126,7 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
         speeds = response.speed[bad] * RPM
         found.append(
             f"At {_listed(speeds)} the response has no reliable finite value (undamped resonance). "
-            "No amplitude is stated there; give the damping of the train."
+            "No amplitude is stated there, nor a largest one of the range; give the damping of the train."
         )
     if not found and response is not None and findings.need(Checks).lines and not failed(findings):
         found.append("No restriction of speed follows from the checks asked.")
