@@ -14,6 +14,7 @@ from benchmarks.papers.pump_steps import Chain
 from benchmarks.papers.scenes import solved
 from benchmarks.papers.writing import Misprint, Page, Picture, bound, told
 from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import FrequencyResponse
 from torsion.findings import Findings
 
 NAME = "pump_lumped"
@@ -39,16 +40,16 @@ def found() -> Findings:
 
 def frequencies_of(findings: Findings) -> np.ndarray:
     """(frequencies,) Hz of the response."""
-    if findings.sweep is None:
+    if findings.get(FrequencyResponse) is None:
         raise ValueError("the scene asks for no response over frequency")
-    return findings.sweep.frequency
+    return findings.need(FrequencyResponse).frequency
 
 
 def modes_of(findings: Findings) -> Modes:
     """The natural frequencies."""
-    if findings.modes is None:
+    if findings.get(Modes) is None:
         raise ValueError("the scene asks for no modes")
-    return findings.modes
+    return findings.need(Modes)
 
 
 @cache
@@ -72,7 +73,7 @@ def chain() -> Chain:
 
 def program(findings: Findings) -> Answer:
     """The program's answer at discs and sections."""
-    parts, sweep, spans = findings.study.train.parts, findings.sweep, findings.system.spans
+    parts, sweep, spans = findings.study.train.parts, findings.need(FrequencyResponse), findings.system.spans
     if sweep is None:
         raise ValueError("the scene asks for no response over frequency")
     discs = [part.stations[0] for part in parts if part.component.keyword == "disc"]

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import torsion
-from torsion.analyses.joints.joints import Joints
+from torsion.analyses.joints.found import Joints
 from torsion.findings import Findings
 
 SCENES = Path(__file__).parents[2] / "shafting_specs" / "papers"
@@ -21,7 +21,7 @@ def solved(name: str, *changes: tuple[str, str]) -> Findings:
 
 def joints(name: str, *changes: tuple[str, str]) -> Joints:
     """The joints of a scene."""
-    found = solved(name, *changes).joints
+    found = solved(name, *changes).need(Joints)
     if found is None:
         raise ValueError(f"{name}.yaml has no joint")
     return found

@@ -1,8 +1,8 @@
 """What was found of a study: the results of its analyses, and the plan of how they came about."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from torsion.fields import Declared
 from torsion.plan import Log, Plan
@@ -37,6 +37,10 @@ class Results:
         if found is None:
             raise LookupError(f"{kind.__name__} was not computed")
         return found
+
+    def having(self, **found: Any) -> Self:
+        """The same with other results under those names."""
+        return replace(self, results={**self.results, **found})
 
     @property
     def system(self) -> "System":

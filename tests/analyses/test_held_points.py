@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from torsion.analyses.modes import modes
+from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.excitation import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.assembly import assemble
@@ -18,8 +20,8 @@ from torsion.components.excitation import Excitation
 from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.errors import InputError
-from torsion.findings import run
 from torsion.kernels.response import Status
+from torsion.runner import run
 from torsion.schema.read import parse
 from torsion.train import train
 
@@ -126,10 +128,10 @@ train:
 analyses: {response: {method: harmonic-balance}}
 """
     found = run(parse(text))
-    rows = np.isin(found.periodic.speed, found.response.speed)
-    assert np.count_nonzero(rows) == found.response.speed.size == 2
-    second = found.periodic.torque[rows, found.periodic.orders.index(Fraction(2))]
-    assert second == pytest.approx(found.response.torque[:, 0], rel=2e-3)
+    rows = np.isin(found.need(PeriodicResponse).speed, found.need(Response).speed)
+    assert np.count_nonzero(rows) == found.need(Response).speed.size == 2
+    second = found.need(PeriodicResponse).torque[rows, found.need(PeriodicResponse).orders.index(Fraction(2))]
+    assert second == pytest.approx(found.need(Response).torque[:, 0], rel=2e-3)
 
 
 def test_a_joint_between_two_walls_twists_the_spring_by_its_unevenness() -> None:

@@ -10,8 +10,13 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.holzer import holzer
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.steady import Steady
 from torsion.kernels.response import Status
+from torsion.rules.check import Checks
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
 SHAFT = math.pi / 20.0  # kg m2, inertia of the shaft of both closed forms
@@ -48,7 +53,7 @@ def study(scene: str):
 def drill(fem: str, count: int = 4) -> np.ndarray:
     text = (SCENES / "drill_string.yaml").read_text(encoding="utf-8")
     text = text.replace("model: exact", f"model: fem\n  fem: {fem}").replace("count: 6", f"count: {count}")
-    return torsion.run(torsion.parse(text)).modes
+    return torsion.run(torsion.parse(text)).need(Modes)
 
 
 def drill_exact(count: int) -> np.ndarray:
@@ -68,7 +73,7 @@ def drill_exact(count: int) -> np.ndarray:
 
 @pytest.mark.parametrize("scene", CLOSED)
 def test_a_continuum_has_the_frequencies_of_its_closed_form(scene):
-    found = torsion.run(study(scene)).modes
+    found = torsion.run(study(scene)).need(Modes)
     phase = 2.0 * math.pi * found.frequency * 2.0 / math.sqrt(80e9 / 8000.0)
     np.testing.assert_allclose(phase, CLOSED[scene], rtol=6e-15)  # the list has 15 digits
     assert found.certified
@@ -82,7 +87,7 @@ def test_a_continuum_has_the_frequencies_of_its_closed_form(scene):
 
 
 def test_the_drill_string_as_a_continuum():
-    found = torsion.run(study("drill_string")).modes
+    found = torsion.run(study("drill_string")).need(Modes)
     np.testing.assert_allclose(found.frequency, drill_exact(6), rtol=2e-15)
     assert found.enclosure.shape == (6, 2)
     assert np.all((found.enclosure[:, 0] <= found.frequency) & (found.frequency <= found.enclosure[:, 1]))
@@ -219,10 +224,10 @@ analyses: {response: {frequencies: {from: 1.0e-6, to: 2.0e-6, steps: 2}}}
 def test_a_study_without_enough_pieces_is_divided_until_its_modes_are_in_reach():
     text = (SCENES / "free_shaft_discs.yaml").read_text(encoding="utf-8").replace("count: 4", "count: 60")
     found = torsion.run(torsion.parse(text))
-    assert len(found.modes.frequency) == 60
-    assert found.modes.certified
+    assert len(found.need(Modes).frequency) == 60
+    assert found.need(Modes).certified
     with mpmath.workdps(30):
-        b = 2.0 * math.pi * found.modes.frequency[-1] * 2.0 / math.sqrt(1e7)
+        b = 2.0 * math.pi * found.need(Modes).frequency[-1] * 2.0 / math.sqrt(1e7)
         exact = mpmath.findroot(lambda x: (x * x - 1) * mpmath.sin(x) - 2.5 * x * mpmath.cos(x), b)
     assert abs(b / exact - 1) < 4e-15
     assert float(exact) == pytest.approx(59 * math.pi + 2.5 / (59 * math.pi), rel=1e-4)
@@ -232,11 +237,11 @@ def test_a_study_without_enough_pieces_is_divided_until_its_modes_are_in_reach()
 def test_everything_that_a_study_can_ask_works_in_the_model(model):
     asked = f"analyses: {{model: {model}, modes: , response: }}\nrules: [iacs-m68]\n"
     findings = torsion.run(torsion.parse(TRAIN + asked))
-    assert findings.response is not None
-    assert findings.synthesis is not None
-    assert findings.critical
-    assert findings.steady is not None
-    assert any(check.rule == "iacs-m68" for check in findings.checks)
+    assert findings.get(Response) is not None
+    assert findings.get(Synthesis) is not None
+    assert findings.need(CriticalSpeeds).crossings
+    assert findings.get(Steady) is not None
+    assert any(check.rule == "iacs-m68" for check in findings.need(Checks).lines)
     assert any(line.what == "assembly" and model in line.method for line in findings.plan.done)
     assert any(what == "damped modes" for what, _ in findings.plan.left_out)
 
@@ -292,7 +297,7 @@ train:
   - disc: {{held: true}}
 analyses: {{model: {model}, modes: {{count: 4}}}}
 """)
-    found = torsion.run(torsion.read(str(file))).modes.frequency
+    found = torsion.run(torsion.read(str(file))).need(Modes).frequency
     half_waves = np.arange(1, 5) * math.sqrt(79.3e9 / 7850.0) / 2.0
     np.testing.assert_allclose(found, half_waves, rtol=share)
 
@@ -304,5 +309,5 @@ def test_lumped_shafts_have_as_many_modes_as_are_asked(tmp_path):
     found = {}
     for model in ("lumped", "exact"):
         file.write_text(text + f"analyses: {{model: {model}, modes: {{count: 6}}}}\n")
-        found[model] = torsion.run(torsion.read(str(file))).modes.frequency
+        found[model] = torsion.run(torsion.read(str(file))).need(Modes).frequency
     np.testing.assert_allclose(found["lumped"], found["exact"], rtol=1e-3)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.statics import statics
-from torsion.analyses.steady import has_mean_torque, steady
+from torsion.analyses.steady import steady
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper
@@ -192,7 +192,7 @@ def test_table_is_interpolated_and_never_extrapolated(build, operation):
     study, system = build(
         [Motor(inertia=1), Coupling(stiffness=1e4), Propeller(inertia=1)], operation=operation(50.0, 120.0, load=load)
     )
-    assert has_mean_torque(study.operation)
+    assert study.operation.has_mean_torque
     assert steady(study.train, system, study.operation, np.array([50.0, 80.0])).torque[0] == pytest.approx(
         [150.0, 300.0]
     )
@@ -205,7 +205,7 @@ def test_table_is_interpolated_and_never_extrapolated(build, operation):
 
 def test_mean_torque_needs_a_power(build, operation):
     study, system = build([Motor(inertia=1), Coupling(stiffness=1e4), Propeller(inertia=1)])
-    assert not has_mean_torque(Operation())
+    assert not Operation().has_mean_torque
     with pytest.raises(InputError, match="rated power"):
         steady(study.train, system, study.operation, np.array([50.0]))
 

@@ -7,12 +7,15 @@ from html.parser import HTMLParser
 
 import pytest
 
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Synthesis
 from torsion.findings import Findings
 from torsion.report.blocks import Figure, Heading, Table
 from torsion.report.document import document
 from torsion.report.elements import elements
 from torsion.report.html import css_text, html
 from torsion.report.numbers import number
+from torsion.rules.check import Checks
 
 VOID = {"meta", "br", "link", "img", "hr"}
 
@@ -98,14 +101,14 @@ def _table(findings: Findings, caption: str) -> Table:
 
 def test_the_frequencies_in_the_table_are_those_found(train: Findings, page: str) -> None:
     rows = _table(train, "Natural frequencies of the undamped").rows
-    assert [row[1] for row in rows] == [number(f, 7) for f in train.modes.frequency.tolist()]
+    assert [row[1] for row in rows] == [number(f, 7) for f in train.need(Modes).frequency.tolist()]
     assert all(f">{row[1]}<" in page for row in rows)
 
 
 def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
     rows = _table(train, "Checks against").rows
-    assert len(rows) == len(train.checks) > 5
-    for row, check in zip(rows, train.checks, strict=True):
+    assert len(rows) == len(train.need(Checks).lines) > 5
+    for row, check in zip(rows, train.need(Checks).lines, strict=True):
         assert row[1] == check.where
         assert row[7:] == (check.standing, check.verdict.upper())
         assert row[2] == number(check.value)
@@ -116,7 +119,7 @@ def test_the_largest_torque_in_the_table_is_that_of_the_synthesis(train: Finding
     factor = {"N m": 1.0, "kN m": 1e-3}[table.columns[1].unit]
     by_name = {element.name: element for element in elements(train.system)}
     for row in table.rows:
-        top = train.synthesis.half_range[:, list(by_name[row[0]].spans)].max()
+        top = train.need(Synthesis).half_range[:, list(by_name[row[0]].spans)].max()
         assert row[1] == number(float(top) * factor)
 
 

@@ -14,19 +14,22 @@ import pytest
 from rich.console import Console
 
 import torsion
+from torsion.analyses.lateral.bending import Lateral
 from torsion.analyses.lateral.response import extent
-from torsion.findings import Findings, run
+from torsion.findings import Findings
 from torsion.kernels.response import Status
+from torsion.output.results_json import documented, results, text
 from torsion.report import lateral_tables
 from torsion.report.blocks import Figure, Paragraph, Table
 from torsion.report.chapters.lateral import chapter
 from torsion.report.figures import svg
-from torsion.report.json.keys import KEYS
-from torsion.report.json.keys_motion import LATERAL
-from torsion.report.json.results import results, text
 from torsion.report.terminal.tables import tables
 from torsion.rules.bending import bending_checks
+from torsion.rules.check import Checks
+from torsion.runner import run
 
+KEYS = {key.path: key.meaning for key in documented()}
+LATERAL = {path for path in KEYS if path.startswith("lateral.")}
 RPM = 30.0 / math.pi
 TUBE = "length: 1.5 m, diameter: 60 mm, bore: 50 mm"
 SCENE = """
@@ -92,7 +95,7 @@ def test_a_shaft_that_grows_by_itself_is_marked_in_table_text_map_and_terminal(f
     grown = [row for row, mark in zip(whirl.rows, whirl.marks, strict=True) if mark == "fail"]
     assert [row[4] for row in grown] == ["forward"]
     assert grown[0][-1].startswith("UNSTABLE from")
-    critical = next(c for c in fast.lateral.shafts[0].critical if c.order == 1 and c.direction > 0)
+    critical = next(c for c in fast.need(Lateral).shafts[0].critical if c.order == 1 and c.direction > 0)
     onset = float(grown[0][-1].split()[2])
     assert critical.speed * RPM < onset < critical.speed * RPM + 200.0  # the next speed of the range
     assert [block.kind for block in chapter(fast) if isinstance(block, Paragraph)][1] == "fail"
@@ -109,7 +112,7 @@ def test_without_damping_no_mode_is_called_stable_and_none_unstable(undamped: Fi
 
 
 def test_a_resonance_without_damping_has_no_maximum_and_is_marked(undamped: Findings) -> None:
-    (shaft,) = undamped.lateral.shafts
+    (shaft,) = undamped.need(Lateral).shafts
     second = shaft.answers[1]
     bad = second.status != Status.OK
     assert (second.status == Status.SINGULAR).any()
@@ -140,7 +143,7 @@ def test_forces_are_told_at_every_joint_with_its_name(undamped: Findings) -> Non
     assert [(row[1], row[3]) for row in rows] == [
         (name, order) for name in ("first joint", "second joint") for order in "02"
     ]
-    (shaft,) = undamped.lateral.shafts
+    (shaft,) = undamped.need(Lateral).shafts
     first = shaft.answers[0]
     assert float(rows[0][4]) == pytest.approx(extent(first.force)[:, 0].max(), rel=1e-4)
 
@@ -153,7 +156,7 @@ def test_every_key_is_documented_and_there(undamped: Findings, tilting: Findings
 
 
 def test_ranges_in_which_the_tilt_grows_are_marked_in_table_verdict_and_figure(tilting: Findings) -> None:
-    (shaft,) = tilting.lateral.shafts
+    (shaft,) = tilting.need(Lateral).shafts
     found = table(tilting, "Unstable ranges of the tilt")
     assert [row[3] for row in found.rows] == [zone.kind for zone in shaft.tilting.zones]
     assert [row[-1] for row in found.rows] == ["UNSTABLE"] * 3
@@ -169,12 +172,12 @@ def test_ranges_in_which_the_tilt_grows_are_marked_in_table_verdict_and_figure(t
 
 
 def test_tilt_that_was_examined_at_a_part_of_the_speeds_alone_fails_without_a_word_of_growth(tilting: Findings) -> None:
-    (shaft,) = tilting.lateral.shafts
-    lateral = replace(tilting.lateral, shafts=(replace(shaft, tilting=replace(shaft.tilting, zones=())),))
+    (shaft,) = tilting.need(Lateral).shafts
+    lateral = replace(tilting.need(Lateral), shafts=(replace(shaft, tilting=replace(shaft.tilting, zones=())),))
     slower = tilting.study.operation.speeds.model_copy(update={"first": 1.0})
     checks = bending_checks(lateral, tilting.study.operation.model_copy(update={"speeds": slower}))
     assert {check.verdict for check in checks} == {"fail"}
-    blocks = chapter(replace(tilting, lateral=lateral, checks=checks))
+    blocks = chapter(tilting.having(lateral=lateral, checks=Checks(checks)))
     (said,) = (block.text for block in blocks if isinstance(block, Paragraph) and block.kind == "fail")
     assert said.startswith("No tilting motion of tail shaft grows")
     assert "only a part of the operation's speeds" in said
@@ -185,7 +188,7 @@ def test_a_support_alone_asks_for_the_bending_and_joints_alone_leave_it_out() ->
         loss=0.01, first=300, last=3000, before="", tube=f"{TUBE}, support: {{at: 0.7, stiffness: 1e7}}"
     )
     study = torsion.parse(scene.replace("analyses: {lateral: {modes: 2}}", "analyses: {joints: }"))
-    assert [point[0] for point in run(study).lateral.shafts[0].point] == [
+    assert [point[0] for point in run(study).need(Lateral).shafts[0].point] == [
         "first joint",
         "second joint",
         "support of tube",

@@ -9,20 +9,25 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.analyses.motion.periodic import Found
+from torsion.analyses.motion.map import StabilityMap
+from torsion.analyses.motion.periodic import Found, PeriodicResponse
 from torsion.analyses.motion.ranges import UnstableRange
+from torsion.analyses.motion.stability import Stability
 from torsion.analyses.motion.zones import Zone
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
+from torsion.output.results_json import documented, results
 from torsion.report.blocks import Block, Figure, Paragraph, Table
 from torsion.report.chapters import critical, periodic, response, stability, verdict
 from torsion.report.figures import svg
-from torsion.report.json.keys import KEYS
-from torsion.report.json.results import results
 from torsion.report.motion import compared, exact_half_range, first_order_judged
 from torsion.report.numbers import RPM
 from torsion.report.terminal.tables import show
 from torsion.report.unstable import words
+from torsion.rules.check import Checks
 from torsion.rules.stability import stability_check
+
+KEYS = {key.path: key.meaning for key in documented()}
 
 TRAIN = """
 name: six stations
@@ -61,18 +66,18 @@ def several() -> Findings:
 @pytest.fixture(scope="module")
 def broken(unstable: Findings) -> Findings:
     """The same, but that one speed has no periodic motion, one a coarse one, and points of the map are missing."""
-    found, grown = unstable.periodic, unstable.stability_map.growth.copy()
+    found, grown = unstable.need(PeriodicResponse), unstable.need(StabilityMap).growth.copy()
     status, torque = found.status.copy(), found.torque.copy()
     status[:2], torque[0] = (Found.NONE, Found.COARSE), np.nan
     grown[1:3, 1] = np.nan
     why = ("Newton's method did not end", *found.why[1:])
     growth = np.where(np.arange(len(status)) == 0, np.nan, found.growth)
-    stable = unstable.stability
+    stable = unstable.need(Stability)
     rates = np.where(np.arange(len(stable.speed)) == 0, np.nan, stable.growth)
     return replace(
         unstable, periodic=replace(found, status=status, torque=torque, why=why, growth=growth),
         stability=replace(stable, growth=rates, unsolved=stable.speed[:1]),
-        stability_map=replace(unstable.stability_map, growth=grown),
+        stability_map=replace(unstable.need(StabilityMap), growth=grown),
     )  # fmt: skip
 
 
@@ -119,7 +124,7 @@ def test_both_methods_stand_side_by_side_for_every_element_and_order(unstable: F
 
 
 def test_half_range_of_all_orders_is_that_of_the_motion_in_time(unstable: Findings) -> None:
-    found = unstable.periodic
+    found = unstable.need(PeriodicResponse)
     turned = np.linspace(0.0, 2.0 * np.pi, 20001)
     wave = np.exp(1j * np.outer([float(order) for order in found.orders], turned))
     value = (found.torque[:, :, 0] @ wave).real
@@ -134,13 +139,13 @@ def test_rules_on_the_first_order_are_told_with_the_difference_at_the_worst_poin
     assert "first-order" in text
     told = [b for b in verdict.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text]
     assert [one.kind for one in told] == ["note"]
-    assert first_order_judged(replace(unstable, periodic=None)) == ""
+    assert first_order_judged(unstable.having(periodic=None)) == ""
 
 
 def test_every_unstable_speed_is_flagged_in_the_tables_and_marked_in_the_figures(unstable: Findings) -> None:
     blocks = [*periodic.chapter(unstable), *stability.chapter(unstable)]
     flagged = table(blocks, "not to be relied on")
-    assert len(flagged.rows) == unstable.periodic.is_unstable.sum() > 0
+    assert len(flagged.rows) == unstable.need(PeriodicResponse).is_unstable.sum() > 0
     assert set(flagged.marks) == {"fail"}
     ranges = table(blocks, "Unstable ranges")
     assert [(row[2], row[6]) for row in ranges.rows] == [("principal of mode 1 (2 w1)", "UNSTABLE")]
@@ -172,7 +177,7 @@ def test_what_was_not_found_is_flagged_and_never_a_number(broken: Findings) -> N
 
 
 def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findings) -> None:
-    found = several.periodic.others
+    found = several.need(PeriodicResponse).others
     rows = table(periodic.chapter(several), "at the same speed").rows
     assert [row[1] for row in rows].count("another") == found.speed.size > 0
     assert rows[0][1] == "told"
@@ -238,7 +243,7 @@ def test_boundary_is_not_rounded_beyond_the_speeds_asked_for() -> None:
 
 def known(findings: Findings, *ranges: UnstableRange) -> Findings:
     """The same with other unstable ranges."""
-    return replace(findings, stability=replace(findings.stability, ranges=ranges))
+    return findings.having(stability=replace(findings.need(Stability), ranges=ranges))
 
 
 def shown(findings: Findings) -> str:
@@ -266,17 +271,19 @@ def test_open_and_unknown_ends_are_marked_in_report_terminal_and_json(unstable: 
 def test_stretch_without_a_motion_is_told_once_in_the_conclusion(unstable: Findings) -> None:
     speed, growth = np.array([900.0, 930.0, 960.0, 1000.0, 1040.0, 1080.0]) / RPM, np.full(6, -1.0)
     growth[[2, 4]] = np.nan
-    bare = replace(unstable.stability, speed=speed, growth=growth, unsolved=speed[[2, 4]], asked=np.ones(6, dtype=bool))
+    bare = replace(
+        unstable.need(Stability), speed=speed, growth=growth, unsolved=speed[[2, 4]], asked=np.ones(6, dtype=bool)
+    )
     one = rpm_range(910.0, 930.0, unknown=(None, 1000))
-    told = " ".join(shown(known(replace(unstable, stability=bare), one)).split())
+    told = " ".join(shown(known(unstable.having(stability=bare), one)).split())
     assert told.count("nothing is known. Not for operation.") == 1
     assert "No periodic motion was found from 1000 to 1080 rpm: nothing is known there." in told
     assert "found from 930" not in told
 
 
 def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Findings) -> None:
-    mapped = unstable.stability_map
-    quiet = replace(unstable, stability_map=replace(mapped, growth=np.full_like(mapped.growth, -1.0)))
+    mapped = unstable.need(StabilityMap)
+    quiet = unstable.having(stability_map=replace(mapped, growth=np.full_like(mapped.growth, -1.0)))
     missed = known(quiet, rpm_range(*(mapped.speed[:2] * RPM + [1.0, -1.0])), rpm_range(*(mapped.speed[1:3] * RPM)))
     blocks = stability.chapter(missed)
     told = {row[-1] for row in table(blocks, "by value").rows}
@@ -288,7 +295,7 @@ def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Fin
 
 
 def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unstable: Findings) -> None:
-    found, stable = unstable.periodic, unstable.stability
+    found, stable = unstable.need(PeriodicResponse), unstable.need(Stability)
     number = len(found.speed)
     none = replace(
         found, status=np.full(number, Found.NONE, dtype=np.uint8), harmonics=np.zeros(number, dtype=int),
@@ -297,8 +304,8 @@ def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unst
     )  # fmt: skip
     bare = replace(stable, growth=np.full_like(stable.growth, np.nan), ranges=(), unsolved=stable.speed, check=np.nan)
     check = stability_check(bare, unstable.study.operation)
-    others = tuple(one for one in unstable.checks if one.clause != "stability")
-    nothing = replace(unstable, periodic=none, stability=bare, checks=(*others, check))
+    others = tuple(one for one in unstable.need(Checks).lines if one.clause != "stability")
+    nothing = unstable.having(periodic=none, stability=bare, checks=Checks((*others, check)))
     blocks = [*stability.chapter(nothing), *periodic.chapter(nothing)]
     said = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
     assert "too large" not in said
@@ -314,21 +321,21 @@ def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unst
 
 
 def test_speeds_that_read_alike_are_told_with_more_digits(unstable: Findings) -> None:
-    stable = unstable.stability
+    stable = unstable.need(Stability)
     close = replace(stable, unsolved=np.array([337.6202131, 337.6202138]) / RPM)
-    rows = table(stability.chapter(replace(unstable, stability=close)), "without an answer").rows
+    rows = table(stability.chapter(unstable.having(stability=close)), "without an answer").rows
     assert [row[0] for row in rows] == ["337.620213", "337.620214"]
 
 
 def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Findings) -> None:
     assert "The only such speed lies in the speed range" in critical.chapter(undamped)[1].text
-    line = replace(unstable.response, lines=unstable.response.lines[:1])
-    said = " ".join(b.text for b in response.chapter(replace(unstable, response=line)) if isinstance(b, Paragraph))
+    line = replace(unstable.need(Response), lines=unstable.need(Response).lines[:1])
+    said = " ".join(b.text for b in response.chapter(unstable.having(response=line)) if isinstance(b, Paragraph))
     assert said.startswith("1 line at ")
-    (alone,) = (check for check in unstable.checks if check.clause == "stability")
-    assert "The only check failed (whole train)" in verdict.conclusion(replace(unstable, checks=(alone,)))[0].text
+    (alone,) = (check for check in unstable.need(Checks).lines if check.clause == "stability")
+    assert "The only check failed (whole train)" in verdict.conclusion(unstable.having(checks=Checks((alone,))))[0].text
     passed = replace(alone, verdict="pass", value=-1.0)
-    assert verdict.conclusion(replace(unstable, checks=(passed,)))[0].text.startswith("The only check passed")
+    assert verdict.conclusion(unstable.having(checks=Checks((passed,))))[0].text.startswith("The only check passed")
 
 
 def test_terminal_prints_both_methods_and_the_unstable_ranges(unstable: Findings) -> None:

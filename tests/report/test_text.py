@@ -6,10 +6,13 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
 from torsion.report.numbers import number, rpm
 from torsion.report.reading import unreliable
 from torsion.report.terminal.tables import progress, show
+from torsion.rules.check import Checks
 
 
 def printed(findings: Findings) -> str:
@@ -21,10 +24,10 @@ def printed(findings: Findings) -> str:
 
 def test_the_terminal_shows_verdicts_frequencies_and_the_place_of_the_report(train: Findings, nasty: str) -> None:
     text = printed(train)
-    for check in train.checks:
+    for check in train.need(Checks).lines:
         assert check.verdict.upper() in text
         assert check.standing in text
-    for frequency in train.modes.frequency.tolist():
+    for frequency in train.need(Modes).frequency.tolist():
         assert number(frequency, 7) in text
     assert str(Path("reports/x/report.html")) in text
 
@@ -44,8 +47,8 @@ def test_no_amplitude_is_told_at_a_speed_without_a_reliable_one(undamped: Findin
 def test_the_largest_torque_is_that_of_the_synthesis_at_its_speed(train: Findings) -> None:
     told = printed(train).split("Largest vibratory torque")[1].split("rubber")[1].split()[:2]
     (span,) = [k for k, span in enumerate(train.system.spans) if span.name == "rubber"]
-    half = train.synthesis.half_range[:, span]
-    assert told == [number(float(half.max())), rpm(float(train.response.speed[half.argmax()]))]
+    half = train.need(Synthesis).half_range[:, span]
+    assert told == [number(float(half.max())), rpm(float(train.need(Response).speed[half.argmax()]))]
 
 
 def test_progress_is_silent_where_there_is_no_terminal(capsys: object) -> None:

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.modes import Modes
 from torsion.findings import Findings
+from torsion.output.results_json import text
 from torsion.report.blocks import Figure, Table
 from torsion.report.chapters.frequencies import MOST_SEGMENTS, chapter
 from torsion.report.document import document
 from torsion.report.html import html
-from torsion.report.json.results import text
 from torsion.report.told import told
 
 SCENE = """
@@ -42,7 +43,7 @@ def results(long: Findings) -> dict[str, Any]:
 
 
 def test_the_results_of_a_long_shaft_are_few_and_sum_to_the_same(long, results):
-    system, modes = long.system, long.modes
+    system, modes = long.system, long.need(Modes)
     assert len(results["stations"]) < 2100
     assert len(results["spans"]) < 2100
     inertia = [station["inertia_kg_m2"] for station in results["stations"]]

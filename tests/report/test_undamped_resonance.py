@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.rules.check import Checks
 from torsion.findings import Findings
 from torsion.kernels.response import Status
+from torsion.output.results_json import results
 from torsion.plots.style import hatch, page
 from torsion.report.blocks import Paragraph, Table
 from torsion.report.document import document
-from torsion.report.json.results import results
 from torsion.report.reading import NO_VALUE, unreliable
 
 SCENE = """
@@ -65,7 +67,7 @@ def test_the_text_says_so_over_speed_and_over_frequency(geared: Findings) -> Non
 
 def test_every_rule_that_needs_the_amplitude_fails_without_a_value(geared: Findings) -> None:
     """Limits of 1 GN m that no finite torque here exceeds."""
-    judged = {(c.rule, c.clause): c for c in geared.checks if c.where in ("rubber", "gear-1", "mid")}
+    judged = {(c.rule, c.clause): c for c in geared.need(Checks).lines if c.where in ("rubber", "gear-1", "mid")}
     needs = [("coupling-maker", clause) for clause in ("T_KW", "T_Kmax", "P_KW")]
     needs += [("gear-hammer", "(K_A - 1) T_rated"), ("gear-hammer", "torque reversal"), ("iacs-m68", "tau_T")]
     for key in needs:
@@ -80,14 +82,14 @@ def test_without_a_rule_nothing_failed(geared: Findings) -> None:
 def test_sum_of_all_lines_is_not_finite_where_a_line_is_not_ok(geared: Findings) -> None:
     bad = unreliable(geared)
     assert bad.any()
-    assert not np.isfinite(geared.synthesis.half_range[bad]).any()
-    assert np.isfinite(geared.synthesis.half_range[~bad]).all()
+    assert not np.isfinite(geared.need(Synthesis).half_range[bad]).any()
+    assert np.isfinite(geared.need(Synthesis).half_range[~bad]).all()
 
 
 def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
-    status = geared.response.status.copy()
+    status = geared.need(Response).status.copy()
     status[0, 1], status[1, 0] = Status.NEAR_SINGULAR, Status.SINGULAR
-    flagged = replace(geared, response=replace(geared.response, status=status))
+    flagged = geared.having(response=replace(geared.need(Response), status=status))
     found = results(flagged)
     assert found["response"]["lines"][1]["status"][0] == "near-singular"
     for line in found["response"]["lines"]:

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 import pytest
 
 import torsion
+from torsion.analyses.modes import Modes
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Paragraph, Table
 from torsion.report.chapters import couplings, gears, mass_elastic
 from torsion.report.chapters.holzer import holzer_table
 from torsion.report.elements import elements
+from torsion.rules.check import Checks
 
 GEARED = """
 name: a geared train
@@ -66,7 +68,7 @@ def test_load_of_a_mesh_without_any_torque_does_not_reverse() -> None:
 
 
 def test_holzer_table_names_the_elements_as_the_table_of_elements_does(geared) -> None:
-    (block,) = holzer_table(geared, geared.modes, 0)
+    (block,) = holzer_table(geared, geared.need(Modes), 0)
     through = [row[4] for row in block.rows if row[4] != "–"]
     assert len(set(through)) == len(through)
     assert {element.name for element in elements(geared.system)} <= set(through)
@@ -98,6 +100,6 @@ excitations: [{at: far, order: 1, torque: 1}]
 rules: [coupling-maker]
 """
     found = solved(text)
-    values = {check.clause: (check.value, check.verdict) for check in found.checks}
+    values = {check.clause: (check.value, check.verdict) for check in found.need(Checks).lines}
     assert values == {"T_KW": (float("inf"), "fail"), "P_KW": (float("inf"), "fail")}
     assert not re.search(r"\b0 W", str(couplings.chapter(found)))

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from torsion.findings import Findings
+from torsion.output import results_json as json
 from torsion.report import html
-from torsion.report.json import results as json
 from torsion.report.write import write
 
 

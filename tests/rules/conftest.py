@@ -15,7 +15,7 @@ from torsion.assembly import assemble
 from torsion.components import component
 from torsion.components.material import Material
 from torsion.fields import Declared
-from torsion.rules.evidence import Evidence
+from torsion.findings import Results
 from torsion.study import Operation, Study
 from torsion.train import train
 
@@ -44,7 +44,7 @@ def study() -> Callable[..., Study]:
 
 
 @pytest.fixture
-def evidence() -> Callable[..., Evidence]:
+def evidence() -> Callable[..., Results]:
     """Evidence with torques by component: `half` ranges, `mean` torques, and the phasors of one line of order 4."""
 
     def make(
@@ -55,7 +55,7 @@ def evidence() -> Callable[..., Evidence]:
         mean: Mapping[str, Any] | None = None,
         status: Any = 0,
         line: Line = Line(Fraction(4), None, ("screw",)),  # noqa: B008
-    ) -> Evidence:
+    ) -> Results:
         system = assemble(study.train)
         speed = np.asarray(rpm, dtype=float) * RPM
         number = len(system.spans)
@@ -78,8 +78,8 @@ def evidence() -> Callable[..., Evidence]:
         size = np.abs(torque)
         together = Synthesis(size, np.abs(steady) + size, size / math.sqrt(2), size, Fraction(1))
         still = Steady(speed, steady.T, stations, stations, "by hand")
-        bent = any(part.component.keyword == "joint" for part in study.train.parts)
-        found = joints(study.train, study.operation) if bent else None
-        return Evidence(study, system, steady=still, response=response, synthesis=together, joints=found)
+        bent = joints(study.train, study.operation) if study.has_joints else None
+        found = {"system": system, "mean": still, "response": response, "synthesis": together, "joints": bent}
+        return Results(study, found)
 
     return make

@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.over_speed import Line
 from torsion.rules import coupling
 
@@ -39,7 +40,7 @@ def test_heat_of_every_kind_of_damping_is_the_published_one(study, evidence, dam
     scene = study(line(**damping, heat_limit=80.0))
     torque = ELASTIC * (1 + 1j * PSI / (2 * math.pi))
     seen = evidence(scene, [FREQUENCY * 15.0], half={"rubber": torque})  # order 4 of 300 rpm is 20 Hz
-    check = the(coupling.check(seen, coupling.Asked()), "P_KW")
+    check = the(coupling.CouplingMaker().check(seen, coupling.CouplingSettings()), "P_KW")
     assert check.value == pytest.approx(LOSS, rel=1e-6)
     assert (check.verdict, check.unit) == ("pass", "W")
 
@@ -49,22 +50,22 @@ def test_heat_is_torque_times_twist_speed_averaged(study, evidence) -> None:
     omega, twist = 4 * 300.0 * RPM, 0.3 - 0.1j
     torque = (STIFFNESS + 1j * omega * 700.0) * twist
     seen = evidence(scene, [300.0], half={"rubber": torque})
-    power = coupling.heat(seen.response, 1 / STIFFNESS, 700.0, 0.0, 0)
+    power = coupling.heat(seen.need(Response), 1 / STIFFNESS, 700.0, 0.0, 0)
     assert power == pytest.approx(0.5 * (torque * np.conj(1j * omega * twist)).real, rel=1e-13)
 
 
 def test_damper_without_stiffness_heats_and_a_rigid_coupling_does_not(study, evidence) -> None:
     seen = evidence(study(line()), [300.0], half={"rubber": 40.0})
-    assert coupling.heat(seen.response, math.inf, 20.0, 0.0, 0) == pytest.approx(40.0**2 / (2 * 20.0), rel=1e-14)
-    assert coupling.heat(seen.response, 0.0, 0.0, 0.0, 0) == [0.0]
-    assert coupling.heat(seen.response, 1e-4, 0.0, 0.0, 0) == [0.0]
+    assert coupling.heat(seen.need(Response), math.inf, 20.0, 0.0, 0) == pytest.approx(40.0**2 / (2 * 20.0), rel=1e-14)
+    assert coupling.heat(seen.need(Response), 0.0, 0.0, 0.0, 0) == [0.0]
+    assert coupling.heat(seen.need(Response), 1e-4, 0.0, 0.0, 0) == [0.0]
 
 
 def test_every_limit_that_is_given_is_judged_at_its_worst_speed(study, evidence) -> None:
     limits = {"rated_torque": 900.0, "vibratory_torque": 300.0, "max_torque": 1000.0, "heat_limit": 1e9}
     rpm = np.array([300.0, 600.0, 900.0])
     seen = evidence(study(line(**limits)), rpm, half={"rubber": [10, 310, 250]}, mean={"rubber": [100, 400, 850]})
-    found = coupling.check(seen, coupling.Asked())
+    found = coupling.CouplingMaker().check(seen, coupling.CouplingSettings())
     assert [check.clause for check in found] == ["T_KN", "T_KW", "P_KW", "T_Kmax"]
     mean, vibratory, greatest = (the(found, clause) for clause in ("T_KN", "T_KW", "T_Kmax"))
     assert (mean.value, mean.verdict, mean.speed) == (850, "pass", pytest.approx(900 * RPM))
@@ -78,8 +79,8 @@ def test_speeds_outside_continuous_use_count_for_the_greatest_torque_alone(study
     limits = {"vibratory_torque": 300.0, "max_torque": 500.0, "heat_limit": 500.0}
     rpm = np.array([300.0, 600.0, 900.0])
     seen = evidence(study(line(**limits)), rpm, half={"rubber": [10, 600, 250]})
-    asked = coupling.Asked.model_validate({"continuous": {"from": "700 rpm", "to": "900 rpm"}})
-    found = coupling.check(seen, asked)
+    asked = coupling.CouplingSettings.model_validate({"continuous": {"from": "700 rpm", "to": "900 rpm"}})
+    found = coupling.CouplingMaker().check(seen, asked)
     assert (the(found, "T_KW").value, the(found, "T_KW").verdict) == (250, "pass")
     assert the(found, "P_KW").speed == pytest.approx(900 * RPM)
     assert (the(found, "T_Kmax").value, the(found, "T_Kmax").verdict) == (600, "fail")
@@ -88,7 +89,7 @@ def test_speeds_outside_continuous_use_count_for_the_greatest_torque_alone(study
 
 def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
     seen = evidence(study(line(vibratory_torque=300.0)), [300.0, 600.0], half={"rubber": [1, 2]}, status=[0, 1])
-    (check,) = coupling.check(seen, coupling.Asked())
+    (check,) = coupling.CouplingMaker().check(seen, coupling.CouplingSettings())
     assert (check.verdict, check.value) == ("fail", math.inf)
     assert "near-singular at 600 rpm" in check.note
 
@@ -97,7 +98,7 @@ def test_fixed_frequency_heats_at_its_own_frequency(study, evidence) -> None:
     fixed = Line(None, FREQUENCY, ("grid",))
     torque = ELASTIC * (1 + 1j * PSI / (2 * math.pi))
     seen = evidence(study(line(heat_limit=70.0)), [777.0], half={"rubber": torque}, line=fixed)
-    check = the(coupling.check(seen, coupling.Asked()), "P_KW")
+    check = the(coupling.CouplingMaker().check(seen, coupling.CouplingSettings()), "P_KW")
     assert check.value == pytest.approx(LOSS, rel=1e-6)
     assert check.verdict == "fail"
     assert "20 Hz (grid)" in check.note
@@ -105,30 +106,36 @@ def test_fixed_frequency_heats_at_its_own_frequency(study, evidence) -> None:
 
 def test_tolerance_of_the_stiffness_is_said_not_to_be_varied(study, evidence) -> None:
     seen = evidence(study(line(vibratory_torque=1.0, tolerance=0.15)), [300.0], half={"rubber": [0.5]})
-    assert "15 % was not varied" in coupling.check(seen, coupling.Asked())[0].note
+    assert "15 % was not varied" in coupling.CouplingMaker().check(seen, coupling.CouplingSettings())[0].note
 
 
 def test_coupling_without_limits_gives_nothing_but_is_said_to_be_left_out(study, evidence) -> None:
     scene = study(line())
-    assert coupling.check(evidence(scene, [300.0], half={"rubber": [9e9]}), coupling.Asked()) == ()
-    assert coupling.left_out(scene, coupling.Asked()) == (
+    assert (
+        coupling.CouplingMaker().check(evidence(scene, [300.0], half={"rubber": [9e9]}), coupling.CouplingSettings())
+        == ()
+    )
+    assert coupling.CouplingMaker().left_out(scene, coupling.CouplingSettings()) == (
         ("coupling-maker for rubber", "its maker's limits are not given"),
     )
 
 
 def test_faults_are_told_where_they_stand(study) -> None:
-    asked = coupling.Asked.model_validate({"continuous": {"from": "50 rpm", "to": "900 rpm"}})
+    asked = coupling.CouplingSettings.model_validate({"continuous": {"from": "50 rpm", "to": "900 rpm"}})
     rules = [("coupling-maker", asked)]
-    bare = coupling.faults(study(line(), rules), asked)
+    bare = coupling.CouplingMaker().faults(study(line(), rules), asked)
     assert [fault.path for fault in bare] == [("rules", 0)]
-    full = coupling.faults(study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None), asked)
+    full = coupling.CouplingMaker().faults(study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None), asked)
     assert [fault.path for fault in full] == [
         ("rules", 0, "coupling-maker", "continuous"),
         ("operation", "rated", "power"),
     ]
-    assert coupling.faults(study(line(vibratory_torque=1.0), rated=None), coupling.Asked()) == []
+    assert (
+        coupling.CouplingMaker().faults(study(line(vibratory_torque=1.0), rated=None), coupling.CouplingSettings())
+        == []
+    )
     quiet = [("disc", {"inertia": 1.0}), *line(vibratory_torque=1.0)[1:]]
-    assert [fault.path for fault in coupling.faults(study(quiet, rules, speeds=None), asked)] == [
+    assert [fault.path for fault in coupling.CouplingMaker().faults(study(quiet, rules, speeds=None), asked)] == [
         ("operation", "speeds"),
         ("rules", 0),
     ]
@@ -137,4 +144,4 @@ def test_faults_are_told_where_they_stand(study) -> None:
 def test_order_of_the_line_is_exact_in_the_note(study, evidence) -> None:
     half_order = Line(Fraction(21, 8), None, ("screw",))
     seen = evidence(study(line(vibratory_torque=9.0)), [300.0], half={"rubber": [1.0]}, line=half_order)
-    assert "order 21/8 (screw)" in coupling.check(seen, coupling.Asked())[0].note
+    assert "order 21/8 (screw)" in coupling.CouplingMaker().check(seen, coupling.CouplingSettings())[0].note

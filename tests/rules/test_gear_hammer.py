@@ -30,7 +30,7 @@ def verdicts(checks):
 )
 def test_limit_comes_from_the_setting_else_the_gear_else_the_usual_factor(study, evidence, body, asked, share) -> None:
     seen = evidence(study(line(**body)), RPMS, half={"gearbox": [10, 20, 200, 30]}, mean={"gearbox": MEAN})
-    found = verdicts(gear.check(seen, gear.Asked.model_validate(asked)))
+    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings.model_validate(asked)))
     check = found["(K_A - 1) T_rated"]
     assert check.limit == pytest.approx(1000.0 * share, rel=1e-12)
     assert (check.value, check.verdict, check.speed) == (200, "pass", pytest.approx(900 * RPM))
@@ -40,26 +40,29 @@ def test_limit_comes_from_the_setting_else_the_gear_else_the_usual_factor(study,
 
 def test_vibratory_torque_above_its_share_of_the_rated_torque_is_not_kept(study, evidence) -> None:
     seen = evidence(study(line()), RPMS, half={"gearbox": [10, 20, 351, 30]}, mean={"gearbox": MEAN})
-    found = verdicts(gear.check(seen, gear.Asked()))
+    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))
     assert found["(K_A - 1) T_rated"].verdict == "not kept"
     assert found["(K_A - 1) T_rated"].fails
-    assert verdicts(gear.check(seen, gear.Asked(limit=0.35)))["(K_A - 1) T_rated"].verdict == "fail"
+    assert (
+        verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(limit=0.35)))["(K_A - 1) T_rated"].verdict
+        == "fail"
+    )
     assert found["torque reversal"].verdict == "pass"
 
 
 def test_torque_reverses_where_vibration_exceeds_the_mean(study, evidence) -> None:
     seen = evidence(study(line()), RPMS, half={"gearbox": [63, 200, 300, 30]}, mean={"gearbox": MEAN})
-    check = verdicts(gear.check(seen, gear.Asked()))["torque reversal"]
+    check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))["torque reversal"]
     assert (check.value, check.verdict) == (63, "not kept")
     assert check.limit == pytest.approx(62.5, rel=1e-12)
-    asked = gear.Asked.model_validate({"continuous": {"from": "400 rpm", "to": "1100 rpm"}})
-    narrowed = verdicts(gear.check(seen, asked))["torque reversal"]
+    asked = gear.GearHammerSettings.model_validate({"continuous": {"from": "400 rpm", "to": "1100 rpm"}})
+    narrowed = verdicts(gear.GearHammer().check(seen, asked))["torque reversal"]
     assert (narrowed.value, narrowed.verdict, narrowed.speed) == (200, "pass", pytest.approx(500 * RPM))
 
 
 def test_mean_torque_that_drives_backwards_counts_by_its_size(study, evidence) -> None:
     seen = evidence(study(line()), RPMS, half={"gearbox": [63, 20, 30, 40]}, mean={"gearbox": -MEAN})
-    found = verdicts(gear.check(seen, gear.Asked()))
+    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))
     assert found["(K_A - 1) T_rated"].limit == pytest.approx(350, rel=1e-12)
     assert found["torque reversal"].limit == pytest.approx(62.5, rel=1e-12)
     assert found["torque reversal"].verdict == "not kept"
@@ -67,13 +70,17 @@ def test_mean_torque_that_drives_backwards_counts_by_its_size(study, evidence) -
 
 def test_rated_torque_of_a_constant_load_lies_between_its_neighbours(study, evidence) -> None:
     seen = evidence(study(line(), load="constant"), RPMS, half={"gearbox": [1, 1, 1, 1]}, mean={"gearbox": [77.0] * 4})
-    assert verdicts(gear.check(seen, gear.Asked()))["(K_A - 1) T_rated"].limit == pytest.approx(0.35 * 77, rel=1e-12)
+    assert verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))[
+        "(K_A - 1) T_rated"
+    ].limit == pytest.approx(0.35 * 77, rel=1e-12)
 
 
 def test_every_wheel_is_a_mesh_and_an_idle_one_hammers(study, evidence) -> None:
     scene = study(line(branches=[{"teeth": 30, "inertia": 0.1}]))
     half = {"gearbox": [1, 1, 1, 1], "gearbox wheel 2": [5, 0, 0, 0]}
-    found = gear.check(evidence(scene, RPMS, half=half, mean={"gearbox": MEAN, "gearbox wheel 2": 1e-13}), gear.Asked())
+    found = gear.GearHammer().check(
+        evidence(scene, RPMS, half=half, mean={"gearbox": MEAN, "gearbox wheel 2": 1e-13}), gear.GearHammerSettings()
+    )
     assert [(check.where, check.verdict) for check in found] == [
         ("gearbox", "pass"), ("gearbox", "pass"), ("gearbox wheel 2", "not kept"),
     ]  # fmt: skip
@@ -81,13 +88,13 @@ def test_every_wheel_is_a_mesh_and_an_idle_one_hammers(study, evidence) -> None:
 
 
 def test_mesh_without_any_torque_passes(study, evidence) -> None:
-    found = gear.check(evidence(study(line()), RPMS, half={}, mean={}), gear.Asked())
+    found = gear.GearHammer().check(evidence(study(line()), RPMS, half={}, mean={}), gear.GearHammerSettings())
     assert [(check.clause, check.verdict) for check in found] == [("torque reversal", "pass")]
 
 
 def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
     seen = evidence(study(line()), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN}, status=[0, 0, 2, 0])
-    found = gear.check(seen, gear.Asked())
+    found = gear.GearHammer().check(seen, gear.GearHammerSettings())
     assert [check.verdict for check in found] == ["fail", "fail"]
     assert all("is singular at 900 rpm" in check.note for check in found)
 
@@ -101,12 +108,16 @@ def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
     ],
 )
 def test_rated_torque_and_speeds_must_be_known(study, operation, path) -> None:
-    asked = gear.Asked()
-    assert gear.faults(study(line(), [("gear-hammer", asked)]), asked) == []
-    assert [fault.path for fault in gear.faults(study(line(), [("gear-hammer", asked)], **operation), asked)] == [path]
+    asked = gear.GearHammerSettings()
+    assert gear.GearHammer().faults(study(line(), [("gear-hammer", asked)]), asked) == []
+    assert [
+        fault.path for fault in gear.GearHammer().faults(study(line(), [("gear-hammer", asked)], **operation), asked)
+    ] == [path]
 
 
 def test_train_without_a_gear_cannot_be_judged(study) -> None:
-    asked = gear.Asked()
+    asked = gear.GearHammerSettings()
     parts = [line()[0], ("coupling", {"stiffness": 1.0}), line()[2]]
-    assert [fault.path for fault in gear.faults(study(parts, [("gear-hammer", asked)]), asked)] == [("rules", 0)]
+    assert [fault.path for fault in gear.GearHammer().faults(study(parts, [("gear-hammer", asked)]), asked)] == [
+        ("rules", 0)
+    ]

@@ -43,19 +43,19 @@ def test_nothing_is_sought_outside_the_speeds_judged_or_where_the_limit_is_far_e
 
 
 def test_m68_needs_the_speeds_where_its_limits_bend_or_end(study) -> None:
-    scene = study(PARTS, [("iacs-m68", m68.Asked())])
+    scene = study(PARTS, [("iacs-m68", m68.M68Settings())])
     found = judged_speeds(scene) / RPM
     assert all(np.min(np.abs(found / bound - 1)) < 1e-12 for bound in (800, 900, 1000, 1050))
 
 
 def test_speeds_out_of_the_range_are_not_added(study) -> None:
-    asked = gear.Asked.model_validate({"continuous": {"from": "200 rpm", "to": "600 rpm"}})
+    asked = gear.GearHammerSettings.model_validate({"continuous": {"from": "200 rpm", "to": "600 rpm"}})
     scene = study(PARTS, [("gear-hammer", asked)], speeds={"from": "200 rpm", "to": "700 rpm", "steps": 900})
     assert judged_speeds(scene) / RPM == pytest.approx([200, 600])
 
 
 def test_few_speeds_are_made_as_many_as_the_default(study) -> None:
-    scene = study(PARTS, [("iacs-m68", m68.Asked())], speeds={"from": "100 rpm", "to": "1100 rpm", "steps": 2})
+    scene = study(PARTS, [("iacs-m68", m68.M68Settings())], speeds={"from": "100 rpm", "to": "1100 rpm", "steps": 2})
     even = np.linspace(100, 1100, FEWEST_JUDGED) * RPM
     found = judged_speeds(scene)
     assert apart(found, even).size == 0

@@ -14,44 +14,44 @@ def line(role="intermediate", **shaft):
 
 
 def messages(scene, asked):
-    return {fault.path: fault.message for fault in m68.faults(scene, asked)}
+    return {fault.path: fault.message for fault in m68.M68().faults(scene, asked)}
 
 
 def test_a_whole_file_has_no_fault(study) -> None:
-    assert m68.faults(study(line()), m68.Asked()) == []
+    assert m68.M68().faults(study(line()), m68.M68Settings()) == []
 
 
 def test_strength_that_is_missing_is_told_at_the_shaft(study) -> None:
     soft = {"soft": Material(shear_modulus=79e9, density=7850.0)}
-    found = messages(study(line(material="soft"), materials=soft), m68.Asked())
+    found = messages(study(line(material="soft"), materials=soft), m68.M68Settings())
     assert "tensile_strength" in found["train", 1, "shaft", "material"]
 
 
 def test_built_in_steel_counts_as_the_softest_shaft_steel_and_says_so(study) -> None:
     plain = study(line(material="steel"), materials={"steel": STEEL})
-    assert m68.faults(plain, m68.Asked()) == []
-    (shaft,) = classed_shafts(plain, m68.Asked())
+    assert m68.M68().faults(plain, m68.M68Settings()) == []
+    (shaft,) = classed_shafts(plain, m68.M68Settings())
     assert shaft.strength == 400.0
     assert "none stated" in shaft.notes[0]
 
 
 def test_rated_speed_and_speeds_that_are_missing_are_told(study) -> None:
-    found = messages(study(line(), rated=None, speeds=None), m68.Asked())
+    found = messages(study(line(), rated=None, speeds=None), m68.M68Settings())
     assert {("operation", "rated"), ("operation", "speeds")} == set(found)
 
 
 def test_train_that_nothing_excites_cannot_be_judged(study) -> None:
-    asked = m68.Asked()
+    asked = m68.M68Settings()
     quiet = [*line()[:2], ("disc", {"inertia": 1.0})]
     assert "nothing excites" in messages(study(quiet, [("iacs-m68", asked)]), asked)["rules", 0]
 
 
 def test_train_without_a_role_cannot_be_judged(study) -> None:
-    asked = m68.Asked()
+    asked = m68.M68Settings()
     assert "role" in messages(study(line(None), [("iacs-m68", asked)]), asked)["rules", 0]
 
 
 def test_settings_name_shafts_that_exist(study) -> None:
-    asked = m68.Asked.model_validate({"alloy": ["lime"], "slots": {"line": {"length": 0.07, "width": 0.02}}})
+    asked = m68.M68Settings.model_validate({"alloy": ["lime"], "slots": {"line": {"length": 0.07, "width": 0.02}}})
     found = messages(study(line(), [("iacs-m68", asked)]), asked)
     assert set(found) == {("rules", 0, "iacs-m68", "alloy", 0), ("rules", 0, "iacs-m68", "slots", "line")}

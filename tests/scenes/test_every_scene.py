@@ -10,8 +10,13 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.joints.found import Joints
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
+from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.response import Status
+from torsion.rules.check import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.source import parse_source
 
@@ -51,7 +56,7 @@ def span(found: Findings, component: str) -> int:
 
 
 def at_rated(found: Findings) -> int:
-    return int(np.argmin(np.abs(found.steady.speed - found.study.operation.rated.speed)))
+    return int(np.argmin(np.abs(found.need(Steady).speed - found.study.operation.rated.speed)))
 
 
 @every_scene
@@ -62,7 +67,7 @@ def test_scene_is_valid_against_the_json_schema(scene: str, validator) -> None:
 
 @every_scene
 def test_every_frequency_is_certified_and_inside_its_bounds(scene: str, solved) -> None:
-    modes = solved(scene).modes
+    modes = solved(scene).need(Modes)
     if modes is None:
         assert not np.any(solved(scene).system.inertia > 0), "joints alone"
         return
@@ -79,9 +84,9 @@ def test_the_table_of_scenes_says_what_is_computed(scene: str, solved) -> None:
     row = re.search(rf"^\| `{scene}` \|.*\| (.*) (\S+) \|$", TABLE, re.MULTILINE)
     found = solved(scene)
     if row[2] == "deg":
-        values = np.degrees([line.resultant for line in found.joints.lines])
+        values = np.degrees([line.resultant for line in found.need(Joints).lines])
     else:
-        values = found.modes.frequency / HERTZ[row[2]]
+        values = found.need(Modes).frequency / HERTZ[row[2]]
     for text, value in zip(row[1].split(", "), values, strict=False):
         assert abs(value - float(text)) <= 0.5000001 * 10.0 ** -len(text.partition(".")[2])
 
@@ -89,7 +94,7 @@ def test_the_table_of_scenes_says_what_is_computed(scene: str, solved) -> None:
 @every_scene
 def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str, solved) -> None:
     found = solved(scene)
-    for answer in (found.response, found.sweep):
+    for answer in (found.get(Response), found.get(FrequencyResponse)):
         if answer is None:
             continue
         assert answer.status.shape == answer.residual.shape
@@ -98,9 +103,9 @@ def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str,
         assert np.all(np.isfinite(answer.torque[sound]))
         assert np.all(np.isfinite(answer.angle[sound]))
         assert np.all(answer.residual[sound] < 1e-10)
-    if found.response is not None:
-        assert np.all(found.response.status == Status.OK), "these trains are damped"
-        total = found.synthesis
+    if found.get(Response) is not None:
+        assert np.all(found.need(Response).status == Status.OK), "these trains are damped"
+        total = found.need(Synthesis)
         assert np.all(np.isfinite(total.half_range))
         assert np.all(total.half_range <= total.bound * (1 + 1e-12))
         assert np.all(total.rms <= total.bound)
@@ -111,8 +116,8 @@ def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str, s
     found = solved(scene)
     asked = {name for name, _ in found.study.rules}
     asked |= {"stability" for name in found.study.analyses if name in ("stability", "lateral")}
-    assert asked == {check.rule for check in found.checks}
-    for check in found.checks:
+    assert asked == {check.rule for check in found.need(Checks).lines}
+    for check in found.need(Checks).lines:
         assert math.isfinite(check.value)
         assert math.isnan(check.limit) == (check.verdict == "outside")
 
@@ -122,7 +127,7 @@ def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str, s
 def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(scene: str, propeller: str, solved) -> None:
     found = solved(scene)
     part = found.study.train.part(propeller)
-    lines = {line.order for line in found.response.lines if propeller in line.sources}
+    lines = {line.order for line in found.need(Response).lines if propeller in line.sources}
     assert lines == {k * part.component.blades * part.ratio for k in (1, 2)}
 
 
@@ -136,22 +141,22 @@ def test_ratios_of_the_scenes_are_those_of_their_gears(solved) -> None:
 def test_power_that_enters_at_the_motor_leaves_at_the_propeller(scene: str, propeller: str, solved) -> None:
     found = solved(scene)
     ratio = float(found.study.train.ratio(propeller))
-    motor, load = (found.steady.applied[station(found, name)] for name in ("motor-1", propeller))
+    motor, load = (found.need(Steady).applied[station(found, name)] for name in ("motor-1", propeller))
     np.testing.assert_allclose(-load * ratio, motor, rtol=1e-14)
 
 
 def test_haixun_propeller_carries_the_motor_torque_times_the_gear_ratio(solved) -> None:
     found = solved("haixun_06402")
-    motor, propeller = (found.steady.torque[span(found, name)] for name in ("motor shaft", "propeller shaft"))
+    motor, propeller = (found.need(Steady).torque[span(found, name)] for name in ("motor shaft", "propeller shaft"))
     np.testing.assert_allclose(propeller, 2.625 * motor, rtol=1e-14)
     rated = at_rated(found)
     assert motor[rated] == pytest.approx(400e3 / (1800.0 * RPM), rel=1e-13)
-    np.testing.assert_allclose(motor, motor[rated] * (found.steady.speed / (1800.0 * RPM)) ** 2, rtol=1e-13)
+    np.testing.assert_allclose(motor, motor[rated] * (found.need(Steady).speed / (1800.0 * RPM)) ** 2, rtol=1e-13)
 
 
 def test_pump_shaft_carries_the_rated_power_at_504_rpm(solved) -> None:
     found = solved("pump_1200kw")
-    pump = found.steady.torque[span(found, "pump shaft"), at_rated(found)]
+    pump = found.need(Steady).torque[span(found, "pump shaft"), at_rated(found)]
     assert pump == pytest.approx(1200e3 / (504.0 * RPM), rel=1e-13)
 
 

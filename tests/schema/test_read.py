@@ -10,7 +10,8 @@ import pytest
 
 from torsion.errors import Fault, InputError
 from torsion.fields import Amount
-from torsion.findings import run
+from torsion.rules.check import Checks
+from torsion.runner import run
 from torsion.schema.example import example
 from torsion.schema.read import located, parse, read
 
@@ -156,7 +157,7 @@ def test_example_of_the_new_command_reads_and_every_line_is_explained():
 
 
 def test_example_of_the_new_command_solves_and_meets_its_rules():
-    checks = run(parse(example())).checks
+    checks = run(parse(example())).need(Checks).lines
     assert {check.rule for check in checks} == {"iacs-m68", "coupling-maker", "gear-hammer"}
     assert [check for check in checks if check.verdict == "fail"] == []
 

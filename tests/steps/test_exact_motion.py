@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.motion.map import StabilityMap
+from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.motion.stability import Stability
 from torsion.errors import SolveError
 from torsion.findings import Findings
+from torsion.rules.check import Checks
 
 SCENE = Path(__file__).parents[2] / "shafting_specs" / "six_stations.yaml"
 TRAIN = """
@@ -58,7 +62,7 @@ PUBLISHED = [
 @pytest.mark.parametrize(("angle", "phase", "speed", "second", "fourth", "motor"), PUBLISHED)
 def test_six_station_train_of_a_file_has_the_published_torques(angle, phase, speed, second, fourth, motor):
     found = solved("response: {method: harmonic-balance}", angle=angle, phase=phase)
-    exact, elastic = found.periodic, found.system.flexibility > 0
+    exact, elastic = found.need(PeriodicResponse), found.system.flexibility > 0
     at = int(np.argmin(np.abs(exact.speed - speed)))
     assert exact.speed[at] == speed
     for order, published in ((2, second), (4, fourth)):
@@ -78,7 +82,7 @@ def test_six_station_train_of_a_file_has_the_published_torques(angle, phase, spe
 )  # fmt: skip
 def test_exact_response_is_the_default_where_the_first_order_does_not_hold(analyses, angle, phase, is_exact, words):
     found = solved(analyses, angle=angle, phase=phase, first=40, last=FIRST_MODE / 2)
-    assert (found.periodic is not None) == is_exact
+    assert (found.get(PeriodicResponse) is not None) == is_exact
     said = [line.why for line in found.plan.done if line.what == "exact periodic response"]
     said += [why for what, why in found.plan.left_out if what == "exact periodic response"]
     assert [words in one for one in said] == ([True] if words else [])
@@ -86,11 +90,11 @@ def test_exact_response_is_the_default_where_the_first_order_does_not_hold(analy
 
 def test_peak_of_the_exact_response_is_resolved():
     found = solved("response: ", phase=90, first=45, last=62, steps=9)
-    size = np.abs(found.periodic.torque[:, found.periodic.orders.index(2), 0])
+    size = np.abs(found.need(PeriodicResponse).torque[:, found.need(PeriodicResponse).orders.index(2), 0])
     top = int(np.argmax(size))
     assert 0 < top < len(size) - 1
     assert min(size[top - 1], size[top + 1]) > 0.97 * size[top]
-    assert set(np.linspace(45.0, 62.0, 9)) <= set(found.periodic.speed)
+    assert set(np.linspace(45.0, 62.0, 9)) <= set(found.need(PeriodicResponse).speed)
 
 
 @pytest.mark.parametrize(
@@ -98,24 +102,24 @@ def test_peak_of_the_exact_response_is_resolved():
 )
 def test_train_is_unstable_at_its_first_mode_as_published(angle, damping, growth):
     found = solved("stability: ", angle=angle, damping=damping, first=104, last=110, steps=3)
-    (check,) = found.checks
+    (check,) = found.need(Checks).lines
     assert found.failed == (growth is not None)
     if growth is None:
-        assert found.stability.ranges == ()
+        assert found.need(Stability).ranges == ()
         assert check.value < 0
         return
-    (only,) = found.stability.ranges
+    (only,) = found.need(Stability).ranges
     assert only.first < FIRST_MODE < only.last
     assert only.zone.name == "principal of mode 1 (2 w1)"
-    near = int(np.argmin(np.abs(found.stability.speed - FIRST_MODE)))
-    assert found.stability.growth[near] == pytest.approx(growth, abs=0.02)
-    assert check.value == only.growth >= found.stability.growth[near]
+    near = int(np.argmin(np.abs(found.need(Stability).speed - FIRST_MODE)))
+    assert found.need(Stability).growth[near] == pytest.approx(growth, abs=0.02)
+    assert check.value == only.growth >= found.need(Stability).growth[near]
 
 
 def test_unstable_periodic_motion_is_told_without_asking_for_stability():
     found = solved("response: ", damping=1.5, first=100, last=112, steps=13)
-    unstable = found.periodic.speed[found.periodic.is_unstable]
-    assert found.stability is None
+    unstable = found.need(PeriodicResponse).speed[found.need(PeriodicResponse).is_unstable]
+    assert found.get(Stability) is None
     assert unstable.size
     assert np.all(np.abs(unstable / FIRST_MODE - 1.0) < 0.02)
 
@@ -123,15 +127,15 @@ def test_unstable_periodic_motion_is_told_without_asking_for_stability():
 def test_scene_of_six_stations_fails_by_its_stability():
     found = torsion.run(torsion.read(SCENE))
     assert found.failed
-    angles = np.degrees(found.stability_map.value)
-    unstable = (found.stability_map.growth > 0).any(axis=0)
+    angles = np.degrees(found.need(StabilityMap).value)
+    unstable = (found.need(StabilityMap).growth > 0).any(axis=0)
     assert not unstable[angles < 11].any()
     assert unstable[angles > 19].all()
 
 
 LIGHT = """
 import sys, torsion
-from torsion.report.json.results import text
+from torsion.output.results_json import text
 from torsion.report.terminal.tables import tables
 found = torsion.run(torsion.parse({scene!r}))
 text(found), tables(found)
@@ -196,10 +200,10 @@ def test_long_train_is_reduced_to_the_modes_that_matter_and_keeps_its_growth():
     shaft = "  - shaft: {length: 0.5, diameter: 60 mm, segments: SEGMENTS}\n"
     text = text.replace("  - disc: {name: screw", shaft + "  - disc: {name: screw")
     short, long = (torsion.run(torsion.parse(text.replace("SEGMENTS", n), "long.yaml")) for n in ("4", "24"))
-    assert short.stability.kept is None
-    assert long.stability.kept == 3
-    assert long.stability.left_out < 1e-3
-    assert long.checks[0].value == pytest.approx(short.checks[0].value, rel=1e-2)
+    assert short.need(Stability).kept is None
+    assert long.need(Stability).kept == 3
+    assert long.need(Stability).left_out < 1e-3
+    assert long.need(Checks).lines[0].value == pytest.approx(short.need(Checks).lines[0].value, rel=1e-2)
 
 
 GEARED = """
@@ -223,7 +227,7 @@ analyses: {{{analyses}}}
 )
 def test_joints_that_repeat_together_only_after_many_turns_are_left_out_unasked(teeth, words):
     found = torsion.run(torsion.parse(GEARED.format(teeth=teeth, analyses="response: ")))
-    assert found.periodic is None
+    assert found.get(PeriodicResponse) is None
     assert words in dict(found.plan.left_out)["exact periodic response"]
 
 

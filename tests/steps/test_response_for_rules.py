@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.damped import DampedModes
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.over_speed import ResponseSettings, response
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.report.chapters import chapters
+from torsion.rules.check import Checks
 
 RPM = math.pi / 30.0
 FERRY = """
@@ -43,11 +47,11 @@ def solved(text: str) -> Findings:
 
 
 def verdicts(found: Findings) -> list[tuple[str, str, str, float]]:
-    return [(check.where, check.clause, check.verdict, check.value) for check in found.checks]
+    return [(check.where, check.clause, check.verdict, check.value) for check in found.need(Checks).lines]
 
 
 def check_of(found: Findings, clause: str):
-    return next(check for check in found.checks if check.clause == clause and check.verdict != "outside")
+    return next(check for check in found.need(Checks).lines if check.clause == clause and check.verdict != "outside")
 
 
 @pytest.mark.parametrize(
@@ -64,8 +68,8 @@ def test_rules_judge_all_orders_whatever_orders_are_named(whole, orders) -> None
 
 def test_orders_that_are_not_named_are_left_out_and_said_so() -> None:
     found = solved(scene("analyses: {response: {orders: [1]}}\n"))
-    assert [line.order for line in found.response.lines] == [1]
-    assert [line.order for line in found.response.left_out] == [4]
+    assert [line.order for line in found.need(Response).lines] == [1]
+    assert [line.order for line in found.need(Response).left_out] == [4]
     assert ("order 4 of the response (screw)", "`orders` does not name it") in found.plan.left_out
     text = str(chapters(found))
     assert "orders asked for" in text
@@ -75,7 +79,7 @@ def test_orders_that_are_not_named_are_left_out_and_said_so() -> None:
 def test_fixed_frequencies_are_told_beside_the_orders_named() -> None:
     steady_hum = "excitations: [{at: screw, frequency: 40 Hz, torque: 3}]\n"
     found = solved(scene(steady_hum + "analyses: {response: {orders: [4]}}\n"))
-    assert [(line.order, line.frequency) for line in found.response.lines] == [(4, None), (None, 40.0)]
+    assert [(line.order, line.frequency) for line in found.need(Response).lines] == [(4, None), (None, 40.0)]
 
 
 def test_order_that_nothing_excites_is_refused_where_it_stands() -> None:
@@ -100,10 +104,10 @@ RISING = {"density": 0, "top": 1100, "blades": 2, "share": "66 %"}
 
 def test_bounds_of_the_limits_are_computed_however_few_speeds_are_asked() -> None:
     few = solved(scene("rules: [iacs-m68]\n", steps=5, **RISING))
-    speeds = few.response.speed / RPM
+    speeds = few.need(Response).speed / RPM
     for bound in (800, 900, 1000, 1050):
         assert np.min(np.abs(speeds / bound - 1)) < 1e-12
-    assert few.response.asked.sum() == 5
+    assert few.need(Response).asked.sum() == 5
     many = solved(scene("rules: [iacs-m68]\n", steps=801, **RISING))
     one, other = check_of(few, "tau_C"), check_of(many, "tau_C")
     assert (one.speed / RPM, one.verdict) == (pytest.approx(1050), other.verdict)
@@ -116,10 +120,10 @@ def test_verdicts_do_not_depend_on_the_number_of_speeds(blades) -> None:
         solved(scene("rules: [iacs-m68]\n", steps=steps, blades=blades, top=1060, share="20 %")) for steps in (2, 4001)
     )
     for one, other in zip(
-        *([check for check in found.checks if check.limit > 0] for found in (few, many)), strict=True
+        *([check for check in found.need(Checks).lines if check.limit > 0] for found in (few, many)), strict=True
     ):
         assert (one.clause, one.verdict, one.value) == (other.clause, other.verdict, pytest.approx(other.value, 1e-3))
-    barred = [[edge for check in found.checks for one in check.barred for edge in (one.lower, one.upper)]
+    barred = [[edge for check in found.need(Checks).lines for one in check.barred for edge in (one.lower, one.upper)]
               for found in (few, many)]  # fmt: skip
     assert barred[0] == pytest.approx(barred[1], rel=1e-3)
 
@@ -132,15 +136,15 @@ def test_a_peak_of_a_table_between_two_speeds_is_judged() -> None:
 
 def test_ends_of_continuous_use_are_computed() -> None:
     rule = "rules: [gear-hammer: {continuous: {from: 777 rpm, to: 1234.5 rpm}}]\n"
-    speeds = solved(GEARED.replace("steps: 61", "steps: 3") + rule).response.speed / RPM
+    speeds = solved(GEARED.replace("steps: 61", "steps: 3") + rule).need(Response).speed / RPM
     for bound in (777, 1234.5, 1500):
         assert np.min(np.abs(speeds / bound - 1)) < 1e-12
 
 
 def test_speeds_of_a_study_without_rules_are_as_before() -> None:
     found = solved(scene(steps=5))
-    alone = response(found.study, found.system, modes=found.modes, damped=found.damped)
-    assert np.array_equal(found.response.speed, alone.speed)
+    alone = response(found.study, found.system, modes=found.need(Modes), damped=found.need(DampedModes))
+    assert np.array_equal(found.need(Response).speed, alone.speed)
 
 
 def test_rated_torque_is_judged_though_the_speeds_end_below_it() -> None:

@@ -41,8 +41,8 @@ def _of(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:
         at = path if record is None else f"{path}.{records[record].key}[]"
         at = f"{at}.{one.key}" if one.key else at
         at = f"{at}[]" if (inner is not None and is_list(kind, one)) or one.record else at
-        if inner is None:
+        if inner is None or inner in above:
             axes = tuple(shown for shown in one.printed if shown not in records)
             yield Key(f"{at}.{one.record}" if one.record else at, one.unit, axes, one.meaning)
-        elif inner not in above:
-            yield from _of(inner, at, (*above, kind))
+        else:
+            yield from _of(inner, at, (*above, kind, inner))

@@ -10,9 +10,12 @@ from typing import Any
 import torsion
 from torsion.analyses import ANALYSES
 from torsion.findings import Findings
+from torsion.output.keys import Key, keys
 from torsion.output.plain import plain
-from torsion.output.scene import scene, span_rows, station_rows
+from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
 from torsion.output.selection import MOST_SEGMENTS, Selection
+from torsion.plan import Plan
+from torsion.rules.check import Checks
 
 FORMAT = 1
 HEAD = ("scene", "plan")  # keys that every file of results has
@@ -30,6 +33,14 @@ LEGEND = {
 }
 
 
+FIXED = (
+    Key("format", "", (), "number of this format; a later one may change the meaning of keys"),
+    Key("program.name", "", (), "torsion"),
+    Key("program.version", "", (), "version of the program"),
+    Key("legend", "", (), "conventions in words"),
+)
+
+
 def results(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Any]:
     """Everything that was found; what was not requested is null or an empty list. `only`: those keys, and the head."""
     chosen = Selection(findings.system)
@@ -45,3 +56,10 @@ def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
     """The results as JSON text, one line for each top-level key."""
     rows = [f"{json.dumps(k)}: {json.dumps(v, allow_nan=False)}" for k, v in results(findings, only).items()]
     return "{\n" + ",\n".join(rows) + "\n}\n"
+
+
+def documented() -> tuple[Key, ...]:
+    """Every key of the results, as the manual of results lists them."""
+    found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
+    head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
+    return (*FIXED, *keys(head | found | {"checks": Checks, "plan": Plan}))

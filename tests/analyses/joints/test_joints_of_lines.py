@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.joints.found import Joints
 from torsion.analyses.joints.joints import JointsSettings, joints
 from torsion.analyses.joints.line import placed
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response
 from torsion.assembly import assemble
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
@@ -45,10 +48,10 @@ def found(components, operation=NONE, **asked):
 def test_ma_2011_drive_shaft(phase, greatest, least, at, index):
     """Driving speed 60 rad/s; extremes, where they stand, and the index of fluctuation."""
     (line,) = found(ma(phase)).lines
-    assert 60.0 * line.greatest[0] == pytest.approx(greatest, rel=1e-14)
-    assert 60.0 * line.least[0] == pytest.approx(least, rel=1e-14)
-    assert math.cos(2.0 * (line.greatest[1] - math.radians(at))) == pytest.approx(1.0, abs=1e-14)
-    assert math.cos(2.0 * (line.least[1] - math.radians(at))) == pytest.approx(-1.0, abs=1e-14)
+    assert 60.0 * line.greatest.speed_ratio == pytest.approx(greatest, rel=1e-14)
+    assert 60.0 * line.least.speed_ratio == pytest.approx(least, rel=1e-14)
+    assert math.cos(2.0 * (line.greatest.at - math.radians(at))) == pytest.approx(1.0, abs=1e-14)
+    assert math.cos(2.0 * (line.least.at - math.radians(at))) == pytest.approx(-1.0, abs=1e-14)
     assert line.index == pytest.approx(index, rel=1e-13)
 
 
@@ -111,11 +114,11 @@ def test_line_with_a_tripod_is_extreme_where_its_curve_is():
     line = [Joint(angle="35 deg", **TRIPOD), Joint(angle="6 deg", phase="20 deg"), Joint(angle="9 deg", phase="70 deg")]
     result = found(line, steps=10_000)
     last, (one,) = result.joints[-1], result.lines
-    assert one.greatest[0] == pytest.approx(last.speed_ratio.max(), rel=1e-8)
-    assert one.least[0] == pytest.approx(last.speed_ratio.min(), rel=1e-8)
-    assert one.greatest[0] >= last.speed_ratio.max()
-    assert one.least[0] <= last.speed_ratio.min()
-    assert one.index == pytest.approx(one.greatest[0] - one.least[0], rel=1e-12)
+    assert one.greatest.speed_ratio == pytest.approx(last.speed_ratio.max(), rel=1e-8)
+    assert one.least.speed_ratio == pytest.approx(last.speed_ratio.min(), rel=1e-8)
+    assert one.greatest.speed_ratio >= last.speed_ratio.max()
+    assert one.least.speed_ratio <= last.speed_ratio.min()
+    assert one.index == pytest.approx(one.greatest.speed_ratio - one.least.speed_ratio, rel=1e-12)
     assert last.steepest == pytest.approx(np.abs(last.acceleration).max(), rel=1e-6)
     assert "cross joints alone" in " ".join(result.remarks)
 
@@ -238,15 +241,15 @@ def test_train_without_a_joint_is_refused():
 
 def test_every_train_with_a_joint_gets_its_joints_and_no_other():
     joined = "name: a\ntrain: [disc: {inertia: 1}, joint: {angle: 5 deg}, disc: {name: b, inertia: 1}]\n"
-    assert torsion.run(torsion.parse(joined + "analyses: {modes: }")).joints.joints[0].name == "joint-1"
+    assert torsion.run(torsion.parse(joined + "analyses: {modes: }")).need(Joints).joints[0].name == "joint-1"
     plain = "name: a\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 10}, disc: {name: b, inertia: 1}]\n"
-    assert torsion.run(torsion.parse(plain)).joints is None
+    assert torsion.run(torsion.parse(plain)).get(Joints) is None
 
 
 def test_scene_of_joints_alone_is_solved_and_the_rest_left_out_with_its_reason():
     result = torsion.run(torsion.parse("name: a\ntrain: [joint: {angle: 5 deg}, joint: {angle: 5 deg}]\n"))
-    assert result.joints.lines[0].index < 1e-15
-    assert result.modes is None
-    assert result.response is None
+    assert result.need(Joints).lines[0].index < 1e-15
+    assert result.get(Modes) is None
+    assert result.get(Response) is None
     why = dict(result.plan.left_out)
     assert why["natural frequencies"] == why["response over speed"] == "no component has an inertia"

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.lateral.bending import ShaftFound
+from torsion.analyses.lateral.bending import Lateral, ShaftFound
 from torsion.analyses.lateral.misaligned import MisalignedShaft, natural_frequencies
 from torsion.findings import Findings
+from torsion.rules.check import Checks
 
 LENGTH, INERTIA, POLAR = 0.46, 4.597e-3, 3.96e-5
 RADIUS = math.sqrt(POLAR * LENGTH**2 / 3.0 / (0.5 - POLAR / 4.0))  # of a rod with that polar / transverse inertia
@@ -43,7 +44,7 @@ def rod(first: float, last: float, damping: float = 1e-3) -> Findings:
 
 
 def bar(shaft: str, joint: str = "joint: {name: cross, angle: 5 deg}") -> ShaftFound:
-    found = torsion.run(torsion.parse(BAR.format(shaft=shaft, joint=joint))).lateral
+    found = torsion.run(torsion.parse(BAR.format(shaft=shaft, joint=joint))).need(Lateral)
     assert found is not None
     return found.shafts[0]
 
@@ -51,26 +52,26 @@ def bar(shaft: str, joint: str = "joint: {name: cross, angle: 5 deg}") -> ShaftF
 @pytest.mark.parametrize(("damping", "rates"), [(1e-3, (0.28903193, 0.01699056)), (0.0, (0.31205048, 0.04000852))])
 def test_file_gives_the_growth_of_zhu_and_wang(damping: float, rates: tuple[float, float]) -> None:
     for speed, rate in zip((25.9, 26.2), rates, strict=True):
-        tilting = rod(25.0, speed, damping).lateral.shafts[0].tilting
+        tilting = rod(25.0, speed, damping).need(Lateral).shafts[0].tilting
         assert tilting.growth[-1] == pytest.approx(rate, abs=6e-9)
 
 
 def test_file_gives_the_zone_of_zhu_and_wang_and_fails_the_verdict() -> None:
     found = rod(24.0, 28.0, damping=1e-3)
-    tilting = found.lateral.shafts[0].tilting
+    tilting = found.need(Lateral).shafts[0].tilting
     (zone,) = tilting.zones
     assert zone.kind == "sum of 1 and 2"
     inside = (tilting.speed >= zone.lower) & (tilting.speed <= zone.upper)
     assert (tilting.growth[inside] > -1e-9).all()
     assert (tilting.growth[~inside] < 1e-9).all()
-    (check,) = [one for one in found.checks if one.clause == "tilting"]
+    (check,) = [one for one in found.need(Checks).lines if one.clause == "tilting"]
     assert (check.verdict, check.where) == ("fail", "rod")
     assert check.value == pytest.approx(zone.rate, rel=1e-6)
     assert found.failed
 
 
 def test_file_gives_every_published_boundary_of_zhu_and_wang() -> None:
-    found = rod(4.0, 36.0).lateral.shafts[0].tilting.zones
+    found = rod(4.0, 36.0).need(Lateral).shafts[0].tilting.zones
     assert [zone.kind for zone in found] == [
         "difference of 2 and 1", "principal of 1", "sum of 1 and 2", "principal of 2",
     ]  # fmt: skip
@@ -122,11 +123,11 @@ def test_torque_follows_the_load_at_every_speed() -> None:
 def test_isotropic_undamped_shaft_grows_by_the_mean_couple_alone() -> None:
     """Equal frequencies w: the circulatory couple T/2 lets every motion grow by T/(4 J w)."""
     found = rod_of_one_frequency()
-    tilting = found.lateral.shafts[0].tilting
+    tilting = found.need(Lateral).shafts[0].tilting
     assert [zone.kind for zone in tilting.zones] == ["mean couple"]
     w = float(np.sqrt(tilting.shaft.square[0]))
     assert tilting.growth[-1] == pytest.approx(0.3 / (4.0 * tilting.shaft.inertia * w), rel=1e-2)
-    (check,) = [one for one in found.checks if one.clause == "tilting"]
+    (check,) = [one for one in found.need(Checks).lines if one.clause == "tilting"]
     assert check.note == "its supports do not damp it in both directions"
 
 
@@ -159,7 +160,7 @@ def test_shaft_between_two_joints_has_no_tilt_to_speak_of() -> None:
 
 
 def test_conversion_keeps_a_rigid_shaft_rigid() -> None:
-    shaft = rod(24.0, 28.0).lateral.shafts[0].tilting.shaft
+    shaft = rod(24.0, 28.0).need(Lateral).shafts[0].tilting.shaft
     assert isinstance(shaft, MisalignedShaft)
     assert shaft.inertia == pytest.approx(INERTIA, rel=1e-13)
     assert shaft.polar == pytest.approx(POLAR, rel=1e-12)
@@ -181,7 +182,7 @@ analyses: {{lateral: {{modes: 1, speeds: {{from: 1000 rpm, to: {last} rpm, steps
     verdict, failed = {}, {}
     for last in (8000, 12000):
         found = torsion.run(torsion.parse(text.format(first=1000, last=last)))
-        (check,) = [one for one in found.checks if one.clause == "whirl"]
+        (check,) = [one for one in found.need(Checks).lines if one.clause == "whirl"]
         verdict[last], failed[last] = (check.verdict, check.note), found.failed
         assert check.at_least
     assert failed == {8000: True, 12000: True}

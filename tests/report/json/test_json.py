@@ -8,16 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.report.json.keys import KEYS
-from torsion.report.json.results import results, text
+from torsion.output.results_json import documented, results, text
 
+KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
     "frequency_response", "check.", "checks[].barred", "lateral", "joints.lines[].optimum", "periodic", "stability",
 )  # fmt: skip
 LIGHT = """
 import sys, torsion
-from torsion.report.json.results import text
+from torsion.output.results_json import text
 text(torsion.run(torsion.parse({scene!r})))
 heavy = ("matplotlib", "jinja2", "typst", "rich", "torsion.kinematics")
 print([name for name in sys.modules if name.split(".")[0] in heavy or name in heavy])
@@ -51,15 +53,15 @@ def test_the_text_is_strict_json_without_infinities(train: Findings, undamped: F
 
 def test_numbers_come_back_to_the_last_digit(train: Findings) -> None:
     back = json.loads(text(train))
-    np.testing.assert_array_equal(back["modes"]["frequency_Hz"], train.modes.frequency)
+    np.testing.assert_array_equal(back["modes"]["frequency_Hz"], train.need(Modes).frequency)
     pairs = np.array(back["response"]["lines"][0]["torque_Nm"])
     spans = back["response"]["span"]
-    np.testing.assert_array_equal(pairs[..., 0] + 1j * pairs[..., 1], train.response.torque[:, 0, spans])
+    np.testing.assert_array_equal(pairs[..., 0] + 1j * pairs[..., 1], train.need(Response).torque[:, 0, spans])
 
 
 def test_orders_are_exact_texts(train: Findings) -> None:
     told = [line["order"] for line in results(train)["response"]["lines"]]
-    assert told == [str(line.order) for line in train.response.lines]
+    assert told == [str(line.order) for line in train.need(Response).lines]
     assert "80/41" in told
 
 

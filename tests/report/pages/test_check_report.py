@@ -11,16 +11,17 @@ from rich.console import Console
 
 import torsion
 from torsion.findings import Findings
+from torsion.output.results_json import MODELS, documented, results, text
 from torsion.plots.check import modes, torques
 from torsion.report.blocks import Figure, Heading, Paragraph, Table
 from torsion.report.chapters.check import chapter
 from torsion.report.figures import svg
 from torsion.report.html import html
-from torsion.report.json.keys import KEYS
-from torsion.report.json.results import check_text, results, text
 from torsion.report.pages.check import check_document, write_check
 from torsion.report.terminal.check import check_grids
 from torsion.report.terminal.tables import tables
+
+KEYS = {key.path: key.meaning for key in documented()}
 
 SCENE = Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml"
 COARSE = ("length:", "segments: 1, length:")
@@ -74,7 +75,7 @@ def test_what_a_model_does_not_have_is_null_in_strict_json(coarse: Findings) -> 
     assert told["failed"] == ["lumped"]
     assert lumped["frequency_Hz"][4:] == lumped["frequency_error"][4:] == lumped["shape_error"][4:] == [None, None]
     assert lumped["modes_below"] == 4
-    assert json.loads(check_text(coarse))["check"]["models"][1] == lumped
+    assert json.loads(text(coarse, MODELS))["check"]["models"][1] == lumped
 
 
 def test_numbers_come_back_to_the_last_digit(good: Findings) -> None:

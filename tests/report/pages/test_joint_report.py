@@ -11,15 +11,18 @@ import pytest
 from rich.console import Console
 
 import torsion
+from torsion.analyses.joints.found import Joints
 from torsion.findings import Findings
+from torsion.output.results_json import JOINTS, documented, text
 from torsion.report.blocks import Figure, Heading, Points, Table
 from torsion.report.chapters.joints import chapter
 from torsion.report.html import html
-from torsion.report.json.keys import JOINTS
-from torsion.report.json.results import joint_text
 from torsion.report.numbers import number
 from torsion.report.pages.joints import csv_text, joint_document
 from torsion.report.terminal.joints import show_joints
+
+KEYS = {key.path: key.meaning for key in documented()}
+JOINT_KEYS = {path for path in KEYS if path.startswith("joints")}
 
 NAME = '"a <b> & $x$, [i](j)"'
 SCENES = {
@@ -154,7 +157,7 @@ def test_a_couple_that_stands_still_has_no_figure_and_no_order(solve: Solve) -> 
 
 def test_the_best_choice_is_told_with_its_gain_and_drawn_with_both_points(solve: Solve) -> None:
     found = solve("full")
-    best = found.joints.lines[0].optimum
+    best = found.need(Joints).lines[0].optimum
     assert [row[0] for row in table(found, "Best phase").rows] == ["joint-2", "joint-3"]
     drawn = figures(found)["joint-index-1"].values
     assert drawn["best"][1] == pytest.approx(100 * best.index_best, rel=1e-12, abs=1e-12)
@@ -175,10 +178,10 @@ def test_a_line_that_turns_evenly_shows_no_rounding(solve: Solve) -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_every_json_key_is_documented_and_numbers_are_finite(scene: str, solve: Solve) -> None:
-    back = json.loads(joint_text(solve(scene)), parse_constant=pytest.fail)
+    back = json.loads(text(solve(scene), JOINTS), parse_constant=pytest.fail)
     assert "modes" not in back
     joints = back["joints"]
-    np.testing.assert_array_equal(joints["joints"][1]["error_rad"], solve(scene).joints.joints[1].error)
+    np.testing.assert_array_equal(joints["joints"][1]["error_rad"], solve(scene).need(Joints).joints[1].error)
 
     def paths(value: object, at: str) -> set[str]:
         if at in JOINTS:
@@ -190,9 +193,9 @@ def test_every_json_key_is_documented_and_numbers_are_finite(scene: str, solve: 
         return {at} if value is not None else set()
 
     found = paths(joints, "joints")
-    assert found <= set(JOINTS)
+    assert found <= JOINT_KEYS
     if scene == "full":
-        assert found == set(JOINTS)
+        assert found == JOINT_KEYS
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -201,11 +204,11 @@ def test_the_table_of_numbers_has_one_row_an_angle_and_titles_with_units(scene: 
     comments, head, values = table_of_numbers(found)
     assert found.study.name in comments[0]
     assert torsion.__version__ in comments[-1]
-    assert values.shape == (found.joints.angle.size, len(head))
+    assert values.shape == (found.need(Joints).angle.size, len(head))
     assert len(set(head)) == len(head)
     assert all(title.endswith("]") for title in head)
-    np.testing.assert_array_equal(np.radians(values[:, 0]).round(12), found.joints.angle.round(12))
-    for k, joint in enumerate(found.joints.joints):
+    np.testing.assert_array_equal(np.radians(values[:, 0]).round(12), found.need(Joints).angle.round(12))
+    for k, joint in enumerate(found.need(Joints).joints):
         column = [title.endswith("speed ratio [1]") for title in head].index(True) if k == 0 else None
         if column is not None:
             np.testing.assert_array_equal(values[:, column], joint.speed_ratio)
@@ -230,5 +233,5 @@ def test_the_terminal_keeps_to_80_columns_and_reads_no_markup(scene: str, solve:
 
 
 def test_a_train_without_joints_has_no_chapter(bare: Findings) -> None:
-    assert bare.joints is None
+    assert bare.get(Joints) is None
     assert chapter(bare) == []

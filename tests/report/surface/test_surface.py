@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.modes import Modes
 from torsion.findings import Findings
 from torsion.primitives import Section
 from torsion.report.surface.axes import axes
@@ -114,7 +115,7 @@ def test_wheels_touch_and_roll_on_each_other_without_slip() -> None:
     wheels = [(axis, body) for axis in axes(found.system) for body in axis.bodies if body.kind == "wheel"]
     (first, driving), *others = wheels
     rings = all_rings(found.system)
-    drawn = turned(rings, angles(rings, found.modes, 1))
+    drawn = turned(rings, angles(rings, found.need(Modes), 1))
     for other, driven in others:
         assert np.hypot(*np.subtract(first.place, other.place)) == pytest.approx(
             driving.widest + driven.widest, rel=1e-12
@@ -127,10 +128,10 @@ def test_a_massless_uniform_shaft_twists_linearly_and_is_stressed_by_its_torque(
     found = solved(SHAFT.format("diameter: 60 mm"))
     rings = all_rings(found.system)
     mine = rings.strip[rings.part == 1][1:-1]
-    angle, (first, last) = angles(rings, found.modes, 0), found.modes.shape[:2, 0]
+    angle, (first, last) = angles(rings, found.need(Modes), 0), found.need(Modes).shape[:2, 0]
     place = (rings.x[mine] - rings.x[mine[0]]) / 1.5
     np.testing.assert_allclose(angle[mine], first + (last - first) * place, rtol=0, atol=1e-14 * abs(first))
-    stress = (torques(rings, found.modes, 0) / rings.modulus)[rings.part == 1]
+    stress = (torques(rings, found.need(Modes), 0) / rings.modulus)[rings.part == 1]
     expected = 80e9 * (first - last) / 1.5 * 0.03  # G times twist a metre times radius
     np.testing.assert_allclose(stress, expected, rtol=1e-13)
 
@@ -139,7 +140,7 @@ def test_a_massless_cone_twists_by_the_integral_of_its_flexibility() -> None:
     found = solved(SHAFT.format("diameter: [90 mm, 45 mm]"))
     rings = all_rings(found.system)
     mine = rings.strip[rings.part == 1][1:]
-    angle, (first, last) = angles(rings, found.modes, 0)[mine], found.modes.shape[:2, 0]
+    angle, (first, last) = angles(rings, found.need(Modes), 0)[mine], found.need(Modes).shape[:2, 0]
     cube = rings.radius[mine] ** -3.0  # the integral of d^-4 along a cone goes with d^-3
     np.testing.assert_allclose((angle - first) / (last - first), (cube - cube[0]) / (cube[-1] - cube[0]), atol=1e-6)
 
@@ -147,13 +148,13 @@ def test_a_massless_cone_twists_by_the_integral_of_its_flexibility() -> None:
 @pytest.mark.parametrize("phase", [1e-6, 1.0, 2.5])
 def test_between_stations_of_a_distributed_shaft_stands_the_wave(phase: float) -> None:
     found = solved(SHAFT.format("diameter: 60 mm"))
-    omega = 2 * np.pi * found.modes.frequency[0]
+    omega = 2 * np.pi * found.need(Modes).frequency[0]
     rings = all_rings(found.system)
     mine = rings.strip[rings.part == 1][1:]
     wave = replace(rings, delay=np.full(rings.x.size, phase / omega))
     shape = np.array([[np.cos(0.3)], [np.cos(0.3 + phase)]])
     place = (rings.x[mine] - rings.x[mine[0]]) / 1.5
-    got = angles(wave, replace(found.modes, shape=shape), 0)[mine]
+    got = angles(wave, replace(found.need(Modes), shape=shape), 0)[mine]
     np.testing.assert_allclose(got, np.cos(0.3 + phase * place), rtol=0, atol=1e-14)
 
 
@@ -163,7 +164,7 @@ def test_a_point_turns_as_one_and_what_is_held_stands_still() -> None:
         " {coupling: {stiffness: 5}}, {damper: {housing: 1, ring: 2, damping: 3, stiffness: 4}}]"
     )
     rings = all_rings(found.system)
-    angle = angles(rings, found.modes, 1)
+    angle = angles(rings, found.need(Modes), 1)
     for body in np.unique(rings.body):
         mine = rings.strip[rings.body == body]
         part = found.system.train.parts[int(rings.part[rings.body == body][0])]
@@ -179,8 +180,8 @@ def test_many_segments_are_drawn_with_few_rings() -> None:
     rings = all_rings(found.system)
     assert np.count_nonzero(rings.part == 1) < 250
     mine = rings.strip[rings.part == 1][1:-1]
-    stations = found.modes.shape[:, 0]
-    assert {float(a) for a in angles(rings, found.modes, 0)[mine]} <= {float(a) for a in stations}
+    stations = found.need(Modes).shape[:, 0]
+    assert {float(a) for a in angles(rings, found.need(Modes), 0)[mine]} <= {float(a) for a in stations}
 
 
 def test_a_shaft_of_the_exact_model_shows_the_closed_form_between_its_stations() -> None:
@@ -188,11 +189,11 @@ def test_a_shaft_of_the_exact_model_shows_the_closed_form_between_its_stations()
     found = solved(text + "analyses: {model: exact, modes: {count: 4}}\n")
     rings = all_rings(found.system)
     mine = rings.strip[rings.part == 1][1:]
-    for mode, frequency in enumerate(found.modes.frequency.tolist()):
+    for mode, frequency in enumerate(found.need(Modes).frequency.tolist()):
         omega = 2 * np.pi * frequency
         number, place = omega * np.sqrt(7850 / 80e9), rings.x[mine] - rings.x[mine[0]]
         rigidity = 80e9 * np.pi / 32 * 0.06**4
-        angle = angles(rings, found.modes, mode)[mine]
+        angle = angles(rings, found.need(Modes), mode)[mine]
         # a disc of 2 kg m2 turns the end of the shaft: G I angle' = -omega^2 J angle
         wave = np.cos(number * place) - 2 * omega**2 / (rigidity * number) * np.sin(number * place)
         np.testing.assert_allclose(angle, angle[0] * wave, rtol=0, atol=1e-12 * np.abs(angle).max())

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import torsion
+from torsion.analyses.modes import Modes
 from torsion.cli import app
 from torsion.findings import Findings
 from torsion.report.document import document
@@ -24,8 +25,8 @@ train:
   - propeller: {inertia: 3, diameter: 0.5 m}
 """
 LOADED = """
-import sys, torsion.job
-torsion.job.solve({file!r}, {out!r}, vtu={vtu})
+import sys, torsion.commands
+torsion.commands.solve({file!r}, {out!r}, vtu={vtu})
 print("meshio" in sys.modules)
 """
 
@@ -81,9 +82,9 @@ def test_the_largest_displacement_is_radius_times_angle(train: Findings, tmp_pat
 
 def test_angles_and_torques_are_those_of_the_results(bare: Findings, tmp_path: Path) -> None:
     mesh = back(bare, tmp_path)
-    assert set(bare.modes.shape[:, 0]) <= set(mesh.point_data["mode_01_angle"])
+    assert set(bare.need(Modes).shape[:, 0]) <= set(mesh.point_data["mode_01_angle"])
     torque = np.concatenate(mesh.cell_data["mode_01_torque"])
-    assert set(torque[np.isfinite(torque)]) == {bare.modes.torque[0, 0]}
+    assert set(torque[np.isfinite(torque)]) == {bare.need(Modes).torque[0, 0]}
     assert "mode_01_stress" not in mesh.cell_data  # no shaft: no diameter is known
 
 

@@ -8,7 +8,7 @@ from torsion.analyses.requests import no_response
 from torsion.analyses.response.amplitudes import Response, Synthesis, joined
 from torsion.analyses.response.over_speed import asked_orders, response, response_at
 from torsion.analyses.response.synthesis import synthesis
-from torsion.findings import Results, Work
+from torsion.findings import Work
 
 MOST_ROUNDS = 4  # of looking for higher shares of the limits between the speeds
 
@@ -60,7 +60,7 @@ def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Sy
     both, before = (found, total), found.speed.size
     with work.log.step("speeds between", "no worst value of a rule lies between two speeds") as step:
         for _ in range(MOST_ROUNDS):
-            seen = Results(work.study, {**work.results, "response": both[0], "synthesis": both[1]})
+            seen = work.having(response=both[0], synthesis=both[1])
             more = work.rules.speeds_between(seen)
             if not more.size:
                 break
