@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.division import assembled, divided_modes, told_division, told_method, told_model
-from torsion.analyses.modes import Modes
+from torsion.analyses.division import assembled, told_division, told_method, told_model
+from torsion.analyses.modes import Modes, modes
 from torsion.asked import has_inertia, highest_excited, modes_asked, operating_speed
 from torsion.assembly.system import System
 from torsion.errors import InputError
@@ -120,9 +120,8 @@ def _system_and_modes(study: Study, log: Log, progress: Progress) -> tuple[Syste
         log.without("natural frequencies", "`analyses` does not name modes")
         return system, None
     with log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
-        system, found = divided_modes(
-            study, system, highest, asked.count, progress=lambda done, of: progress("natural frequencies", done / of)
-        )
+        found = modes(system, asked.count, progress=lambda done, of: progress("natural frequencies", done / of))
+        system = found.system
         step.method = told_method(system, found)
         step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
     return system, found

@@ -1,12 +1,13 @@
 """Complex amplitudes of a forced response, and what all lines together make of them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, TypeVar
 
 import numpy as np
 
 from torsion.analyses.response.excitation import Line
+from torsion.assembly.system import System
 from torsion.kernels.tree import ComplexArray, FloatArray
 
 
@@ -24,6 +25,7 @@ class Response:
     residual: FloatArray  # (speeds, lines) relative equilibrium residual
     status: np.ndarray  # (speeds, lines) uint8: kernels.response.Status
     joint_error: FloatArray  # (speeds, lines) estimated relative error of the first-order joint model; 0 without joints
+    system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
     remark: str = ""  # what the refinement around resonances had to leave out
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not asked for
 
@@ -51,6 +53,7 @@ class FrequencyResponse:
     torque: ComplexArray  # (frequencies, spans) N m, elastic and damping share together
     residual: FloatArray  # (frequencies,) relative equilibrium residual
     status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
+    system: System = field(repr=False)  # as of `Response`
     remark: str = ""  # what the refinement around resonances had to leave out
 
 
