@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     from torsion.analyses.modes import modes
     from torsion.analyses.response.over_speed import response
     from torsion.assembly import assemble
-    from torsion.findings import run
-    from torsion.job import solve
+    from torsion.commands import solve
+    from torsion.run import run
     from torsion.schema.read import parse, read
 
 __version__ = "0.1.0"
@@ -25,8 +25,8 @@ _PLACES = {
     "parse": "torsion.schema.read",
     "read": "torsion.schema.read",
     "response": "torsion.analyses.response.over_speed",
-    "run": "torsion.findings",
-    "solve": "torsion.job",
+    "run": "torsion.run",
+    "solve": "torsion.commands",
 }
 
 

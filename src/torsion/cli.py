@@ -56,11 +56,11 @@ def solve(
 
 
 def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool) -> "Findings":
-    from torsion import job
+    from torsion import commands
 
     if as_json:
-        from torsion.findings import run
-        from torsion.report.json.results import text
+        from torsion.output.results_json import text
+        from torsion.run import run
         from torsion.schema.read import read
 
         findings = run(read(file))
@@ -69,10 +69,10 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
         from torsion.report.terminal.tables import progress, show
 
         with progress() as report_progress:
-            findings = job.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
-        show(findings, job.folder_of(file, out))
+            findings = commands.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
+        show(findings, commands.folder_of(file, out))
     if matrices is not None:
-        typer.echo(job.write_matrices(findings, matrices))
+        typer.echo(commands.write_matrices(findings, matrices))
     return findings
 
 
@@ -98,18 +98,18 @@ def joint(
 
 
 def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) -> "Findings":
-    from torsion import job
+    from torsion import commands
 
-    findings = job.joint(file, turns=turns)
+    findings = commands.joint(file, turns=turns)
     if as_json:
-        from torsion.report.json.results import joint_text
+        from torsion.output.results_json import JOINTS, text
 
-        typer.echo(joint_text(findings), nl=False)
+        typer.echo(text(findings, JOINTS), nl=False)
     else:
         from torsion.report.terminal.joints import show_joints
 
-        folder = job.folder_of(file, out)
-        job.write_joints(findings, folder)
+        folder = commands.folder_of(file, out)
+        commands.write_joints(findings, folder)
         show_joints(findings, folder)
     return findings
 
@@ -136,21 +136,21 @@ def check(
 
 
 def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
-    from torsion import job
+    from torsion import commands
 
     if as_json:
-        from torsion.report.json.results import check_text
+        from torsion.output.results_json import MODELS, text
 
-        findings = job.check(file)
-        typer.echo(check_text(findings), nl=False)
+        findings = commands.check(file)
+        typer.echo(text(findings, MODELS), nl=False)
         return findings
     from torsion.report.terminal.check import show_check
     from torsion.report.terminal.tables import progress
 
     with progress() as report_progress:
-        findings = job.check(file, progress=report_progress)
-    folder = job.folder_of(file, out)
-    job.write_check(findings, folder)
+        findings = commands.check(file, progress=report_progress)
+    folder = commands.folder_of(file, out)
+    commands.write_check(findings, folder)
     show_check(findings, folder)
     return findings
 
@@ -179,11 +179,11 @@ def study(
 
 
 def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick: bool) -> None:
-    from torsion import job
+    from torsion import commands
     from torsion.report.terminal.tables import progress
 
     with progress() as report_progress:
-        findings, timings = job.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
+        findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
     if as_json:
         from torsion.report.pages.study import json_text
 
@@ -191,8 +191,8 @@ def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick
         return
     from torsion.report.terminal.study import show_study
 
-    folder = job.folder_of(file, out)
-    job.write_study(findings, timings, folder)
+    folder = commands.folder_of(file, out)
+    commands.write_study(findings, timings, folder)
     show_study(findings, timings, folder)
 
 

@@ -4,11 +4,21 @@ import math
 import operator
 import re
 from collections.abc import Callable
+from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
+    model_validator,
+)
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
@@ -33,18 +43,46 @@ def required(meaning: str, **limits: Any) -> Any:
 
 def refuse(message: str, hint: str = "", key: str = "") -> PydanticCustomError:
     """The error that a reader of values raises; the hint says what would be right, the key which entry is at fault."""
-    return PydanticCustomError("fault", "{message}", {"message": message, "hint": hint, "key": key})
+    text = "{message} ({hint})" if hint else "{message}"
+    return PydanticCustomError("fault", text, {"message": message, "hint": hint, "key": key})
+
+
+_READING: ContextVar[tuple[str, bool]] = ContextVar("_READING", default=("", False))  # what is read; it is unusual
+
+
+class Sized(Declared):
+    """What has quantities of a usual range; everything declared within it is of the same piece."""
+
+    unusual: bool = given("true: quantities outside their usual range are meant", False)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_its_ranges(cls, data: Any, read: ModelWrapValidatorHandler[Self]) -> Self:
+        """The instance, its quantities judged by what its own key `unusual` says."""
+        meant = isinstance(data, dict) and data.get("unusual") is True
+        before = _READING.set((getattr(cls, "keyword", cls.__name__.lower()), meant))
+        try:
+            return read(data)
+        finally:
+            _READING.reset(before)
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Reads a number in SI or text with a unit into a float in `unit`, within the limits."""
+    """Reads a number in SI or text with a unit into a float in `unit`, within the limits.
+
+    A value outside `usual` is refused as a slip, but where the component says `unusual: true`; 0 is never unusual. The
+    units of `slip` are those that a writer may have had in mind.
+    """
 
     unit: str
     above: float | None = None
     at_least: float | None = None
     below: float | None = None
     at_most: float | None = None
+    usual: tuple[float | None, float | None] = (None, None)
+    slip: tuple[str, ...] = ()
+    mistaken: str = ""  # another quantity that such a value may have been meant for
 
     def read(self, value: object) -> float:
         """The value in `unit`; raises the located fault that the user sees."""
@@ -76,9 +114,39 @@ class Quantity:
             (self.at_most, operator.le, "at most"),
         ):
             if limit is not None and not holds(number, limit):
-                behind = "" if unit == "1" else f" {unit}"
-                raise refuse(f"{number / size:g}{behind} is out of range", f"must be {words} {limit / size:g}{behind}")
+                must = f"must be {words} {_with_unit(limit / size, unit)}"
+                raise refuse(f"{_with_unit(number / size, unit)} is out of range", must)
+        what, meant = _READING.get()
+        if not (meant or number == 0 or self._is_usual(number)):
+            lifts = f"; if it is meant, `unusual: true` on the {what} says so" if what else ""
+            guess = self._slip(number / size)
+            hint = f"{guess}{' ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
+            raise refuse(f"{_with_unit(number / size, unit)} is outside the usual range", hint)
         return number
+
+    def _is_usual(self, number: float) -> bool:
+        low, high = self.usual
+        return (low is None or number >= low) and (high is None or number <= high)
+
+    def _slip(self, number: float) -> str:
+        """The number with the first unit that makes it usual, as a question; else what it may be mistaken for."""
+        for unit in self.slip:
+            if self._is_usual(number * units.to_si(f"1 {unit}", self.unit)):
+                return f"{_with_unit(number, unit)}?"
+        return f"{self.mistaken}?" if self.mistaken else ""
+
+    def usual_words(self, unit: str = "", size: float = 1.0) -> str:
+        """The usual range in words, in a unit of that size; empty where every value is usual."""
+        low, high = (None if end is None else f"{end / size:.5g}" for end in self.usual)
+        match low, high:
+            case None, None:
+                return ""
+            case None, _:
+                return _with_unit(f"at most {high}", unit)
+            case _, None:
+                return _with_unit(f"at least {low}", unit)
+            case _:
+                return _with_unit(f"{low} to {high}", unit) + (", or 0" if self.at_least == 0 else "")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -86,8 +154,16 @@ class Quantity:
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        text = {"type": "string", "description": f"a number with a unit; in SI: {self.unit}"}
-        return text if units.needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
+        usual = self.usual_words()
+        meaning = f"a number with a unit; in SI: {self.unit}" + (f"; usually {usual}" if usual else "")
+        text = {"type": "string", "description": meaning}
+        plain = text if units.needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
+        return plain | {"x-usual": list(self.usual)} if usual else plain
+
+
+def _with_unit(amount: float | str, unit: str) -> str:
+    shown = amount if isinstance(amount, str) else f"{amount:g}"
+    return shown if unit in ("", "1") else f"{shown} {unit}"
 
 
 def _shown(value: object) -> str:
@@ -134,6 +210,9 @@ class Amount:
     of_mean: float = 0.0  # 1
 
 
+SHARE_OF_MEAN = Quantity("1", at_least=0, usual=(None, 5.0), slip=("%",))
+
+
 def read_amount(value: object) -> Amount:
     """A torque amplitude: N m, text with %, or {of_mean: %}."""
     if isinstance(value, Amount):
@@ -141,9 +220,9 @@ def read_amount(value: object) -> Amount:
     if isinstance(value, dict):
         if set(value) != {"of_mean"}:
             raise refuse("a share of the mean torque has the key `of_mean` alone", "{of_mean: 10 %}")
-        return Amount(of_mean=Quantity("1", at_least=0).read(value["of_mean"]))
+        return Amount(of_mean=SHARE_OF_MEAN.read(value["of_mean"]))
     if isinstance(value, str) and value.strip().endswith("%"):
-        return Amount(of_mean=Quantity("1", at_least=0).read(value))
+        return Amount(of_mean=SHARE_OF_MEAN.read(value))
     return Amount(torque=Quantity("N*m", at_least=0).read(value))
 
 
@@ -165,25 +244,31 @@ def _plain(read: Callable[[Any], Any], schema: JsonSchemaValue) -> Any:
 
 
 OneOrMany = BeforeValidator(_as_tuple)  # a single value is a list of one
+WIDEST = 3.0  # m; the shafts of the largest water turbines
 
 Inertia = Annotated[float, Quantity("kg*m**2", at_least=0)]
-Stiffness = Annotated[float, Quantity("N*m/rad", above=0)]
+Stiffness = Annotated[float, Quantity("N*m/rad", above=0, usual=(1e-3, None), mistaken="a flexibility")]
 GroundStiffness = Annotated[float, Quantity("N*m/rad", at_least=0)]
-Flexibility = Annotated[float, Quantity("rad/(N*m)", at_least=0)]
+Flexibility = Annotated[float, Quantity("rad/(N*m)", at_least=0, usual=(None, 1e3), mistaken="a stiffness")]
 Damping = Annotated[float, Quantity("N*m*s/rad", at_least=0)]
-Length = Annotated[float, Quantity("m", above=0)]
-Bore = Annotated[float, Quantity("m", at_least=0)]
+Across = Annotated[float, Quantity("m", above=0, usual=(None, WIDEST), slip=("mm",))]
+Bore = Annotated[float, Quantity("m", at_least=0, usual=(None, WIDEST), slip=("mm",))]
 Angle = Annotated[float, Quantity("rad")]
 JointAngle = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
 Speed = Annotated[float, Quantity("rad/s", above=0)]
 Frequency = Annotated[float, Quantity("Hz", above=0)]
 Torque = Annotated[float, Quantity("N*m", at_least=0)]
-Power = Annotated[float, Quantity("W", above=0)]
-Modulus = Annotated[float, Quantity("Pa", above=0)]
-Density = Annotated[float, Quantity("kg/m**3", at_least=0)]
-Share = Annotated[float, Quantity("1", at_least=0)]
+Power = Annotated[float, Quantity("W", above=0, usual=(None, 5e9), slip=("kW", "W"))]
+Modulus = Annotated[float, Quantity("Pa", above=0, usual=(1e9, 1e12), slip=("GPa", "MPa", "kPa", "Pa"))]
+Tolerance = Annotated[float, Quantity("1", at_least=0, usual=(None, 1.0), slip=("%",))]
+LossFactor = Annotated[float, Quantity("1", at_least=0, usual=(None, 2.0), slip=("%",))]
 Number = Annotated[float, Quantity("1", above=0)]
 _exact = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": "^[0-9./]+$"}]}
-_amount = {"anyOf": [{"type": "number"}, {"type": "string"}, {"type": "object", "required": ["of_mean"]}]}
+_of_mean = {
+    "type": "object",
+    "required": ["of_mean"],
+    "properties": {"of_mean": {"x-usual": list(SHARE_OF_MEAN.usual)}},
+}
+_amount = {"anyOf": [{"type": "number"}, {"type": "string"}, _of_mean]}
 Exact = Annotated[Fraction, _plain(read_exact, _exact)]
 TorqueAmount = Annotated[Amount, _plain(read_amount, _amount)]

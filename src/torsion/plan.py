@@ -2,32 +2,45 @@
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import metadata
 
-from torsion.assembly.system import System
+from torsion.results import derived, reported, result
 
 
-@dataclass(frozen=True, slots=True)
+@reported
 class PlanLine:
     """One step that was done."""
 
-    what: str
-    method: str
-    size: str
-    seconds: float
-    why: str
+    what: str = result("", (), "a step that was done")
+    method: str = result("", (), "by which method")
+    size: str = result("", (), "of what size")
+    seconds: float = result("", (), "time")
+    why: str = result("", (), "reason")
 
 
-@dataclass(frozen=True)
+@reported
+class LeftOut:
+    """What was not done."""
+
+    what: str = result("", (), "what was left out")
+    why: str = result("", (), "reason")
+
+
+@reported
 class Plan:
     """The whole of it, printed on the last page of the report."""
 
-    done: tuple[PlanLine, ...]
+    done: tuple[PlanLine, ...] = result("", (), "steps in their order")
     left_out: tuple[tuple[str, str], ...]  # (what, why)
-    versions: dict[str, str]
+    versions: dict[str, str] = result("", (), "versions of the libraries")
+
+    @derived("", (), "what was left out, and why", key="left_out")
+    def reasons(self) -> tuple[LeftOut, ...]:
+        """Every pair as a result."""
+        return tuple(LeftOut(what, why) for what, why in self.left_out)
 
 
 @dataclass
@@ -46,6 +59,7 @@ class Log:
 
     lines: list[PlanLine] = field(default_factory=list)
     left_out: list[tuple[str, str]] = field(default_factory=list)
+    libraries: dict[str, None] = field(default_factory=lambda: dict.fromkeys(("numpy", "scipy", "pydantic", "PyYAML")))
 
     @contextmanager
     def step(self, what: str, why: str) -> Iterator[Step]:
@@ -58,13 +72,16 @@ class Log:
         """Note what was left out."""
         self.left_out.append((what, why))
 
+    def plan(self) -> Plan:
+        """All that was collected, with the versions of what the numbers come from."""
+        return Plan(tuple(self.lines), tuple(self.left_out), versions(self.libraries))
 
-def versions(system: System, bends: bool = False) -> dict[str, str]:
-    """Versions of the program, of Python and of the libraries that the numbers come from."""
-    from torsion import __version__
 
-    names = ["numpy", "scipy", "pydantic", "PyYAML"]
-    if bends or (system.bars is not None and system.bars.degree):
-        names.append("scikit-fem")
+def versions(libraries: Iterable[str]) -> dict[str, str]:
+    """Versions of the program, of Python and of the libraries."""
     python = ".".join(str(part) for part in sys.version_info[:3])
-    return {"torsion": __version__, "Python": python, **{name: metadata.version(name) for name in names}}
+    return {
+        "torsion": metadata.version("torsion"),
+        "Python": python,
+        **{name: metadata.version(name) for name in libraries},
+    }

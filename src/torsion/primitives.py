@@ -1,5 +1,6 @@
 """The primitives that every component lowers to; all that the mathematics needs to know of a train."""
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -44,6 +45,7 @@ class SectionMesh:
 
     file: str
     scale: float = 1.0  # m of one unit of the mesh
+    widest: float = math.inf  # m; a wider one is refused, its unit forgotten
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
 from torsion.components.excitation import Table, read_table
-from torsion.fields import Declared, given, refuse, required
+from torsion.fields import Declared, Sized, given, refuse, required
 from torsion.kernels.tree import FloatArray
 from torsion.train import Train
 
@@ -65,7 +65,7 @@ def _read_load(value: Any) -> Any:
     return read_table(value if isinstance(value, list | tuple) else [value])
 
 
-class Operation(Declared):
+class Operation(Sized):
     """How the train is run; speeds and power are those of the component `at`."""
 
     at: str | None = given("the component whose speed is meant (default: the first)")
@@ -74,6 +74,18 @@ class Operation(Declared):
     load: Annotated[Any, BeforeValidator(_read_load, Literal["propeller", "constant"] | Table)] = given(
         "mean torque over speed: propeller (T ~ n**2), constant, or [[speed, torque], ...]", "propeller"
     )
+
+    @property
+    def has_mean_torque(self) -> bool:
+        """The file says enough for a mean torque: a rated power, or a table of torque over speed."""
+        return not isinstance(self.load, str) or (self.rated is not None and self.rated.power is not None)
+
+    @property
+    def speed(self) -> float | None:
+        """rad/s at which damping that depends on speed is taken: rated, else the highest; None where none is given."""
+        if self.rated is not None:
+            return self.rated.speed
+        return None if self.speeds is None else self.speeds.last
 
 
 class FiniteElements(Declared):
@@ -103,6 +115,27 @@ class Study:
     text: str = ""  # the file as read
 
     @property
-    def bends(self) -> bool:
-        """The bending of the shafts is asked for, or one of them has a support."""
-        return "lateral" in self.analyses or any(getattr(part.component, "support", ()) for part in self.train.parts)
+    def has_supports(self) -> bool:
+        """A shaft has a `support`: its bending is computed."""
+        return any(getattr(part.component, "support", ()) for part in self.train.parts)
+
+    @property
+    def has_joints(self) -> bool:
+        """A universal joint stands in the train."""
+        return any(part.component.keyword == "joint" for part in self.train.parts)
+
+    @property
+    def has_meshed_sections(self) -> bool:
+        """A shaft has a `section` by mesh."""
+        return any(bar.section is not None for bar in self.train.bars)
+
+    @property
+    def sweeps_frequency(self) -> bool:
+        """The file names frequencies of `response`."""
+        return getattr(self.analyses.get("response"), "frequencies", None) is not None
+
+    @property
+    def excites(self) -> bool:
+        """Something in the train excites it by order, or at a frequency of its own."""
+        harmonic = any(torque.order is not None or torque.frequency is not None for torque in self.train.torques)
+        return harmonic or any(mesh.error for mesh in self.train.constraints)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.response.over_speed import Asked, response
+from torsion.analyses.response.over_speed import ResponseSettings, response
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.report.chapters import chapters
@@ -90,7 +90,7 @@ def test_order_that_nothing_excites_is_refused_where_it_stands() -> None:
 
 def test_order_that_nothing_excites_is_refused_for_a_study_made_by_hand() -> None:
     study = torsion.parse(scene("analyses: {response: {orders: [4]}}\n"), "scene.yaml")
-    study.analyses["response"] = Asked(orders=[Fraction(5, 2)])
+    study.analyses["response"] = ResponseSettings(orders=[Fraction(5, 2)])
     with pytest.raises(InputError, match="no excitation has order 5/2"):
         response(study, torsion.assemble(study.train))
 

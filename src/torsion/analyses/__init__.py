@@ -1,12 +1,138 @@
-"""The analyses that a file can ask for: one module each, imported when a scene first names it."""
+"""The analyses, in a registry: what each reads, when it runs, what it finds, and the chapter that reports it.
 
-ANALYSES = {  # name: class of its settings
-    "modes": "torsion.analyses.modes:Asked",
-    "response": "torsion.analyses.response.over_speed:Asked",
-    "joints": "torsion.analyses.joints.joints:Asked",
-    "stability": "torsion.analyses.motion.asked:Asked",
-    "lateral": "torsion.analyses.lateral.bending:Asked",
-    "check": "torsion.analyses.check.models:Asked",
-}
+An analysis is one module with a function `run(work)`, which puts its results under the names given here, and one entry
+here. `run` follows the order of the entries, which is that of `needs`; the module is imported when the analysis runs.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from torsion.fields import Declared
+
+if TYPE_CHECKING:
+    from torsion.study import Study
+
 UNBUILT = ("transient", "sweep")  # of the format, but not built yet
 MODELS = ("lumped", "fem", "exact")
+
+
+def always(study: "Study") -> bool:
+    """The analysis says itself what it leaves out."""
+    return True
+
+
+def named(study: "Study") -> bool:
+    """Only where the file names the analysis."""
+    return False
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """One entry of the registry."""
+
+    title: str  # as the plan and the terminal name it
+    module: str
+    run: str = "run"  # function (Work) -> None
+    settings: str = ""  # class of its settings; "" for none under a key of its own
+    needs: tuple[str, ...] = ()  # analyses whose results it reads, where they are there
+    results: Mapping[str, str] = field(default_factory=dict)  # name in every output: class, or module:class
+    wanted: Callable[["Study"], bool] = named  # by a study that does not name it
+    place: tuple[str, ...] = ()  # key of the file that is at fault where it has no answer; () for its own
+
+    def function(self) -> Callable[[Any], None]:
+        """What runs it."""
+        found: Callable[[Any], None] = getattr(import_module(self.module), self.run)
+        return found
+
+    def settings_class(self) -> type[Declared]:
+        """The class of its settings."""
+        found: type[Declared] = self._class(self.settings)
+        return found
+
+    def result_classes(self) -> dict[str, type]:
+        """Name in every output, and class of every result."""
+        return {name: self._class(word) for name, word in self.results.items()}
+
+    def _class(self, word: str) -> Any:
+        module, _, name = word.rpartition(":")
+        return getattr(import_module(module or self.module), name)
+
+
+ANALYSES: dict[str, Analysis] = {
+    "sections": Analysis(
+        "cross-sections", "torsion.analyses.mesh_sections", wanted=lambda study: study.has_meshed_sections
+    ),
+    "assembly": Analysis("assembly", "torsion.analyses.division", "run_assembly", needs=("sections",), wanted=always),
+    "modes": Analysis(
+        "natural frequencies", "torsion.analyses.division", "run_modes", settings="torsion.analyses.modes:ModesSettings",
+        needs=("assembly",), results={"modes": "torsion.analyses.modes:Modes"}, wanted=always,
+    ),
+    "damped": Analysis(
+        "damped modes", "torsion.analyses.damped", needs=("modes",), results={"damped_modes": "DampedModes"},
+        wanted=always, place=("analyses", "modes", "damped"),
+    ),
+    "steady": Analysis(
+        "mean torque", "torsion.analyses.steady", needs=("modes",), results={"mean": "Steady"}, wanted=always,
+        place=("operation",),
+    ),
+    "response": Analysis(
+        "response over speed", "torsion.analyses.response.requested_response",
+        settings="torsion.analyses.response.over_speed:ResponseSettings", needs=("damped", "steady"),
+        results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
+    ),
+    "periodic": Analysis(
+        "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
+        results={"periodic": "torsion.analyses.motion.periodic:PeriodicResponse"}, wanted=always,
+        place=("analyses", "response", "method"),
+    ),
+    "stability": Analysis(
+        "stability", "torsion.analyses.motion.requested_motion", "run_stability",
+        settings="torsion.analyses.motion.asked:StabilitySettings", needs=("modes",),
+        results={
+            "stability": "torsion.analyses.motion.stability:Stability",
+            "stability_map": "torsion.analyses.motion.map:StabilityMap",
+        },
+    ),
+    "frequency response": Analysis(
+        "response over frequency", "torsion.analyses.response.over_frequency", needs=("damped", "steady"),
+        results={"frequency_response": "FrequencyResponse"}, wanted=lambda study: study.sweeps_frequency,
+        place=("analyses", "response", "frequencies"),
+    ),
+    "critical": Analysis(
+        "critical speeds", "torsion.analyses.critical", needs=("modes",),
+        results={"critical_speeds": "CriticalSpeeds"}, wanted=always,
+    ),
+    "joints": Analysis(
+        "universal joints", "torsion.analyses.joints.joints", settings="JointsSettings", needs=("steady",),
+        results={"joints": "Joints"}, wanted=lambda study: study.has_joints,
+    ),
+    "lateral": Analysis(
+        "bending of the shafts", "torsion.analyses.lateral.bending", settings="LateralSettings", needs=("steady",),
+        results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
+    ),
+    "check": Analysis(
+        "comparison of the models", "torsion.analyses.check.models", settings="CheckSettings", needs=("modes",),
+        results={"check": "Compared"},
+    ),
+}  # fmt: skip
+
+
+def settings_classes() -> dict[str, type[Declared]]:
+    """The settings of every analysis that a file can name."""
+    return {name: analysis.settings_class() for name, analysis in ANALYSES.items() if analysis.settings}
+
+
+def ordered(analyses: Mapping[str, Analysis]) -> list[str]:
+    """Names of the analyses, each behind those that it needs, else in the order of the registry."""
+    found: dict[str, None] = {}
+
+    def add(name: str) -> None:
+        for before in analyses[name].needs:
+            add(before)
+        found.setdefault(name)
+
+    for name in analyses:
+        add(name)
+    return list(found)

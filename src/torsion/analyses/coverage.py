@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.power import flow
-from torsion.analyses.steady import has_mean_torque, interpolated, operating_speed
+from torsion.analyses.steady import interpolated
 from torsion.errors import Fault, InputError
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Torque
@@ -17,7 +17,7 @@ def power_faults(study: Study) -> list[Fault]:
     """Why the mean torque finds no way through the train, and a table of the load that does not cover the speeds."""
     operation = study.operation
     speed = _speeds(operation)
-    if not has_mean_torque(operation) or not speed.size:
+    if not operation.has_mean_torque or not speed.size:
         return []
     found: list[Fault] = []
     if not isinstance(operation.load, str):
@@ -58,7 +58,7 @@ def _over_speed(train: Train, orders: object) -> Iterator[Torque]:
 def _speeds(operation: Operation) -> FloatArray:
     """rad/s at which the mean torque is told, its ends among them."""
     ends = [] if operation.speeds is None else [operation.speeds.first, operation.speeds.last]
-    return np.array([*ends, *([operating_speed(operation)] if operation.rated is not None else [])])
+    return np.array([*ends, *([operation.speed] if operation.rated is not None else [])])
 
 
 def _uncovered(table: tuple[tuple[float, float], ...], speed: FloatArray, about: Fault) -> tuple[Fault, ...]:

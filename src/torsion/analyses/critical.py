@@ -1,28 +1,38 @@
 """Critical speeds: where an order that excites the train meets one of its natural frequencies."""
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
 from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes
-from torsion.analyses.response.excitation import Line
+from torsion.analyses.response.excitation import Line, lines
+from torsion.findings import Work
+from torsion.results import reported, result
 from torsion.study import Operation
 
 
-@dataclass(frozen=True, slots=True)
+@reported
 class CriticalSpeed:
     """One crossing of the Campbell diagram."""
 
-    mode: int  # counted from 1
-    order: Fraction  # of the reference station
-    sources: tuple[str, ...]  # names of what excites that order
-    frequency: float  # Hz
-    speed: float  # rad/s of the reference station
-    is_inside: bool  # within the speed range
-    margin: float | None  # (speed - rated)/rated, or from the nearest end of the range; None where neither is given
+    mode: int = result("", (), "counted from 1")
+    order: Fraction = result("", (), "per revolution of the reference, exact")
+    sources: tuple[str, ...] = result("", (), "what excites that order")
+    frequency: float = result("Hz", (), "natural frequency")
+    speed: float = result("rad/s", (), "reference speed")
+    is_inside: bool = result("", (), "within the speed range", key="is_in_range")
+    margin: float | None = result(
+        "1", (), "distance from the rated speed or the nearest end of the range, relative; null where neither is given"
+    )
+
+
+@reported
+class CriticalSpeeds:
+    """Every crossing, by ascending speed."""
+
+    crossings: tuple[CriticalSpeed, ...] = result("", (), "crossings of an order with a mode, by speed", key="")
 
 
 def critical_speeds(
@@ -52,3 +62,14 @@ def _crossing(
         end = float(ends[np.argmin(np.abs(ends - speed))])
         margin = (speed - end) / end
     return CriticalSpeed(mode, order, sources, frequency, speed, inside, margin)
+
+
+def run(work: Work) -> None:
+    """Where orders excite and modes were found."""
+    modes, harmonics = work.get(Modes), lines(work.system)
+    found: tuple[CriticalSpeed, ...] = ()
+    if modes is None or not any(line.order is not None for line in harmonics):
+        work.log.without("critical speeds", "no modes" if modes is None else "no order excites")
+    else:
+        found = critical_speeds(modes, harmonics, work.study.operation)
+    work.put(critical_speeds=CriticalSpeeds(found))

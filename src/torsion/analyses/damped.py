@@ -1,31 +1,33 @@
 """Damped natural frequencies and damping ratios."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.analyses.modes import modes_as_discretised, span_torques
+from torsion.analyses.requests import modes_settings
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.steady import Steady
+from torsion.analyses.steady import Steady, steady
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.findings import Work
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.results import reported, result
 
 LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
 
 
-@dataclass(frozen=True)
+@reported
 class DampedModes:
     """Oscillating modes of the damped train at one operating point."""
 
-    frequency: FloatArray  # (modes,) Hz, imaginary part / 2 pi, ascending
-    damping_ratio: FloatArray  # (modes,)
-    eigenvalue: ComplexArray  # (modes,) 1/s
+    frequency: FloatArray = result("Hz", ("mode",), "imaginary part / 2 pi, ascending")
+    damping_ratio: FloatArray = result("1", ("mode",), "share of critical damping")
+    eigenvalue: ComplexArray = result("1/s", ("mode",), "complex")
     shape: ComplexArray  # (stations, modes) rad at own speed
     torque: ComplexArray  # (spans, modes) N m
-    overdamped: FloatArray  # (roots,) 1/s: real roots, which are no frequencies
-    speed: float  # rad/s of the reference station, at which speed-dependent damping was taken
+    overdamped: FloatArray = result("1/s", ("root",), "real roots, which are no frequencies")
+    speed: float = result("rad/s", (), "reference speed at which damping was taken")
 
 
 def damped(system: System, *, speed: float, steady: Steady | None = None, count: int | None = 6) -> DampedModes:
@@ -63,3 +65,35 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         found.real_root,
         speed,
     )
+
+
+def run(work: Work) -> None:
+    """The damped modes at the operating speed, where modes are requested and something damps."""
+    study, system, log = work.study, work.system, work.log
+    settings = modes_settings(study, work.ruled)
+    if settings is None:
+        return
+    if settings.damped is False or not system.damps:
+        log.without("damped modes", "`damped: false`" if settings.damped is False else "nothing in the train damps")
+        return
+    if system.bars is not None:
+        log.without("damped modes", f"they are built for `model: lumped`; the response of {system.model} is damped")
+        return
+    if system.folded.extra.size:
+        why = "the train has closed loops, or rigid spans hold it at several points"
+        log.without("damped modes", f"{why}; its response is damped all the same")
+        return
+    speed = study.operation.speed
+    needs_speed = any(damper.torque_factor or damper.speed_factor for damper in system.dampers)
+    needs_torque = any(damper.torque_factor for damper in system.dampers)
+    if (needs_speed and speed is None) or (needs_torque and not study.operation.has_mean_torque):
+        log.without("damped modes", "the damping depends on speed and mean torque; give `operation: rated`")
+        return
+    mean = None
+    if needs_torque and speed is not None:
+        mean = steady(study.train, system, study.operation, np.array([speed]))
+    with log.step("damped modes", "something damps") as step:
+        found = damped(system, speed=speed or 0.0, steady=mean, count=settings.count)
+        step.method = "Newton with two-sided vectors on the quadratic problem"
+        step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")
+    work.put(damped_modes=found)

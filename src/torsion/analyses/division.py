@@ -1,8 +1,10 @@
 """The discretisation of a study: its system for a highest frequency, and what the plan says of it."""
 
-from torsion.analyses.modes import Modes
+from torsion.analyses.modes import Modes, modes
+from torsion.analyses.requests import has_inertia, highest_excited, modes_settings
 from torsion.assembly import assemble
 from torsion.assembly.system import System
+from torsion.findings import Work
 from torsion.study import Study
 
 LARGEST_ESTIMATE = 0.1  # relative error; the estimate holds for small ones
@@ -41,3 +43,38 @@ def told_division(system: System) -> str:
     if error > LARGEST_ESTIMATE:
         return f"{what}: {numbers}; too few for an estimate of their error"
     return f"{what}: {numbers}" + (f"; estimated error of the highest frequency {error:.1g}" if error else "")
+
+
+def run_assembly(work: Work) -> None:
+    """The train divided finely enough for the highest frequency of the response that is requested."""
+    with work.log.step("assembly", "everything stands on it") as step:
+        system = assembled(work.study)
+        highest = highest_excited(work.study, system, work.ruled)
+        if highest:
+            system = assembled(work.study, highest)
+        step.method = told_model(system)
+        step.size = _size(system)
+    work.put(system=system)
+    if system.bars is not None and system.bars.degree:
+        work.log.libraries["scikit-fem"] = None
+
+
+def run_modes(work: Work) -> None:
+    """The modes, where they are requested, and the train divided finely enough for them."""
+    study, system, settings = work.study, work.system, modes_settings(work.study, work.ruled)
+    if not has_inertia(system):
+        work.log.without("natural frequencies", "no component has an inertia")
+        return
+    if settings is None:
+        work.log.without("natural frequencies", "`analyses` does not name modes")
+        return
+    with work.log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
+        found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
+        system = found.system
+        step.method = told_method(system, found)
+        step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
+    work.put(system=system, modes=found)
+
+
+def _size(system: System) -> str:
+    return f"{len(system.stations)} stations, {len(system.spans)} spans"

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -16,6 +15,7 @@ from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.fields import Declared, given
 from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.results import derived, reported, result
 
 if TYPE_CHECKING:
     from torsion.kernels.bars.modes import BarModes
@@ -27,46 +27,61 @@ REACHING = 40  # times that shafts are refined until the modes lie in reach of t
 Progress = Callable[[int, int], None]  # (modes found, of how many)
 
 
-class Asked(Declared):
+class ModesSettings(Declared):
     """Settings of `modes`."""
 
     count: Annotated[int, Field(ge=1, le=100_000)] = given("how many elastic modes", 6)
     damped: bool | None = given("damped frequencies and damping ratios too (default: when something damps)")
 
 
-@dataclass(frozen=True)
+@reported
 class Modes:
     """Natural frequencies with their certificate; shapes scaled to a generalised inertia of 1 kg m2."""
 
-    frequency: FloatArray  # (modes,) Hz, elastic modes, ascending
-    shape: FloatArray  # (stations, modes) rad at own speed
-    torque: FloatArray  # (spans, modes) N m at the driving station's speed, positive when the driving side pushes
-    lower: FloatArray  # (modes,) Hz; counts prove that the mode lies in [lower, upper]
-    upper: FloatArray  # (modes,) Hz
-    rigid: int  # rigid motions, frequency exactly 0
-    certified: bool
+    frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies of the elastic modes, ascending")
+    shape: FloatArray = result(
+        "rad", ("station", "mode"), "at own speed, generalised inertia 1 kg m2", printed=("mode", "station")
+    )
+    torque: FloatArray = result(
+        "N*m", ("span", "mode"), "at the driving station's speed, positive when the driving side pushes",
+        printed=("mode", "span"),
+    )  # fmt: skip
+    lower: FloatArray = result("Hz", ("mode",), "lower bound of each: counts prove that the mode lies between both")
+    upper: FloatArray = result("Hz", ("mode",), "upper bound of each")
+    rigid: int = result("", (), "number of motions of exactly 0 Hz", key="rigid_motions")
+    certified: bool = result("", (), "counts prove the bounds", key="is_certified")
     system: System = field(repr=False)
     distributed: "BarModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
 
-    @cached_property
+    @derived(
+        "1", ("station", "mode"), "share of the kinetic energy; of a distributed shaft half at either end",
+        key="kinetic_share", printed=("mode", "station"), is_total=True,
+    )  # fmt: skip
     def kinetic(self) -> FloatArray:
-        """(stations, modes) share of the kinetic energy; of a distributed span half at either end."""
+        """(stations, modes)."""
         energy = lumped_kinetic(self.system, self.shape)
         if self.distributed is not None and self.system.bars is not None:
             for end in (0, 1):
                 np.add.at(energy, self.system.bars.ends[:, end], self.distributed.bar_kinetic / 2.0)
         return shares(energy)
 
-    @cached_property
+    @derived(
+        "1",
+        ("span", "mode"),
+        "share of the elastic energy",
+        key="elastic_share",
+        printed=("mode", "span"),
+        is_total=True,
+    )
     def elastic(self) -> FloatArray:
-        """(spans, modes) share of the elastic energy."""
+        """(spans, modes)."""
         if self.distributed is not None:
             return shares(self.distributed.elastic[self.system.folded.span])
         return shares(lumped_elastic(self.system, self.torque))
 
-    @cached_property
+    @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
-        """(modes,) sign changes of the shape over elastic spans."""
+        """(modes,)."""
         return nodes(self.system, self.shape)
 
     @property

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.steady import operating_speed, steady_if_known
+from torsion.analyses.steady import steady_if_known
 from torsion.assembly.matrices import Matrices, matrices
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
@@ -28,13 +28,13 @@ def operating_matrices(study: Study, system: System) -> OperatingMatrices:
     Raises InputError where a damping follows from a speed or a mean torque that the file does not give, and for the
     exact model, which has no matrices.
     """
-    speed = operating_speed(study.operation)
+    speed = study.operation.speed
     following = [d for d in system.dampers if d.torque_factor or d.speed_factor]
     if following and not speed:
         name = system.stations[following[0].station].name
         message = f"the damping of '{name}' follows from the speed, and so do the matrices; none is given"
         raise InputError([Fault(("operation",), message, "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`")])
-    grid = np.array([speed])
+    grid = np.array([speed or 0.0])
     steady = steady_if_known(study, system, grid) if speed else None
     ground = ground_damping(system, grid, steady)[:, 0]
     mean = np.full(len(system.stations), np.nan) if steady is None else steady.applied[:, 0]

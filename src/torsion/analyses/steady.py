@@ -1,6 +1,5 @@
 """Mean torque in every span (order 0) from the load law and the gear ratios."""
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -9,34 +8,24 @@ from torsion.analyses.power import flow
 from torsion.analyses.statics import Shares, statics
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
+from torsion.findings import Work
 from torsion.kernels.tree import FloatArray
+from torsion.results import reported, result
 from torsion.study import Operation, Study
 from torsion.train import Train
 
 SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was written in another unit
 
 
-@dataclass(frozen=True)
+@reported
 class Steady:
     """The train at constant speed."""
 
-    speed: FloatArray  # (speeds,) rad/s of the reference station
-    torque: FloatArray  # (spans, speeds) N m at the driving station's speed
-    applied: FloatArray  # (stations, speeds) N m: drive positive, load negative
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    torque: FloatArray = result("N*m", ("span", "speed"), "mean torque at the driving station's speed")
+    applied: FloatArray = result("N*m", ("station", "speed"), "drive positive, load negative")
     twist: FloatArray  # (stations, speeds) rad at own speed, elastic, against the reference station
-    sharing: str  # how the load was shared, in a sentence
-
-
-def has_mean_torque(operation: Operation) -> bool:
-    """The file says enough for a mean torque: a rated power, or a table of torque over speed."""
-    return not isinstance(operation.load, str) or (operation.rated is not None and operation.rated.power is not None)
-
-
-def operating_speed(operation: Operation) -> float:
-    """rad/s at which speed-dependent damping is told: the rated speed, else the highest; 0 where none is given."""
-    if operation.rated is not None:
-        return operation.rated.speed
-    return operation.speeds.last if operation.speeds is not None else 0.0
+    sharing: str = result("", (), "how the load was shared, in words")
 
 
 def steady(train: Train, system: System, operation: Operation, speed: FloatArray) -> Steady:
@@ -66,7 +55,7 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
 
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
     """Mean torques at the speeds (speeds,) rad/s; None where the operation does not say them."""
-    if not has_mean_torque(study.operation):
+    if not study.operation.has_mean_torque:
         return None
     return steady(study.train, system, study.operation, speed)
 
@@ -109,3 +98,24 @@ def reference_station(train: Train, operation: Operation) -> int:
 
 def _rpm(speed: float) -> str:
     return f"{speed * 30.0 / np.pi:.6g} rpm"
+
+
+def run(work: Work) -> None:
+    """Mean torques over the speed range, at the rated speed and at the corners of a table of the load."""
+    operation = work.study.operation
+    if not operation.has_mean_torque:
+        work.log.without("mean torque", "`operation` says no rated power and no table of the load")
+        return
+    speeds = operation.speeds
+    grid = speeds.values() if speeds is not None else np.array([operation.speed] if operation.speed is not None else [])
+    if operation.rated is not None:
+        grid = np.union1d(grid, [operation.rated.speed])
+    if speeds is not None and not isinstance(operation.load, str):
+        grid = np.union1d(grid, [row[0] for row in operation.load if speeds.first <= row[0] <= speeds.last])
+    if not grid.size:
+        work.log.without("mean torque", "`operation` says no speed")
+        return
+    with work.log.step("mean torque", "`operation` says the load") as step:
+        work.put(mean=steady(work.study.train, work.system, operation, grid))
+        step.method = "sums over the tree"
+        step.size = f"{grid.size} speeds"

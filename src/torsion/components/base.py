@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import InstanceOf, WithJsonSchema
 
-from torsion.fields import Declared, given
+from torsion.fields import Sized, given
 
 if TYPE_CHECKING:
     from torsion.components.lowering import Lowering
 
 
-class Component(Declared):
+class Component(Sized):
     """One entry of the train."""
 
     keyword: ClassVar[str]  # its kind, the key of its entry in the train

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from torsion import fields
 from torsion.components.base import Component
 from torsion.components.lowering import Lowering
-from torsion.fields import given, refuse
+from torsion.fields import Quantity, given, refuse
 from torsion.primitives import Inertia, Spring
 
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
@@ -26,14 +26,18 @@ class Coupling(Component):
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
-    loss_factor: fields.Share | None = given("loss factor eta: k (1 + i eta)")
-    psi: fields.Share | None = given("relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)")
-    magnifier: fields.Number | None = given("dynamic magnifier M; eta = 1/M")
+    loss_factor: fields.LossFactor | None = given("loss factor eta: k (1 + i eta)")
+    psi: Annotated[float, Quantity("1", at_least=0, usual=(None, 4.0 * math.pi), slip=("%",))] | None = given(
+        "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
+    )
+    magnifier: Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken="a loss factor")] | None = given(
+        "dynamic magnifier M; eta = 1/M"
+    )
     rated_torque: fields.Torque | None = given("T_KN of the maker")
     vibratory_torque: fields.Torque | None = given("T_KW of the maker: permissible vibratory torque, half range")
     max_torque: fields.Torque | None = given("T_Kmax of the maker")
     heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
-    tolerance: fields.Share | None = given("tolerance of the stiffness, for example 15 %")
+    tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:

@@ -7,7 +7,7 @@ from pydantic import field_validator, model_validator
 
 from torsion import fields
 from torsion.errors import Path
-from torsion.fields import Amount, Declared, given, refuse, required
+from torsion.fields import Amount, Declared, Sized, given, refuse, required
 from torsion.primitives import Torque
 
 Table = tuple[tuple[float | str, float | str], ...]  # [[speed, torque], ...] as written in the file
@@ -43,7 +43,7 @@ class Ripple(Harmonic):
         return _harmonic(self, self.torque, (name, station), path)
 
 
-class Excitation(Harmonic):
+class Excitation(Harmonic, Sized):
     """A torque of the file's list `excitations`."""
 
     at: str = required("name of the component on which it acts")

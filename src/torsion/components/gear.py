@@ -10,7 +10,7 @@ from torsion import fields
 from torsion.components.base import Component, Line
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Arrival, Lowering
-from torsion.fields import Declared, OneOrMany, given, refuse
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
 from torsion.primitives import Constraint, Inertia
 
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
@@ -49,7 +49,9 @@ class Gear(Component):
         False,
     )
     branches: tuple[GearBranch, ...] = given("further wheels on the same driving gear", ())
-    application_factor: Annotated[float, fields.Quantity("1", at_least=1)] | None = given("K_A of the gear rating")
+    application_factor: Annotated[float, Quantity("1", at_least=1, usual=(None, 10.0), slip=("%",))] | None = given(
+        "K_A of the gear rating"
+    )
 
     @model_validator(mode="after")
     def _ratios(self) -> Self:

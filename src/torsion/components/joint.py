@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -12,7 +12,7 @@ from torsion.components.base import Component
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Lowering
 from torsion.errors import SolveError
-from torsion.fields import given, refuse, required
+from torsion.fields import Quantity, given, refuse, required
 from torsion.kinematics import cross, tripod
 from torsion.primitives import Constraint, Inertia
 
@@ -37,8 +37,10 @@ class Joint(Component):
         "(default: 0 deg)"
     )
     inertia: Pair | None = given("[driving, driven] yokes")
-    radius: fields.Length | None = given("of a tripod: from the driving shaft's axis to its three bearings' lines")
-    arm: fields.Length | None = given("of a tripod: from the joint to the point about which its driven shaft pivots")
+    radius: fields.Across | None = given("of a tripod: from the driving shaft's axis to its three bearings' lines")
+    arm: Annotated[float, Quantity("m", above=0, usual=(None, 100.0), slip=("mm",))] | None = given(
+        "of a tripod: from the joint to the point about which its driven shaft pivots"
+    )
     bearing: Literal["single", "twin"] | None = given(
         "of a tripod: single (default) moves the end of its driven shaft, twin is of constant velocity"
     )

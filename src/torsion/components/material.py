@@ -1,17 +1,25 @@
 """Materials of shafts."""
 
+from typing import Annotated
+
 from torsion import fields
-from torsion.fields import Declared, given, required
+from torsion.fields import Quantity, Sized, given, required
+
+_DENSITIES = ("g/cm**3", "kg/mm**3", "t/mm**3", "g/m**3")
 
 
-class Material(Declared):
+class Material(Sized):
     """An isotropic elastic material."""
 
     shear_modulus: fields.Modulus = required("G")
     youngs_modulus: fields.Modulus | None = given("E; needed for bending only")
-    density: fields.Density = required("rho; 0 makes a massless shaft")
-    tensile_strength: fields.Modulus | None = given("sigma_B, needed by the class rules")
-    loss_factor: fields.Share = given("energy lost in a cycle / (2 pi peak elastic energy)", 0.0)
+    density: Annotated[float, Quantity("kg/m**3", at_least=0, usual=(500.0, 25e3), slip=_DENSITIES)] = required(
+        "rho; 0 makes a massless shaft"
+    )
+    tensile_strength: (
+        Annotated[float, Quantity("Pa", above=0, usual=(1e6, 1e10), slip=("MPa", "GPa", "kPa", "Pa"))] | None
+    ) = given("sigma_B, needed by the class rules")
+    loss_factor: fields.LossFactor = given("energy lost in a cycle / (2 pi peak elastic energy)", 0.0)
 
 
 STEEL = Material(shear_modulus=79.3e9, youngs_modulus=206e9, density=7850.0)

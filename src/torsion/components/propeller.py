@@ -67,9 +67,13 @@ class Propeller(Component):
         "entrained water: % of dry, or kg*m**2"
     )
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades")
-    diameter: fields.Length | None = given("diameter")
-    pitch_ratio: fields.Number | None = given("pitch / diameter")
-    area_ratio: fields.Number | None = given("expanded blade area / disc area")
+    diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
+    pitch_ratio: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
+        "pitch / diameter"
+    )
+    area_ratio: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
+        "expanded blade area / disc area"
+    )
     damping: Annotated[PropellerDamping, BeforeValidator(_plain_value, float | str | PropellerDamping)] | None = given(
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}"
     )

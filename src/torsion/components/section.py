@@ -1,8 +1,9 @@
 """The cross-section of a shaft as a file of triangles."""
 
+import math
 from typing import Literal
 
-from torsion.fields import Declared, given, required
+from torsion.fields import WIDEST, Declared, given, required
 from torsion.primitives import SectionMesh
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
@@ -16,6 +17,6 @@ class MeshedSection(Declared):
     )
     unit: Literal["m", "cm", "mm", "in"] = given("unit of the mesh's coordinates", "m")
 
-    def lowered(self) -> SectionMesh:
-        """The mesh, yet to be solved."""
-        return SectionMesh(self.mesh, UNITS[self.unit])
+    def lowered(self, *, unusual: bool) -> SectionMesh:
+        """The mesh, yet to be solved; one that is not unusual is at most as wide as a usual shaft."""
+        return SectionMesh(self.mesh, UNITS[self.unit], math.inf if unusual else WIDEST)

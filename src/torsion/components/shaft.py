@@ -10,7 +10,7 @@ from torsion.components.base import Component
 from torsion.components.lowering import Lowering
 from torsion.components.section import MeshedSection
 from torsion.components.support import Support
-from torsion.fields import OneOrMany, given, refuse, required
+from torsion.fields import OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar
 
 Feature = Literal[
@@ -25,15 +25,15 @@ class Shaft(Component):
     keyword: ClassVar[str] = "shaft"
     sort: ClassVar[Literal["point", "link", "none"]] = "link"
 
-    length: fields.Length = required("length")
-    diameter: Annotated[tuple[fields.Length, ...], OneOrMany] = given("outer diameter, or [from, to] of a cone", ())
+    length: Annotated[float, Quantity("m", above=0, usual=(None, 20e3), slip=("m", "mm"))] = required("length")
+    diameter: Annotated[tuple[fields.Across, ...], OneOrMany] = given("outer diameter, or [from, to] of a cone", ())
     bore: Annotated[tuple[fields.Bore, ...], OneOrMany] = given("bore, or [from, to] of a conical bore", (0.0,))
     section: MeshedSection | None = given(
         "cross-section by mesh, in place of `diameter` and `bore`", validate_default=True
     )
     material: str = given("name of one of `materials`", "steel")
     segments: Annotated[int, Field(ge=1, le=1_000_000)] | None = given("lumped segments (default: as many as needed)")
-    loss_factor: fields.Share | None = given("loss factor (default: the material's)")
+    loss_factor: fields.LossFactor | None = given("loss factor (default: the material's)")
     role: Literal["intermediate", "thrust", "propeller"] | None = given("what the class rules call this shaft")
     features: Annotated[tuple[Feature, ...], OneOrMany] = given("details that the rules reduce the limit for", ())
     support: Annotated[tuple[Support, ...], OneOrMany] = given("bearings on springs that hold the shaft sideways", ())
@@ -74,7 +74,7 @@ class Shaft(Component):
         material = build.material(self.material)
         if material is None:
             return
-        section = None if self.section is None else self.section.lowered()
+        section = None if self.section is None else self.section.lowered(unusual=self.unusual)
         unknown = (math.nan, math.nan)
         build.add(
             Bar(

@@ -4,7 +4,6 @@ from typing import Annotated, Self
 
 from pydantic import model_validator
 
-from torsion import fields
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 
 Distance = Annotated[float, Quantity("m", at_least=0)]
@@ -42,6 +41,6 @@ class Support(Declared):
         return self.damping[0], self.damping[-1]
 
 
-def fits(support: Support, length: fields.Length) -> bool:
-    """The support stands on the shaft of that length, m."""
+def fits(support: Support, length: float) -> bool:
+    """The support stands on the shaft of that length (m)."""
     return support.at <= length

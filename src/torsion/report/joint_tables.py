@@ -68,11 +68,11 @@ def lines(joints: "Joints") -> Table:
     rows = []
     for line in joints.lines:
         varies = line.index > STILL
-        where = [degrees(at) if varies else NONE for _, at in (line.greatest, line.least)]
+        where = [degrees(at) if varies else NONE for at in (line.greatest.at, line.least.at)]
         rows.append((
             names(joints, line), _angle(line.resultant), _angle(line.classical),
-            degrees(line.phase) if varies else NONE, number(line.greatest[0], 7), where[0],
-            number(line.least[0], 7), where[1], _percent(line.index),
+            degrees(line.phase) if varies else NONE, number(line.greatest.speed_ratio, 7), where[0],
+            number(line.least.speed_ratio, 7), where[1], _percent(line.index),
         ))  # fmt: skip
     caption = (
         "Joints of one shaft line as one cross joint, everything between them taken as rigid; angles of its first shaft"

@@ -29,7 +29,7 @@ def shafts(found: "tuple[ShaftFound, ...]") -> Table:
     rows = tuple(
         (
             shaft.name, number(shaft.length), str(shaft.ratio),
-            ", ".join(f"{name} at {number(at, 4)} m" for name, at in shaft.point),
+            ", ".join(f"{one.name} at {number(one.at, 4)} m" for one in shaft.point),
             *(number(float(plane[0]), 6) if plane.size else NONE for plane in shaft.at_rest),
         )
         for shaft in found
@@ -177,13 +177,15 @@ def forces(found: "tuple[ShaftFound, ...]") -> Table | None:
     )  # fmt: skip
     rows = []
     for shaft in found:
-        for place, (name, at) in enumerate(shaft.point):
+        for place, held in enumerate(shaft.point):
             for one in shaft.answers:
                 force = sound(one, extent(one.force))[:, place]
                 k = largest(force)
                 if k is not None:
                     speed = rpm(float(one.speed[k]) / float(shaft.ratio))
-                    rows.append((shaft.name, name, number(at, 4), str(one.order), unit.text(float(force[k])), speed))
+                    rows.append(
+                        (shaft.name, held.name, number(held.at, 4), str(one.order), unit.text(float(force[k])), speed)
+                    )
     return Table(columns, tuple(rows), "Forces of the shafts on their joints and supports by the secondary couples")
 
 

@@ -7,12 +7,13 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.motion.periodic import Found, PeriodicResponse
+from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import common_cycle, extremes
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import number, rpm
-from torsion.report.reading import amplitude, largest, over_speed, rounding, synthesis, without
+from torsion.report.reading import amplitude, largest, rounding, synthesis, without
 
 SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compared
 Point = tuple[float, int]  # N m, position of the speed
@@ -36,21 +37,14 @@ class Compared:
         return self.exact[0] / self.first[0] - 1.0
 
 
-def exact_response(findings: Findings) -> PeriodicResponse:
-    """The exact response; raises ValueError where none was computed."""
-    if findings.periodic is None:
-        raise ValueError("this part of the report needs an exact periodic response")
-    return findings.periodic
-
-
 def exact_amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds, orders) N m: largest exact amplitude in the spans; NaN where no periodic motion was found."""
-    return np.asarray(np.abs(exact_response(findings).torque[:, :, list(spans)]).max(axis=2))
+    return np.asarray(np.abs(findings.need(PeriodicResponse).torque[:, :, list(spans)]).max(axis=2))
 
 
 def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
-    found = exact_response(findings)
+    found = findings.need(PeriodicResponse)
     turns, harmonics = common_cycle(list(found.orders))
     torque = np.moveaxis(found.torque[:, :, list(spans)], 1, 2)
     if turns == 0:
@@ -64,7 +58,7 @@ def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
 
 def compared(findings: Findings) -> tuple[Compared, ...]:
     """Every element that carries torque: all orders together (where no torque has a fixed frequency), then each."""
-    if findings.response is None or findings.periodic is None:
+    if findings.get(Response) is None or findings.get(PeriodicResponse) is None:
         return ()
     nothing = rounding(findings)
     return tuple(row for element in elements(findings.system) for row in _of(findings, element, nothing))
@@ -72,18 +66,18 @@ def compared(findings: Findings) -> tuple[Compared, ...]:
 
 def _of(findings: Findings, element: Element, nothing: FloatArray) -> list[Compared]:
     """nothing: (spans,) N m, below which a torque is rounding and told as 0."""
-    spans, lines = element.spans, over_speed(findings).lines
+    spans, lines = element.spans, findings.need(Response).lines
     here = nothing[list(spans)]
     first, exact = without(amplitude(findings, spans), here), exact_amplitude(findings, spans)
     top = float(np.nanmax(np.append(exact, 0.0)))
-    if top == 0.0 or findings.periodic is None:
+    if top == 0.0 or findings.get(PeriodicResponse) is None:
         return []
     exact, orders = without(exact, here), [line.order for line in lines]
     rows = []
     if None not in orders:
         both = synthesis(findings, spans), exact_half_range(findings, spans)
         rows.append(Compared(element, None, *(_largest(without(one, here)) for one in both)))
-    for k, order in enumerate(findings.periodic.orders):
+    for k, order in enumerate(findings.need(PeriodicResponse).orders):
         mine = None if order not in orders else _largest(first[:, orders.index(order)])
         found = _largest(exact[:, k])
         if max((point[0] for point in (mine, found) if point is not None), default=0.0) >= SMALLEST * top:
@@ -98,7 +92,7 @@ def _largest(values: FloatArray) -> Point | None:
 
 def flagged(findings: Findings) -> np.ndarray:
     """(speeds,) bool: the exact response has no value, a coarse one, or one that small deviations leave."""
-    found = exact_response(findings)
+    found = findings.need(PeriodicResponse)
     return np.asarray((found.status != Found.OK) | found.is_unstable)
 
 
@@ -116,7 +110,7 @@ class OtherMotion:
 
 def other_motions(findings: Findings) -> tuple[OtherMotion, ...]:
     """Every motion at the speeds at which several were found, the one that is told before the others."""
-    found = exact_response(findings)
+    found = findings.need(PeriodicResponse)
     if found.others is None:
         return ()
     rows = []
@@ -151,7 +145,7 @@ def first_order_judged(findings: Findings) -> str:
     worst = max(known, key=lambda row: row.excess)
     if worst.first is None or worst.exact is None:
         return text
-    response, exact = over_speed(findings), exact_response(findings)
+    response, exact = findings.need(Response), findings.need(PeriodicResponse)
     return (
         f"{text} The exact one exceeds it most in {worst.element.name}: largest "
         f"{'half range' if worst.order is None else f'amplitude of order {worst.order}'} "

@@ -4,12 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.analyses.damped import DampedModes
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Column, Table
 from torsion.report.elements import Element
 from torsion.report.numbers import NONE, Scale, number, order, rpm
-from torsion.report.reading import amplitude, over_speed
+from torsion.report.reading import amplitude
 
 SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
 MOST_ROWS = 40
@@ -51,7 +54,7 @@ def found_peaks(findings: Findings, elements: list[Element]) -> list[Peak]:
 
 def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
     """The peaks as a table; where there are too many, the largest referred to one speed."""
-    response = over_speed(findings)
+    response = findings.need(Response)
     found = found_peaks(findings, elements)
     kept = sorted(found, key=lambda peak: -peak.torque * peak.element.ratio)[:MOST_ROWS]
     columns = (
@@ -76,10 +79,10 @@ def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
 
 def _mode(findings: Findings, frequency: float) -> str:
     """The mode whose frequency is nearest, if it is near."""
-    source = findings.damped if findings.damped is not None else findings.modes
+    source = findings.get(DampedModes) if findings.get(DampedModes) is not None else findings.get(Modes)
     if source is None or len(source.frequency) == 0:
         return NONE
     distance = np.abs(source.frequency / frequency - 1.0)
     nearest = int(np.argmin(distance))
-    ratio = float(findings.damped.damping_ratio[nearest]) if findings.damped is not None else 0.0
+    ratio = float(findings.need(DampedModes).damping_ratio[nearest]) if findings.get(DampedModes) is not None else 0.0
     return str(nearest + 1) if distance[nearest] <= max(SAME, 2.0 * ratio) else NONE

@@ -5,31 +5,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from torsion.analyses.response.over_speed import Response
+from torsion.analyses.motion.stability import Stability
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.report.numbers import RPM, given, number
-from torsion.rules.check import BarredRange, Check
-from torsion.rules.evidence import Evidence
+from torsion.rules import needed
+from torsion.rules.check import BarredRange, Check, Checks
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
 NO_VALUE = "no reliable value"  # of an amplitude where no line of the response can be relied on
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
-
-
-def evidence(findings: Findings) -> Evidence:
-    """The findings as a rule reads them."""
-    f = findings
-    return Evidence(f.study, f.system, f.modes, f.steady, f.response, f.synthesis, f.joints)
-
-
-def over_speed(findings: Findings) -> Response:
-    """The response over speed; raises ValueError where none was computed."""
-    if findings.response is None:
-        raise ValueError("this part of the report needs a response over speed")
-    return findings.response
 
 
 def reference(findings: Findings) -> str:
@@ -51,7 +39,7 @@ def rated_rpm(findings: Findings) -> float | None:
 
 def barred(findings: Findings) -> tuple[BarredRange, ...]:
     """The barred ranges that the verdicts stand on, each once, in rising order."""
-    found = {band: None for check in findings.checks for band in check.barred}
+    found = {band: None for check in findings.need(Checks).lines for band in check.barred}
     return tuple(sorted(found, key=lambda band: (band.lower, band.upper)))
 
 
@@ -87,7 +75,7 @@ def outward(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]
 
 def unreliable(findings: Findings) -> BoolArray:
     """(speeds,) where any line of the response is not ok."""
-    response = findings.response
+    response = findings.get(Response)
     if response is None:
         return np.zeros(0, dtype=bool)
     return np.asarray(np.any(response.status != Status.OK, axis=1))
@@ -95,7 +83,7 @@ def unreliable(findings: Findings) -> BoolArray:
 
 def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds, lines) N m: largest torque amplitude in the spans; NaN where the line is not ok."""
-    response = findings.response
+    response = findings.get(Response)
     if response is None:
         return np.zeros((0, 0))
     size = np.abs(response.torque[:, :, list(spans)]).max(axis=2)
@@ -104,28 +92,26 @@ def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
 
 def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds,) N m: largest half range of all lines together in the spans; NaN where any line is not ok."""
-    if findings.synthesis is None:
+    if findings.get(Synthesis) is None:
         return np.zeros(0)
-    size = findings.synthesis.half_range[:, list(spans)].max(axis=1)
+    size = findings.need(Synthesis).half_range[:, list(spans)].max(axis=1)
     return np.where(unreliable(findings), np.nan, size)
 
 
 def judged(findings: Findings) -> bool:
     """A rule read the response over speed."""
-    from torsion.asked import rules_need
-
-    return rules_need(findings.study, "response")
+    return "response" in needed(findings.study)
 
 
 def orders_together(findings: Findings) -> str:
     """Of which lines the synthesis is made, in words."""
-    some = findings.response is not None and findings.response.left_out
+    some = findings.get(Response) is not None and findings.need(Response).left_out
     return "the orders asked for" if some else "all orders"
 
 
 def rounding(findings: Findings) -> FloatArray:
     """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, told as 0."""
-    response, ratio = findings.response, findings.system.span_ratio
+    response, ratio = findings.get(Response), findings.system.span_ratio
     if response is None or not response.lines:
         return np.zeros(len(ratio))
     size = np.where((response.status == Status.OK)[:, :, None], np.abs(response.torque), 0.0).max(axis=(0, 1))
@@ -140,18 +126,20 @@ def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     """The unstable ranges of speed, rpm."""
-    found = () if findings.stability is None else findings.stability.ranges
+    found = () if findings.get(Stability) is None else findings.need(Stability).ranges
     return tuple((one.first * RPM, one.last * RPM) for one in found)
 
 
 def failed(findings: Findings) -> tuple[Check, ...]:
     """The checks that failed."""
-    return tuple(check for check in findings.checks if check.verdict == "fail")
+    return tuple(check for check in findings.need(Checks).lines if check.verdict == "fail")
 
 
 def joint_model(findings: Findings) -> str:
     """What the joint model says of its own error, in a sentence; empty without joints."""
-    error = 0.0 if findings.response is None else float(np.nanmax(findings.response.joint_error, initial=0.0))
+    error = (
+        0.0 if findings.get(Response) is None else float(np.nanmax(findings.need(Response).joint_error, initial=0.0))
+    )
     if error == 0:
         return ""
     if error > 1:

@@ -8,6 +8,7 @@ from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import RPM, number, rpm
 from torsion.report.reading import rated_rpm
+from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.bending import ShaftFound
@@ -59,7 +60,7 @@ def _bodies(told: "list[tuple[ShaftFound, Tilting]]") -> Table:
 
 def _verdict(findings: Findings) -> list[Block]:
     blocks: list[Block] = []
-    for check in findings.checks:
+    for check in findings.need(Checks).lines:
         if check.clause == "tilting":
             end = f" ({check.note})" if check.note else ""
             if check.verdict == "fail":

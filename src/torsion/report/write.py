@@ -19,9 +19,9 @@ def write(
     Every file is finished in a temporary folder beside the target before the first is put in its place. Raises
     OSError where the folder cannot be written, InputError where `vtu` is asked and there is no mode to draw.
     """
+    from torsion.output.results_json import text
     from torsion.report.document import document
     from torsion.report.html import html
-    from torsion.report.json.results import text
 
     target, made = Path(folder), document(findings, today or date.today(), also=("twisted_shaft",) if vtu else ())
     with _workshop(target) as workshop:

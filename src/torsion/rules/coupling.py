@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from torsion.analyses.steady import has_mean_torque
 from torsion.components.coupling import Coupling
 from torsion.components.lowering import Part
 from torsion.errors import Fault
@@ -47,7 +46,7 @@ def faults(study: Study, asked: Asked) -> list[Fault]:
     if any(key in limits for _, limits in judged for key in VIBRATORY):
         found += vibration_faults(study, asked, RULE)
     means = [part for part, limits in judged if "rated_torque" in limits or "max_torque" in limits]
-    if means and not has_mean_torque(study.operation):
+    if means and not study.operation.has_mean_torque:
         message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
         found.append(Fault(("operation", "rated", "power"), message, "rated: {speed: 1500 rpm, power: 100 kW}"))
     return found

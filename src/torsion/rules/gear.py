@@ -5,7 +5,6 @@ from typing import Annotated, cast
 
 import numpy as np
 
-from torsion.analyses.steady import has_mean_torque
 from torsion.components.gear import Gear
 from torsion.components.lowering import Part
 from torsion.errors import Fault
@@ -33,7 +32,7 @@ NO_LOAD = 1e-9  # a mesh with a smaller share of the train's greatest mean torqu
 class Asked(Declared):
     """Settings of `gear-hammer`."""
 
-    limit: Annotated[float, Quantity("1", above=0)] | None = given(
+    limit: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
         "vibratory torque / rated torque (default: application_factor - 1 of the gear, else 0.35)"
     )
     continuous: Continuous | None = given(
@@ -137,7 +136,7 @@ def _rated_faults(operation: Operation) -> list[Fault]:
     hint = "rated: {speed: 1500 rpm, power: 100 kW}"
     if rated is None:
         return [Fault(("operation", "rated"), f"`rated` is missing; {RULE} compares with the rated torque", hint)]
-    if not has_mean_torque(operation):
+    if not operation.has_mean_torque:
         message = f"`power` is missing; {RULE} compares with the rated torque"
         return [Fault(("operation", "rated", "power"), message, hint)]
     return []

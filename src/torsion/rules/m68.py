@@ -7,7 +7,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from torsion.analyses.steady import SAME_SPEED, has_mean_torque
+from torsion.analyses.steady import SAME_SPEED
 from torsion.components.material import STEEL
 from torsion.components.shaft import Shaft
 from torsion.errors import Fault, Path
@@ -109,7 +109,7 @@ def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
             found.append((f"{RULE} for {part.name}", "the shaft has no `role`"))
         elif not is_classed(shaft):
             found.append((f"{RULE} for {part.name}", NOT_ROUND))
-    if not has_mean_torque(study.operation):
+    if not study.operation.has_mean_torque:
         found.append((f"{RULE}: least diameters", "the rated power is not given"))
     speeds, rated = study.operation.speeds, study.operation.rated
     if speeds is not None and rated is not None and coverage(speeds.last, rated.speed, LAST_CONTINUOUS):

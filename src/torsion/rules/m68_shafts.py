@@ -29,8 +29,8 @@ MM = 1e3  # mm/m
 class Slot(Declared):
     """Dimensions of a longitudinal slot."""
 
-    length: fields.Length = required("length along the shaft")
-    width: fields.Length = required("width")
+    length: fields.Across = required("length along the shaft")
+    width: fields.Across = required("width")
 
     @model_validator(mode="after")
     def _is_longitudinal(self) -> Self:
@@ -44,7 +44,7 @@ class Asked(Declared):
 
     alloy: Annotated[tuple[str, ...], OneOrMany] = given("shafts of alloy steel; others are carbon or C-Mn steel", ())
     drive: Literal["turbine", "electric", "slip coupling", "other"] = given("what drives, for F", "other")
-    tachometer: fields.Share = given("tolerance of the tachometer, added to both ends of a barred range", 0.0)
+    tachometer: fields.Tolerance = given("tolerance of the tachometer, added to both ends of a barred range", 0.0)
     slots: Mapping[str, Slot] = given("slots by name of the shaft: {length, width}; C_K 1.45/scf in place of 0.30", {})
 
 

@@ -24,7 +24,9 @@ Acceleration = Annotated[float, Quantity("rad/s**2", above=0)]
 class Asked(Declared):
     """Settings of `universal-joints`."""
 
-    unevenness: Number = given("greatest tan b sin b of the resulting angle b of a line (Elbe: 3 degrees)", ELBE)
+    unevenness: Annotated[float, Quantity("1", above=0, usual=(None, 2.0), mistaken="degrees")] = given(
+        "greatest tan b sin b of the resulting angle b of a line (Elbe: 3 degrees)", ELBE
+    )
     torsional: Acceleration = given("greatest acceleration behind all joints of a line (Spicer)", SPICER_TORSIONAL)
     inertial: Acceleration = given("greatest acceleration of a shaft between joints (Spicer)", SPICER_INERTIAL)
     speed_angle: Number | None = given(

@@ -47,9 +47,9 @@ def _joint_faults(study: Study) -> list[Fault]:
     asked = study.analyses.get("joints")
     if asked is None:
         return []
-    from torsion.analyses.joints.joints import Asked, settings_faults
+    from torsion.analyses.joints.joints import JointsSettings, settings_faults
 
-    return settings_faults(study.train, asked) if isinstance(asked, Asked) else []
+    return settings_faults(study.train, asked) if isinstance(asked, JointsSettings) else []
 
 
 def _motion_faults(study: Study) -> list[Fault]:
@@ -73,12 +73,12 @@ def _has_inertia(study: Study) -> bool:
 
 def _lateral_faults(study: Study) -> list[Fault]:
     """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
-    if not study.bends:
+    if "lateral" not in study.analyses and not study.has_supports:
         return []
-    from torsion.analyses.lateral.bending import Asked, lateral_faults
+    from torsion.analyses.lateral.bending import LateralSettings, lateral_faults
 
     asked = study.analyses.get("lateral")
-    return lateral_faults(study.train, asked if isinstance(asked, Asked) else None)
+    return lateral_faults(study.train, asked if isinstance(asked, LateralSettings) else None)
 
 
 def _response_faults(study: Study) -> Iterator[Fault]:
@@ -97,7 +97,7 @@ def _response_faults(study: Study) -> Iterator[Fault]:
 
         yield from table_faults(study)
     yield from _speed_faults(study, speeds=speeds or asked is not None or ruled, frequencies=frequencies)
-    if speeds and not _has_mean_torque(study):
+    if speeds and not study.operation.has_mean_torque:
         yield from _mean_torque_faults(study)
 
 
@@ -131,14 +131,9 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
         yield Fault(needs[0], "this needs the mean torque, and the rated power is not given", _RATED)
 
 
-def _has_mean_torque(study: Study) -> bool:
-    operation = study.operation
-    return not isinstance(operation.load, str) or (operation.rated is not None and operation.rated.power is not None)
-
-
 def _power_faults(study: Study) -> list[Fault]:
     """A mean torque that finds no way through the train, or whose table does not cover the speeds."""
-    if not _has_mean_torque(study):
+    if not study.operation.has_mean_torque:
         return []
     from torsion.analyses.coverage import power_faults
 

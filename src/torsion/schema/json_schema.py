@@ -5,14 +5,15 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
 from pydantic_core import core_schema
 
-from torsion.analyses import ANALYSES, MODELS
+from torsion.analyses import MODELS, settings_classes
 from torsion.components import KINDS, component
 from torsion.components.excitation import Excitation
 from torsion.components.material import Material
 from torsion.fields import Declared, OneOrMany
 from torsion.rules import RULES
+from torsion.rules import settings as rule_settings
 from torsion.schema.read import Scene
-from torsion.schema.sections import LINKS, settings
+from torsion.schema.sections import LINKS
 from torsion.study import FiniteElements, Operation
 
 Schema = dict[str, Any]
@@ -44,8 +45,8 @@ def json_schema() -> Schema:
     models = {
         **{kind: component(kind) for kind in KINDS},
         **sections,
-        **{name: settings(ANALYSES, name) for name in ANALYSES},
-        **{name: settings(RULES, name) for name in RULES},
+        **settings_classes(),
+        **{name: rule_settings(name) for name in RULES},
     }
     asked = list(dict.fromkeys(models.values()))
     found, shared = models_json_schema([(model, "validation") for model in asked], schema_generator=_Declarations)
@@ -66,7 +67,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     link = _one_of({kind: refs[kind] for kind in LINKS}, more={"between": ends})
     fem = {"anyOf": [refs["fem"], {"type": "null"}]}
-    asked = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in ANALYSES}
+    asked = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in settings_classes()}
     return {
         "materials": {"type": "object", "additionalProperties": refs["material"]},
         "operation": refs["operation"],

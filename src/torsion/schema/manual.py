@@ -5,7 +5,7 @@ from importlib.resources import files
 from string import Template
 
 from torsion import units
-from torsion.analyses import ANALYSES, MODELS, UNBUILT
+from torsion.analyses import MODELS, UNBUILT, settings_classes
 from torsion.components import KINDS, component
 from torsion.components import UNBUILT as UNBUILT_KINDS
 from torsion.components.base import Component
@@ -13,9 +13,10 @@ from torsion.components.excitation import Excitation
 from torsion.components.material import STEEL, Material
 from torsion.fields import Declared
 from torsion.rules import RULES
+from torsion.rules import settings as rule_settings
 from torsion.schema.manual_keys import keys_of, quantities_of, table_of
 from torsion.schema.read import Scene
-from torsion.schema.sections import LINKS, settings
+from torsion.schema.sections import LINKS
 from torsion.study import FiniteElements, Operation
 
 EXAMPLES = {
@@ -76,8 +77,8 @@ def manual() -> str:
         excitation=_with_parts(Excitation),
         models=_words(MODELS),
         fem=table_of(FiniteElements),
-        analyses="\n".join(_settings("analysis", name, settings(ANALYSES, name)) for name in ANALYSES),
-        rules="\n".join(_settings("rule", name, settings(RULES, name)) for name in RULES),
+        analyses="\n".join(_settings("analysis", name, kind) for name, kind in settings_classes().items()),
+        rules="\n".join(_settings("rule", name, rule_settings(name)) for name in RULES),
         unbuilt=_unbuilt(),
     )
 
@@ -126,7 +127,7 @@ def _quantities() -> str:
     """Every SI unit of the format with what it measures."""
     everything: list[type[Declared]] = [
         *(component(kind) for kind in KINDS), Material, Operation, Excitation,
-        *(settings(ANALYSES, name) for name in ANALYSES), *(settings(RULES, name) for name in RULES),
+        *settings_classes().values(), *(rule_settings(name) for name in RULES),
     ]  # fmt: skip
     found = dict.fromkeys(quantity.unit for declared in everything for quantity in quantities_of(declared))
     rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]

@@ -12,7 +12,7 @@ from pydantic_core import PydanticUndefined
 
 from torsion import units
 from torsion.components.base import Component
-from torsion.fields import Amount, Declared, OneOrMany, Quantity
+from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
 
 PLAIN = {
     str: "text", bool: "`true` or `false`", int: "a whole number", float: "a number",
@@ -140,6 +140,10 @@ def _limits(annotation: Any) -> Iterator[str]:
                                  ("less than", item.below), ("at most", item.at_most)):  # fmt: skip
                 if limit is not None:
                     yield f"{words} {limit:.5g}"
+            if usual := item.usual_words():
+                yield f"usually {usual}"
+        if item is Amount:
+            yield f"usually {SHARE_OF_MEAN.usual_words()} of the mean"
         for words, name in (("at least", "ge"), ("at most", "le")):
             if isinstance(limit := getattr(item, name, None), int):
                 yield f"{words} {limit}"

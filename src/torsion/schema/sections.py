@@ -1,7 +1,5 @@
 """The sections of the file beside the train: materials, links, excitations, analyses and rules."""
 
-from collections.abc import Mapping
-from importlib import import_module
 from typing import Any
 
 from torsion.analyses import ANALYSES, UNBUILT
@@ -10,19 +8,13 @@ from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, Path
 from torsion.fields import Declared
 from torsion.rules import RULES
+from torsion.rules import settings as rule_settings
 from torsion.schema.messages import declared, shown, unbuilt, unknown
 from torsion.schema.models import MODEL_KEYS
 from torsion.schema.train_reader import one_component
 from torsion.train import Link
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
-
-
-def settings(registry: Mapping[str, str], name: str) -> type[Declared]:
-    """The class of the settings of an analysis or a rule; raises KeyError."""
-    module, kind = registry[name].split(":")
-    found: type[Declared] = getattr(import_module(module), kind)
-    return found
 
 
 def materials(section: object, faults: list[Fault]) -> dict[str, Material]:
@@ -78,10 +70,11 @@ def analyses(section: object, faults: list[Fault]) -> dict[str, Declared]:
             continue
         if name in UNBUILT:
             faults.append(unbuilt(where, f"`{name}`"))
-        elif name not in ANALYSES:
-            faults.append(unknown(where, "analysis", name, [*MODEL_KEYS, *ANALYSES]))
-        elif (asked := declared(settings(ANALYSES, name), body, where, faults)) is not None:
-            read[name] = asked
+        elif name not in ANALYSES or not ANALYSES[name].settings:
+            known = [key for key, analysis in ANALYSES.items() if analysis.settings]
+            faults.append(unknown(where, "analysis", name, [*MODEL_KEYS, *known]))
+        elif (settings := declared(ANALYSES[name].settings_class(), body, where, faults)) is not None:
+            read[name] = settings
     return read
 
 
@@ -107,8 +100,8 @@ def rules(section: object, faults: list[Fault]) -> list[tuple[str, Declared]]:
         if name in seen:
             faults.append(Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True))
         seen.add(name)
-        if (asked := declared(settings(RULES, name), body, path, faults)) is not None:
-            read.append((name, asked))
+        if (settings := declared(rule_settings(name), body, path, faults)) is not None:
+            read.append((name, settings))
     return read
 
 

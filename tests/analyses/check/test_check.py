@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.check.models import Asked, check
+from torsion.analyses.check.models import CheckSettings, check
 from torsion.analyses.check.shapes import shape_errors
 from torsion.analyses.check.torques import driving_ends, end_torques
 from torsion.errors import InputError
@@ -20,7 +20,7 @@ STEPS = ("steps: 181", "steps: 19")  # for tests that need no fine grid
 
 
 def compared(text: str, **settings):
-    return check(torsion.parse(text.replace(*STEPS)), Asked(**settings))
+    return check(torsion.parse(text.replace(*STEPS)), CheckSettings(**settings))
 
 
 def test_models_of_a_geared_branched_train_agree_within_their_stated_errors():

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from torsion.analyses.joints.joints import Asked, joints
+from torsion.analyses.joints.joints import JointsSettings, joints
 from torsion.analyses.steady import steady
 from torsion.assembly import assemble
 from torsion.components.branch import Branch
@@ -26,7 +26,7 @@ TRIPOD = {"kind": "tripod", "radius": 0.03, "arm": 0.6}
 
 def one(joint, **asked):
     """The joint alone."""
-    result = joints(train([joint]), Operation(), Asked(**asked))
+    result = joints(train([joint]), Operation(), JointsSettings(**asked))
     return result.angle, result.joints[0]
 
 
@@ -102,7 +102,7 @@ def test_bearings_share_the_largest_couple_over_their_distance():
 
 def test_couple_of_a_later_joint_is_read_at_its_own_yoke():
     line = [Joint(angle="15 deg"), Joint(angle="20 deg", phase="40 deg")]
-    result = joints(train(line), Operation(), Asked(torque=100.0))
+    result = joints(train(line), Operation(), JointsSettings(torque=100.0))
     first, second = result.joints
     yoke = result.angle + first.error + second.yoke
     normal = -100.0 * math.tan(math.radians(20)) * np.cos(yoke) * np.sin(yoke)
@@ -122,7 +122,7 @@ def test_every_joint_carries_the_mean_torque_of_its_own_shaft():
     known = steady(built, system, operation, np.array([40.0, 100.0]))
     passed = joints(built, operation, steady=known).joints
     assert {joint.name: joint.torque for joint in passed} == pytest.approx(found, rel=1e-14)
-    asked = joints(built, operation, Asked(torque=7.0), known).joints
+    asked = joints(built, operation, JointsSettings(torque=7.0), known).joints
     assert [joint.torque for joint in asked] == [7.0, 7.0, 7.0]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.joints.joints import Asked, joints
+from torsion.analyses.joints.joints import JointsSettings, joints
 from torsion.analyses.joints.line import placed
 from torsion.assembly import assemble
 from torsion.components.branch import Branch
@@ -31,7 +31,7 @@ def ma(phase: float) -> list:
 
 
 def found(components, operation=NONE, **asked):
-    return joints(train(components), operation, Asked(**asked))
+    return joints(train(components), operation, JointsSettings(**asked))
 
 
 @pytest.mark.parametrize(

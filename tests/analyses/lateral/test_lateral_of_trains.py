@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from torsion.analyses.joints.line import placed
-from torsion.analyses.lateral.bending import Asked, lateral
+from torsion.analyses.lateral.bending import LateralSettings, lateral
 from torsion.analyses.lateral.couples import couples_at
 from torsion.assembly.lateral.line import bending_shafts
 from torsion.components.coupling import Coupling
@@ -37,7 +37,7 @@ def _cardan(first: Joint, second: Joint):
 
 
 def test_a_tube_between_two_joints_has_the_critical_speeds_of_rayleigh() -> None:
-    found = lateral(_cardan(Joint(angle="5 deg"), Joint(angle="5 deg")), SPEEDS, Asked(torque=500.0))
+    found = lateral(_cardan(Joint(angle="5 deg"), Joint(angle="5 deg")), SPEEDS, LateralSettings(torque=500.0))
     (shaft,) = found.shafts
     square, k = (0.12**2 + 0.108**2) / 16, math.pi / 1.5
     euler = k**2 * math.sqrt(206e9 * square / 7850)
@@ -53,7 +53,7 @@ def test_a_tube_between_two_joints_has_the_critical_speeds_of_rayleigh() -> None
 
 def test_shear_lowers_the_critical_speeds() -> None:
     built = _cardan(Joint(angle="5 deg"), Joint(angle="5 deg"))
-    plain, soft = (lateral(built, SPEEDS, Asked(modes=2, shear=shear)).shafts[0] for shear in (False, True))
+    plain, soft = (lateral(built, SPEEDS, LateralSettings(modes=2, shear=shear)).shafts[0] for shear in (False, True))
     drop = 1 - soft.critical[0].speed / plain.critical[0].speed
     # first order of Timoshenko: E/(kappa G) times that of rotary inertia, half of r2 k2
     assert drop == pytest.approx(0.5 * (0.12**2 + 0.108**2) / 16 * (math.pi / 1.5) ** 2 * 206 / 79.3 / 0.534, rel=0.1)
@@ -170,7 +170,7 @@ def test_a_soft_support_lets_the_shaft_swing_as_a_rigid_pendulum(share: float) -
     bending = 206e9 * math.pi * 0.06**4 / 64
     stiffness = share * bending / 0.8**2  # so that it holds the tilt with this share
     tail = Shaft(length=1.0, diameter=0.06, support={"at": 0.8, "stiffness": stiffness})
-    (shaft,) = lateral(train([Disc(inertia=1.0), JOINT, tail]), SPEEDS, Asked(modes=1)).shafts
+    (shaft,) = lateral(train([Disc(inertia=1.0), JOINT, tail]), SPEEDS, LateralSettings(modes=1)).shafts
     mass = 7850 * math.pi / 4 * 0.06**2
     rigid = math.sqrt(stiffness * 0.64 / (mass * (1 / 3 + 0.06**2 / 16))) / (2 * math.pi)
     assert shaft.at_rest[0][0] == pytest.approx(rigid, rel=1e-3 * share + 1e-6)
@@ -185,7 +185,7 @@ def test_a_shaft_between_joints_needs_no_support_however_soft() -> None:
 def test_a_shaft_behind_a_gear_turns_at_its_own_speed() -> None:
     tail = [JOINT, Shaft(length=1.0, diameter=0.05), Joint(angle="6 deg"), Disc(inertia=1.0)]
     built = train([Disc(inertia=1.0), Gear(ratio=2, inertia=(0.1, 0.1)), *tail])
-    (shaft,) = lateral(built, SPEEDS, Asked(torque=100.0, modes=1)).shafts
+    (shaft,) = lateral(built, SPEEDS, LateralSettings(torque=100.0, modes=1)).shafts
     assert float(shaft.ratio) == 0.5
     assert shaft.answers[0].speed[-1] == pytest.approx(SPEEDS.speeds.last / 2)
     assert shaft.whirl.speed[-1] == pytest.approx(SPEEDS.speeds.last / 2)
@@ -195,7 +195,9 @@ def test_the_answer_grows_with_the_mean_torque() -> None:
     built = _cardan(JOINT, JOINT)
     rated = Operation(speeds=SPEEDS.speeds, rated=Rated(speed="6000 rpm", power="100 kW"), load="constant")
     torque = 100e3 / (200 * math.pi)
-    one, other = (lateral(built, *given).shafts[0].answers for given in ((rated,), (SPEEDS, Asked(torque=torque))))
+    one, other = (
+        lateral(built, *given).shafts[0].answers for given in ((rated,), (SPEEDS, LateralSettings(torque=torque)))
+    )
     np.testing.assert_allclose(one[1].displacement, other[1].displacement, rtol=1e-9)
 
 
@@ -229,7 +231,7 @@ def test_shear_needs_moduli_that_belong_together() -> None:
     odd = Material(shear_modulus=150e9, youngs_modulus=206e9, density=7850.0)
     built = train([JOINT, _tube(material="odd"), Joint(angle="1 deg")], materials={"odd": odd})
     with pytest.raises(InputError, match="Poisson"):
-        lateral(built, SPEEDS, Asked(shear=True))
+        lateral(built, SPEEDS, LateralSettings(shear=True))
 
 
 @pytest.mark.parametrize(

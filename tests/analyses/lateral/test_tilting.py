@@ -15,7 +15,7 @@ RADIUS = math.sqrt(POLAR * LENGTH**2 / 3.0 / (0.5 - POLAR / 4.0))  # of a rod wi
 DENSITY = INERTIA / (math.pi * RADIUS**2 * LENGTH * (LENGTH**2 / 3.0 + RADIUS**2 / 4.0))
 ROD = """
 name: Zhu and Wang
-materials: {{stiff: {{shear_modulus: 80 GPa, youngs_modulus: 1e18, density: {density!r}}}}}
+materials: {{stiff: {{unusual: true, shear_modulus: 80 GPa, youngs_modulus: 1e18, density: {density!r}}}}}
 operation: {{speeds: {{from: {first} rad/s, to: {last} rad/s, steps: 11}}}}
 train:
   - motor: {{inertia: 1}}

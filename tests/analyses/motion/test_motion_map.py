@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.asked import Asked, MapAsked
+from torsion.analyses.motion.asked import MapSettings, StabilitySettings
 from torsion.analyses.motion.loading import scene
 from torsion.analyses.motion.map import stability_map
 from torsion.analyses.motion.modes import basis
@@ -118,10 +118,10 @@ def test_map_tells_its_progress_and_needs_a_joint():
 
 
 def test_settings_read_ranges_and_refuse_what_cannot_be():
-    asked = Asked(method="hill", map={"over": "angle", "from": "1 deg", "to": "30 deg", "steps": 3})
+    asked = StabilitySettings(method="hill", map={"over": "angle", "from": "1 deg", "to": "30 deg", "steps": 3})
     assert asked.map.values() == pytest.approx(np.radians([1.0, 15.5, 30.0]))
     for wrong in ({"from": "3 deg", "to": "1 deg"}, {"from": "0 deg", "to": "95 deg"}, {"from": 1, "to": "2 deg"}):
         with pytest.raises(ValueError, match=r"`from`|out of range|no unit"):
-            MapAsked(over="angle", **wrong)
+            MapSettings(over="angle", **wrong)
     with pytest.raises(ValueError, match="range"):
-        MapAsked(over="damping", **{"from": -1, "to": 1})
+        MapSettings(over="damping", **{"from": -1, "to": 1})

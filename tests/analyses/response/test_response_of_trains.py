@@ -11,7 +11,7 @@ from torsion.analyses.modes import modes
 from torsion.analyses.response import grid
 from torsion.analyses.response.excitation import amplitude, excitations, sources
 from torsion.analyses.response.over_frequency import frequency_response
-from torsion.analyses.response.over_speed import Asked, response
+from torsion.analyses.response.over_speed import ResponseSettings, response
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.components.branch import Branch
@@ -260,7 +260,7 @@ def test_orders_asked_for_are_the_only_lines(build, operation):
     excite.append(Excitation(at="disc-1", frequency=3.0, torque=1.0))
     study, system = build(
         [Disc(inertia=1.0), Coupling(stiffness=100.0), Disc(inertia=1.0)],
-        excitations=excite, operation=operation(1.0, 2.0, 2), analyses={"response": Asked(orders=["3/2"])},
+        excitations=excite, operation=operation(1.0, 2.0, 2), analyses={"response": ResponseSettings(orders=["3/2"])},
     )  # fmt: skip
     found = response(study, system)
     assert [(line.order, line.frequency) for line in found.lines] == [(Fraction(3, 2), None), (None, 3.0)]
@@ -301,12 +301,12 @@ def test_response_without_speeds_or_frequencies_is_refused(build):
 
 
 def test_methods_are_two_words_and_orders_are_exact():
-    assert Asked(method="harmonic-balance").method == "harmonic-balance"
+    assert ResponseSettings(method="harmonic-balance").method == "harmonic-balance"
     with pytest.raises(ValueError, match="first-order"):
-        Asked(method="shooting")
-    assert Asked(orders=[1, 0.5, "21/8"]).orders == (Fraction(1), Fraction(1, 2), Fraction(21, 8))
+        ResponseSettings(method="shooting")
+    assert ResponseSettings(orders=[1, 0.5, "21/8"]).orders == (Fraction(1), Fraction(1, 2), Fraction(21, 8))
     with pytest.raises(ValueError, match="orders are"):
-        Asked(orders="some")
+        ResponseSettings(orders="some")
 
 
 def test_frequency_response_catches_the_peak_of_a_light_mode(build):

@@ -63,7 +63,8 @@ UNREADABLE = {
     "f.msh": b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n", "g.vtu": b"<x", "h": b"x",
     "i.xdmf": b"x", "j.med": b"x", "k.msh": b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 x y z\n$EndNodes\n",
 }  # fmt: skip
-SCENE = "name: a\ntrain:\n- disc: {inertia: 1}\n- shaft: {length: 1, section: {mesh: NAME}}\n- disc: {inertia: 1}\n"
+SHAFT = "shaft: {length: 1, section: {mesh: NAME}, unusual: true}"  # the meshes here are metres wide
+SCENE = f"name: a\ntrain:\n- disc: {{inertia: 1}}\n- {SHAFT}\n- disc: {{inertia: 1}}\n"
 
 
 @pytest.mark.parametrize("case", BROKEN)
@@ -76,6 +77,17 @@ def test_broken_mesh_is_refused_where_the_file_names_it(tmp_path, case) -> None:
     (fault,) = caught.value.faults
     assert (fault.line, fault.column) == (4, 38)
     assert [word for word in words.split() if word not in f"{fault.message} ({fault.hint})"] == []
+
+
+def test_a_mesh_whose_unit_is_forgotten_is_refused_and_a_meant_one_is_read(tmp_path) -> None:
+    meshio.write(tmp_path / "square.vtu", meshio.Mesh(30.0 * np.array(SQUARE), {"triangle": FOUR}))
+    meant = SCENE.replace("NAME", "square.vtu")
+    for text in (meant, meant.replace(", unusual: true", "").replace("vtu}", "vtu, unit: mm}")):
+        (tmp_path / "scene.yaml").write_text(text)
+        assert torsion.read(tmp_path / "scene.yaml").train.bars
+    (tmp_path / "scene.yaml").write_text(meant.replace(", unusual: true", ""))
+    with pytest.raises(torsion.InputError, match=r"scene.yaml:4:38: the section is 60 m wide .*`unusual: true`"):
+        torsion.read(tmp_path / "scene.yaml")
 
 
 @pytest.mark.parametrize("name", UNREADABLE)

@@ -2,35 +2,35 @@
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, Self, get_args
+from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
 from pydantic import model_validator
 
-from torsion import fields
 from torsion.analyses.check.shapes import shape_errors, shape_weights
 from torsion.analyses.check.torques import Torques, TorquesCompared, compared_torques, end_torques, operating_speeds
 from torsion.analyses.division import assembled, told_division
 from torsion.analyses.modes import Modes, modes, undamped_tree
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
-from torsion.fields import Declared, given, refuse
+from torsion.fields import Declared, Quantity, given, refuse
+from torsion.findings import Progress, Work, silent
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
 Model = Literal["lumped", "fem", "exact"]
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
 COUNT = 6  # elastic modes compared where the file does not say how many
 SAME_WITHOUT_SHAFTS = "No shaft of this train has an inertia of its own: all models of it are the same."
 
 
-class Asked(Declared):
+class CheckSettings(Declared):
     """Settings of `check`."""
 
     models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
-    tolerance: fields.Number = given("largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3)
+    tolerance: Annotated[float, Quantity("1", above=0, usual=(None, 1.0), slip=("%",))] = given(
+        "largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3
+    )
 
     @model_validator(mode="after")
     def _compares(self) -> Self:
@@ -83,6 +83,11 @@ class Compared:
     no_torques: str = ""  # why no torques were compared
 
     @property
+    def fails(self) -> bool:
+        """A model is not within the tolerance."""
+        return bool(self.failed)
+
+    @property
     def failed(self) -> tuple[str, ...]:
         """The models whose errors exceed the tolerance."""
         return tuple(found.model for found in self.models if not found.passes(self.tolerance))
@@ -102,12 +107,12 @@ def has_distributed(study: Study) -> bool:
     return any(bar.density > 0 for bar in study.train.bars)
 
 
-def check(study: Study, asked: Asked | None = None, *, progress: Progress | None = None) -> Compared:
+def check(study: Study, asked: CheckSettings | None = None, *, progress: Progress | None = None) -> Compared:
     """Every model asked for against the exact one, for the modes and the orders that the study says.
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
-    settings, tell = asked or Asked(), progress or (lambda what, share: None)
+    settings, tell = asked or CheckSettings(), progress or (silent)
     if not has_distributed(study):
         return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
     faults = loop_faults(study, ("links",))
@@ -196,3 +201,15 @@ def _largest(errors: FloatArray) -> float:
     """NaN where there is no number."""
     known = errors[~np.isnan(errors)]
     return float(known.max()) if known.size else math.nan
+
+
+def run(work: Work) -> None:
+    """The models of the shafts side by side."""
+    with work.log.step("comparison of the models", "asked") as step:
+        found = check(work.study, work.settings("check", CheckSettings), progress=work.progress)
+        models = [] if found.exact is None else [found.exact, *found.models]
+        step.method = ", ".join(model.model for model in models) or "all models are the same"
+        step.size = "; ".join(f"{model.model}: {model.division}" for model in models)
+    if found.no_torques:
+        work.log.without("comparison of response torques", found.no_torques)
+    work.put(check=found)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from torsion.analyses.joints.found import LineFound, OptimumFound
+from torsion.analyses.joints.found import Extreme, LineFound, OptimumFound
 from torsion.analyses.joints.line import Placed, crosses, motions
 from torsion.kernels.tree import FloatArray
 from torsion.kinematics.cross import extremes
@@ -25,11 +25,12 @@ def line_found(joints: Sequence[Placed], path: tuple[int, ...], optimum: Optimum
         line = Line(*np.zeros((3, 1)))
     one = resultant(line)
     at = float(one.greatest_at)
-    greatest, least = (float(one.greatest), at), (float(one.least), math.fmod(at + math.pi / 2.0, math.pi))
+    greatest = Extreme(float(one.greatest), at)
+    least = Extreme(float(one.least), math.fmod(at + math.pi / 2.0, math.pi))
     index = float(one.index)
     if has_third_order(joints, path):
         greatest, least = _extreme(joints, path, 1.0), _extreme(joints, path, -1.0)
-        index = greatest[0] - least[0]
+        index = greatest.speed_ratio - least.speed_ratio
     return LineFound(
         path, float(one.angle), float(one.phase), float(classical_angle(line)), index, greatest, least, optimum
     )
@@ -40,7 +41,7 @@ def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
     return any(joints[k].joint.order == 3 and joints[k].joint.angle > 0 for k in path)
 
 
-def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> tuple[float, float]:
+def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> Extreme:
     """The extreme of the sampled speed, refined to where the acceleration vanishes."""
     alone, step = _alone(joints, path), 2.0 * math.pi / _SAMPLES
 
@@ -51,7 +52,7 @@ def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> t
     near = float(turned[int(np.argmax(sense * motions(alone, turned)[-1].speed))])
     if acceleration(near - step) * acceleration(near + step) < 0.0:
         near = float(brentq(acceleration, near - step, near + step, xtol=1e-15))
-    return float(motions(alone, np.array([near]))[-1].speed[0]), math.fmod(near + 2.0 * math.pi, 2.0 * math.pi)
+    return Extreme(float(motions(alone, np.array([near]))[-1].speed[0]), math.fmod(near + 2.0 * math.pi, 2.0 * math.pi))
 
 
 def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:

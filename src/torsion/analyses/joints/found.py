@@ -1,87 +1,103 @@
 """What is found of universal joints: each joint, each line of them, its optimum."""
 
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
 from torsion.kernels.tree import FloatArray
+from torsion.results import reported, result
 
 
-@dataclass(frozen=True)
+@reported
 class CoupleFound:
     """Secondary couple that a joint puts on one of its shafts, in axes that stand still."""
 
-    shaft: Literal["driving", "driven"]
-    normal: FloatArray  # (angles,) N m about the normal of the joint's plane
-    inplane: FloatArray  # (angles,) N m about the axis in the plane, square to the shaft
-    yoke: FloatArray | None  # (angles,) N m in axes that turn with the yoke
-    mean: tuple[float, float]  # N m: normal, inplane
-    amplitude: tuple[complex, complex]  # N m, of `order` over the carrier shaft's own angle: normal, inplane
-    order: int  # 2 of a cross joint, 3 of a tripod, 0 where the couple stands still
-    largest: float  # N m, resultant over the turn
-    bearing: float | None  # N: largest bearing reaction, where the distance of the bearings is given
+    shaft: Literal["driving", "driven"] = result(
+        "", (), "driving or driven: the shaft that the joint puts the couple on"
+    )
+    normal: FloatArray = result("N*m", ("angle",), "about the normal of the joint's plane")
+    inplane: FloatArray = result("N*m", ("angle",), "about the axis in the plane, square to the shaft")
+    yoke: FloatArray | None = result("N*m", ("angle",), "in axes that turn with the yoke, or null")
+    mean: tuple[float, float] = result("N*m", (), "[about the normal, in the plane]")
+    amplitude: tuple[complex, complex] = result(
+        "N*m", (), "complex, of `order` over the shaft's own angle: [about the normal, in the plane]"
+    )
+    order: int = result("", (), "of the amplitudes: 2 of a cross joint, 3 of a tripod, 0 of a steady couple")
+    largest: float = result("N*m", (), "largest resultant over the revolution")
+    bearing: float | None = result("N", (), "largest bearing reaction; null where no distance of bearings is given")
 
 
-@dataclass(frozen=True)
+@reported
 class JointFound:
     """One joint over the turns of its line's first shaft."""
 
-    name: str
-    part: int
-    kind: Literal["cross", "tripod", "cv"]
-    angle: float  # rad
-    plane: float  # rad
-    phase: float  # rad
-    yoke: float  # rad from its plane to its driving yoke at angle zero
-    ratio: Fraction  # speed of its driving shaft / reference speed
-    order: int  # of its excitation: 2 cross, 3 tripod, 0 none
-    amplitude: complex  # rad, of that order of the transmission error over its driving shaft's angle
-    unevenness: float  # largest less smallest driven speed / mean, of this joint alone
-    speed: float | None  # rad/s, mean, of its driving shaft at the rated point; None where the file says none
-    torque: float | None  # N m, mean, in its driving shaft; None where it is not known
-    error: FloatArray  # (angles,) rad of its driven shaft against the first shaft of the line
-    speed_ratio: FloatArray  # (angles,) speed of its driven shaft / speed of the first shaft
-    acceleration: FloatArray  # (angles,) 1/rad: times speed squared is the acceleration of its driven shaft
-    torque_ratio: FloatArray  # (angles,) torque behind this joint / torque before it
-    couples: tuple[CoupleFound, ...]  # driving and driven; empty where no torque is known
-    steepest: float = 0.0  # 1/rad, greatest magnitude of `acceleration`
-    force: float = 0.0  # N, greatest force across the driving shaft, of a tripod with a single bearing
+    name: str = result("", (), "the joint")
+    part: int  # position of its component
+    kind: Literal["cross", "tripod", "cv"] = result("", (), "cross, tripod or cv")
+    angle: float = result("rad", (), "between its shafts")
+    plane: float = result("rad", (), "from the plane of the joint before it to its own; 0 of a first joint")
+    phase: float = result("rad", (), "from the driven yoke of the joint before it to its driving yoke")
+    yoke: float = result("rad", (), "from its plane to its driving yoke at angle zero")
+    ratio: Fraction = result("", (), "speed of its driving shaft / reference speed, exact")
+    order: int = result("", (), "of its excitation per revolution of its driving shaft; 0 if it does not excite")
+    amplitude: complex = result("rad", (), "complex amplitude of that order of its transmission error")
+    unevenness: float = result("1", (), "of it alone: (largest - smallest driven speed) / mean")
+    speed: float | None = result("rad/s", (), "mean speed of its driving shaft at the rated point, or null")
+    torque: float | None = result("N*m", (), "mean torque in its driving shaft, or null")
+    error: FloatArray = result("rad", ("angle",), "of its driven shaft against the first shaft of the line")
+    speed_ratio: FloatArray = result("1", ("angle",), "speed of its driven shaft / speed of the first shaft")
+    acceleration: FloatArray = result("1/rad", ("angle",), "acceleration of its driven shaft / speed squared")
+    torque_ratio: FloatArray = result("1", ("angle",), "torque behind it / torque before it")
+    couples: tuple[CoupleFound, ...] = result("", (), "on its shafts; empty where no torque is known")
+    steepest: float = result("1/rad", (), "greatest magnitude of acceleration / speed squared", default=0.0)
+    force: float = result(
+        "N", (), "greatest force across the driving shaft, of a tripod with a single bearing; else 0", default=0.0
+    )
 
 
-@dataclass(frozen=True)
+@reported
+class Extreme:
+    """A greatest or least speed of the last shaft of a line."""
+
+    speed_ratio: float = result("1", (), "speed of the last shaft / speed of the first")
+    at: float = result("rad", (), "first driving angle at which it stands")
+
+
+@reported
 class LineFound:
     """Joints on one shaft line, as one."""
 
-    joints: tuple[int, ...]  # positions in the list of joints
-    resultant: float  # rad: angle of the one cross joint that does the same at order 2
-    phase: float  # rad
-    classical: float  # rad: the small-angle sum
-    index: float  # (greatest - least)/mean speed of the last shaft
-    greatest: tuple[float, float]  # speed ratio, and the first driving angle (rad) at which it stands
-    least: tuple[float, float]
-    optimum: "OptimumFound | None" = None
+    joints: tuple[int, ...] = result("", (), "positions in `joints` of the joints of one shaft line")
+    resultant: float = result("rad", (), "angle of the one cross joint that does the same at order 2")
+    phase: float = result("rad", (), "its phase")
+    classical: float = result("rad", (), "small-angle sum of the handbooks")
+    index: float = result("1", (), "(greatest - least) / mean speed of the last shaft")
+    greatest: Extreme = result("", (), "greatest speed")
+    least: Extreme = result("", (), "least speed")
+    optimum: "OptimumFound | None" = result("", (), "the best choice; null where none was requested", default=None)
 
 
-@dataclass(frozen=True)
+@reported
 class OptimumFound:
     """What the best choice gains."""
 
-    variable: Literal["phase", "angle", "plane"]
-    names: tuple[str, ...]  # the joints that were free
-    before: tuple[float, ...]  # rad
-    best: tuple[float, ...]  # rad
-    index_before: float
-    index_best: float
-    sensitivity: tuple[float, ...]  # index if that joint is 1 degree off, the worse sense
-    over: FloatArray  # (values,) rad of the first free joint's variable over its range
-    index_over: FloatArray  # (values,) the index there, the other joints as they are
+    variable: Literal["phase", "angle", "plane"] = result("", (), "phase, angle or plane")
+    names: tuple[str, ...] = result("", (), "the joints that were free")
+    before: tuple[float, ...] = result("rad", (), "of every free joint as the file says")
+    best: tuple[float, ...] = result("rad", (), "of every free joint")
+    index_before: float = result("1", (), "index as the file says")
+    index_best: float = result("1", (), "index of the best choice")
+    sensitivity: tuple[float, ...] = result(
+        "1", (), "index if that joint is 1 degree off, the worse sense", key="index_1_deg_off"
+    )
+    over: FloatArray = result("rad", ("value",), "of the first free joint over its range")
+    index_over: FloatArray = result("1", ("value",), "index there, the other joints as they are")
 
 
-@dataclass(frozen=True)
+@reported
 class Joints:
     """All joints of the train."""
 
-    angle: FloatArray  # (angles,) rad of the first shaft of each line
-    joints: tuple[JointFound, ...]
-    lines: tuple[LineFound, ...]
-    remarks: tuple[str, ...]  # what could not be said and why: no speed, no torque
+    angle: FloatArray = result("rad", ("angle",), "of the first shaft of each line")
+    joints: tuple[JointFound, ...] = result("", (), "every joint")
+    lines: tuple[LineFound, ...] = result("", (), "every line of joints, as one joint")
+    remarks: tuple[str, ...] = result("", (), "what could not be said, and why")

@@ -12,21 +12,22 @@ from torsion.analyses.joints.best import has_third_order, line_found, optimum_fo
 from torsion.analyses.joints.couples import couples_found
 from torsion.analyses.joints.found import CoupleFound, JointFound, Joints, LineFound, OptimumFound
 from torsion.analyses.joints.line import Behind, Placed, motions, paths, placed, turning
-from torsion.analyses.steady import Steady, has_mean_torque, operating_speed
+from torsion.analyses.steady import Steady
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path
-from torsion.fields import Declared, given
+from torsion.fields import Declared, Quantity, given
+from torsion.findings import Work
 from torsion.study import Operation
 from torsion.train import Train
 
-__all__ = ["Asked", "CoupleFound", "JointFound", "Joints", "LineFound", "OptimumFound", "joints"]
+__all__ = ["CoupleFound", "JointFound", "Joints", "JointsSettings", "LineFound", "OptimumFound", "joints"]
 
 PLACE: Path = ("analyses", "joints")
 _SAMPLES = 720  # of a tripod's turn; symmetry puts the extremes of its speed at multiples of 30 degrees
 
 
-class Asked(Declared):
+class JointsSettings(Declared):
     """Settings of `joints`."""
 
     optimise: Literal["phase", "angle", "plane"] | None = given("which quantity of the joints is to be chosen best")
@@ -37,22 +38,26 @@ class Asked(Declared):
         "torque in the driving shaft of every joint (default: the mean torque, if known)"
     )
     carrier: Literal["driving", "driven"] = given("the shaft of a joint whose torque is constant", "driving")
-    bearings: Mapping[str, fields.Length] = given("distance of the bearings that carry a joint's couple, by joint", {})
+    bearings: Mapping[str, Annotated[float, Quantity("m", above=0, usual=(None, 100.0), slip=("mm",))]] = given(
+        "distance of the bearings that carry a joint's couple, by joint", {}
+    )
 
 
-def joints(train: Train, operation: Operation, asked: Asked | None = None, steady: Steady | None = None) -> Joints:
+def joints(
+    train: Train, operation: Operation, asked: JointsSettings | None = None, steady: Steady | None = None
+) -> Joints:
     """All joints of a train over the turns of each line's first shaft; the rest of the train is taken as rigid.
 
     Each joint carries its own mean torque at the rated speed (else the highest), constant on the shaft `carrier`;
     a `torque` that is asked for stands in its place everywhere. `steady` saves computing the mean torques again.
     Raises InputError where the train has no joint, or a setting names none.
     """
-    wanted = asked or Asked()
+    wanted = asked or JointsSettings()
     every = placed(train)
     if faults := _faults(every, wanted):
         raise InputError(faults)
     turned = np.linspace(0.0, 2.0 * math.pi * wanted.turns, wanted.steps * wanted.turns + 1)
-    speed = operating_speed(operation) or None
+    speed = operation.speed
     torques, lacking = _torques(train, operation, every, wanted, steady)
     moved = motions(every, turned)
     found = [_joint(every, k, moved[k], wanted, speed=speed, torque=torque) for k, torque in enumerate(torques)]
@@ -62,7 +67,13 @@ def joints(train: Train, operation: Operation, asked: Asked | None = None, stead
 
 
 def _joint(
-    every: Sequence[Placed], position: int, behind: Behind, asked: Asked, *, speed: float | None, torque: float | None
+    every: Sequence[Placed],
+    position: int,
+    behind: Behind,
+    asked: JointsSettings,
+    *,
+    speed: float | None,
+    torque: float | None,
 ) -> JointFound:
     place, path = every[position], _path_to(every, position)
     pair: tuple[CoupleFound, ...] = ()
@@ -94,13 +105,13 @@ def _unevenness(place: Placed) -> float:
 
 
 def _torques(
-    train: Train, operation: Operation, every: Sequence[Placed], asked: Asked, known: Steady | None
+    train: Train, operation: Operation, every: Sequence[Placed], asked: JointsSettings, known: Steady | None
 ) -> tuple[list[float | None], list[str]]:
     """Mean torque in the driving shaft of every joint, N m, and what to say where it is not known."""
     if asked.torque is not None:
         return [asked.torque] * len(every), []
-    speed = operating_speed(operation)
-    if not speed or not has_mean_torque(operation):
+    speed = operation.speed
+    if not speed or not operation.has_mean_torque:
         return [None] * len(every), ["no torque is known: secondary couples are left out"]
     if known is None:
         known = mean_torques(train, assemble(train), operation, np.array([speed]))
@@ -108,14 +119,14 @@ def _torques(
     return [float(known.torque[place.span, column]) for place in every], []
 
 
-def _optimum(every: Sequence[Placed], path: tuple[int, ...], asked: Asked) -> OptimumFound | None:
+def _optimum(every: Sequence[Placed], path: tuple[int, ...], asked: JointsSettings) -> OptimumFound | None:
     if asked.optimise is None:
         return None
     free = None if asked.joint is None else [k for k, place in enumerate(every) if place.name == asked.joint]
     return optimum_found(every, path, asked.optimise, free)
 
 
-def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], asked: Asked) -> list[str]:
+def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], asked: JointsSettings) -> list[str]:
     """What a reader must know of the lines."""
     found = []
     for line in lines:
@@ -128,12 +139,12 @@ def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], asked: Asked) 
     return found
 
 
-def settings_faults(train: Train, asked: Asked) -> list[Fault]:
+def settings_faults(train: Train, asked: JointsSettings) -> list[Fault]:
     """Faults of the settings against the train."""
     return _faults(placed(train), asked)
 
 
-def _faults(every: Sequence[Placed], asked: Asked) -> list[Fault]:
+def _faults(every: Sequence[Placed], asked: JointsSettings) -> list[Fault]:
     if not every:
         return [Fault(PLACE, "the train has no joint", "add one: `- joint: {angle: 5 deg}`")]
     names = [place.name for place in every]
@@ -150,7 +161,7 @@ def _faults(every: Sequence[Placed], asked: Asked) -> list[Fault]:
     return faults
 
 
-def _freedom(place: Placed, asked: Asked) -> list[Fault]:
+def _freedom(place: Placed, asked: JointsSettings) -> list[Fault]:
     """The joint that may be changed must change something."""
     where = (*PLACE, "joint")
     if asked.optimise is None:
@@ -162,3 +173,17 @@ def _freedom(place: Placed, asked: Asked) -> list[Fault]:
         message = f"'{place.name}' is the first of its line; its {asked.optimise} changes nothing"
         return [Fault(where, message, "name a later joint")]
     return []
+
+
+def run(work: Work) -> None:
+    """The joints of the train by themselves."""
+    with work.log.step(
+        "universal joints", "asked" if "joints" in work.study.analyses else "the train has joints"
+    ) as step:
+        settings = work.settings("joints", JointsSettings)
+        found = joints(work.study.train, work.study.operation, settings, work.get(Steady))
+        step.method = "exact kinematics of rigid shafts, each line as one joint"
+        step.size = f"{len(found.joints)} joints on {len(found.lines)} lines, {found.angle.size} angles"
+    for remark in found.remarks:
+        work.log.without("universal joints, in part", remark)
+    work.put(joints=found)

@@ -1,7 +1,7 @@
 """Bending of the shafts of a Cardan line: critical speeds, whirl, and the answer to the joints' secondary couples."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
 from typing import Annotated, Literal
@@ -16,7 +16,6 @@ from torsion.analyses.lateral.planes import Planes, planes
 from torsion.analyses.lateral.response import Answer, answer, speeds_for
 from torsion.analyses.lateral.tilting import Tilting, tilting
 from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
-from torsion.analyses.steady import has_mean_torque
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
 from torsion.assembly.lateral.elements import DEGREE
@@ -26,20 +25,31 @@ from torsion.assembly.lateral.shaft import assemble_lateral
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
+from torsion.findings import Progress, Work
 from torsion.kernels.tree import FloatArray
+from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
 
-__all__ = ["Answer", "Asked", "Critical", "Lateral", "ShaftFound", "Tilting", "Whirl", "lateral", "lateral_faults"]
+__all__ = [
+    "Answer",
+    "Critical",
+    "Lateral",
+    "LateralSettings",
+    "ShaftFound",
+    "Tilting",
+    "Whirl",
+    "lateral",
+    "lateral_faults",
+]
 
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
 PLACE: Path = ("analyses", "lateral")
 _ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
 _SPARE = 4  # inner unknowns for every mode that is told
 _WHIRL_SPEEDS = 41  # speeds of the whirl map at most
 
 
-class Asked(Declared):
+class LateralSettings(Declared):
     """Settings of `lateral`."""
 
     modes: Annotated[int, Field(ge=1, le=20)] = given("bending modes of a plane", 4)
@@ -49,32 +59,57 @@ class Asked(Declared):
     carrier: Literal["driving", "driven"] = given("which end of a line of joints has the constant torque", "driving")
 
 
-@dataclass(frozen=True)
+@reported
+class Holding:
+    """What holds a shaft."""
+
+    name: str = result("", (), "joint or support")
+    at: float = result("m", (), "its place along the shaft")
+
+
+@reported
+class InPlanes:
+    """Values of both planes of bending."""
+
+    y: FloatArray = result("", ("mode",), "along the normal of the joint's plane")
+    z: FloatArray = result("", ("mode",), "in the plane, square to the shaft")
+
+
+@reported
 class ShaftFound:
     """One bending shaft; y lies along the normal of the plane of the joint before it (else behind it)."""
 
-    name: str
+    name: str = result("", (), "shafts that bend as one")
     parts: tuple[int, ...]  # of its shafts
-    ratio: Fraction  # its speed / reference speed
-    length: float  # m
-    position: FloatArray  # (places,) m along it; the end between two elements is told twice
-    point: tuple[tuple[str, float], ...]  # what holds it: name and place, m
+    ratio: Fraction = result("", (), "its speed / reference speed, exact; orders are per revolution of the shaft")
+    length: float = result("m", (), "its length")
+    position: FloatArray = result("m", ("place",), "along the shaft; the end between two elements stands twice")
+    point: tuple[Holding, ...] = result("", (), "joints and supports that hold it", key="points")
     at_rest: tuple[FloatArray, FloatArray]  # (modes,) Hz of y and of z, without rotation
-    critical: tuple[Critical, ...]  # of order 1, then of the orders of the joints' couples, by speed
-    whirl: Whirl | None  # None where no speeds are given
-    answers: tuple[Answer, ...]  # to the secondary couples, one an order; empty where no torque is known
-    elements: int
-    tilting: Tilting | None = None  # of a driven shaft on supports, where a torque is known and it is nearly rigid
+    critical: tuple[Critical, ...] = result(
+        "", (), "of order 1, then of the orders of the joints' couples, by speed", key="critical_speeds"
+    )
+    whirl: Whirl | None = result("", (), "over speed; null where no speeds are given")
+    answers: tuple[Answer, ...] = result("", (), "to the secondary couples, one an order; empty without a torque")
+    elements: int = result("", (), "finite elements")
+    tilting: Tilting | None = result(
+        "", (), "of a driven shaft on supports, where a torque is known and it is nearly rigid", default=None
+    )
     remark: str = ""  # why its tilting was left out
 
+    @derived("", (), "natural frequencies without rotation", key="at_rest_Hz")
+    def at_rest_by_plane(self) -> InPlanes:
+        """Hz."""
+        return InPlanes(*self.at_rest)
 
-@dataclass(frozen=True)
+
+@reported
 class Lateral:
     """The bending side of the train."""
 
-    shafts: tuple[ShaftFound, ...]
-    remarks: tuple[str, ...]  # what was left out and why
-    shear: bool = False  # of the beams
+    shafts: tuple[ShaftFound, ...] = result("", (), "shafts that bend; all speeds are those of the reference")
+    remarks: tuple[str, ...] = result("", (), "what was left out, and why")
+    shear: bool = result("", (), "shear deflection is in the beams", key="has_shear", default=False)
 
     @property
     def method(self) -> str:
@@ -89,14 +124,14 @@ class Lateral:
 
 
 def lateral(
-    train: Train, operation: Operation, asked: Asked | None = None, *, progress: Progress | None = None
+    train: Train, operation: Operation, asked: LateralSettings | None = None, *, progress: Progress | None = None
 ) -> Lateral:
     """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
     Raises InputError where no shaft is held, or a support or a material is at fault; SolveError where the modes asked
     for are out of reach.
     """
-    wanted = asked or Asked()
+    wanted = asked or LateralSettings()
     if faults := lateral_faults(train, asked):
         raise InputError(faults)
     every, (shafts, _) = placed(train), bending_shafts(train)
@@ -112,7 +147,7 @@ def lateral(
     return Lateral(tuple(found), tuple(remarks), wanted.shear)
 
 
-def lateral_faults(train: Train, asked: Asked | None) -> list[Fault]:
+def lateral_faults(train: Train, asked: LateralSettings | None) -> list[Fault]:
     """Supports and materials at fault; where bending is asked for and no shaft is held, that too."""
     shafts, faults = bending_shafts(train)
     held = [shaft for shaft in shafts if not shaft.lacks]
@@ -129,13 +164,13 @@ class _Torques:
 
     train: Train
     operation: Operation
-    asked: Asked
+    asked: LateralSettings
     every: Sequence[Placed]
 
     @property
     def is_known(self) -> bool:
         """The file says a torque."""
-        return bool(self.every) and (self.asked.torque is not None or has_mean_torque(self.operation))
+        return bool(self.every) and (self.asked.torque is not None or self.operation.has_mean_torque)
 
     def at(self, speed: FloatArray) -> FloatArray:
         """(joints, speeds) N m at reference speeds, rad/s."""
@@ -153,20 +188,21 @@ class _Torques:
         return np.asarray(self.at(speed)[next(k for k, place in enumerate(self.every) if place.part == part)])
 
 
-def _speeds(operation: Operation, asked: Asked) -> FloatArray | None:
+def _speeds(operation: Operation, asked: LateralSettings) -> FloatArray | None:
     """(speeds,) rad/s of the reference."""
     chosen = asked.speeds or operation.speeds
     return None if chosen is None else chosen.values()
 
 
 def _found(
-    every: Sequence[Placed], shaft: BendingShaft, asked: Asked, operation: Operation, torque: _Torques
+    every: Sequence[Placed], shaft: BendingShaft, asked: LateralSettings, operation: Operation, torque: _Torques
 ) -> ShaftFound:
     reference, ratio = _speeds(operation, asked), float(shaft.ratio)
     own = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
     both, critical = _divided(shaft, asked, own, excited)
-    map_of = None if own is None else whirl(both, _some(own), asked.modes)
+    critical = tuple(replace(crossing, ratio=ratio) for crossing in critical)
+    map_of = None if own is None else replace(whirl(both, _some(own), asked.modes), ratio=ratio)
     rest = _hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)
     answers: tuple[Answer, ...] = ()
     tilt, remark = None, ""
@@ -175,11 +211,11 @@ def _found(
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
         grid = speeds_for(own, resonances)
         couple = couples_at(every, shaft, torque.at(grid / ratio), asked.carrier)
-        answers = tuple(answer(both, order, grid, couple[order]) for order in couple)
+        answers = tuple(replace(answer(both, order, grid, couple[order]), ratio=ratio) for order in couple)
     system = both.system
     return ShaftFound(
         shaft.name, shaft.parts, shaft.ratio, shaft.beam.length, places(system).position,
-        tuple((point.name, point.at) for point in shaft.beam.points),
+        tuple(Holding(point.name, point.at) for point in shaft.beam.points),
         rest, critical, map_of, answers, len(system.cells), tilt, remark,
     )  # fmt: skip
 
@@ -195,7 +231,7 @@ def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
 
 
 def _divided(
-    shaft: BendingShaft, asked: Asked, speed: FloatArray | None, excited: tuple[int, ...]
+    shaft: BendingShaft, asked: LateralSettings, speed: FloatArray | None, excited: tuple[int, ...]
 ) -> tuple[Planes, tuple[Critical, ...]]:
     """The shaft in as many elements as the highest frequency that is told of it needs."""
     highest = 0.0 if speed is None else float(speed[-1]) * max((1, *excited))
@@ -242,7 +278,9 @@ def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
     return faults
 
 
-def _remarks(shafts: Sequence[BendingShaft], operation: Operation, asked: Asked, torque: "_Torques") -> Iterator[str]:
+def _remarks(
+    shafts: Sequence[BendingShaft], operation: Operation, asked: LateralSettings, torque: "_Torques"
+) -> Iterator[str]:
     """What a reader must know of what was left out."""
     for shaft in shafts:
         if shaft.lacks:
@@ -254,3 +292,15 @@ def _remarks(shafts: Sequence[BendingShaft], operation: Operation, asked: Asked,
         yield "no speeds are given: whirl over speed and the answer to the secondary couples are left out"
     elif torque.every and not torque.is_known:
         yield "no torque is known: the answer to the secondary couples is left out"
+
+
+def run(work: Work) -> None:
+    """The bending of every shaft that is held."""
+    why = "asked" if "lateral" in work.study.analyses else "a shaft has a `support`"
+    with work.log.step("bending of the shafts", why) as step:
+        settings = work.settings("lateral", LateralSettings)
+        found = lateral(work.study.train, work.study.operation, settings, progress=work.progress)
+        step.method, step.size = found.method, found.size
+    work.log.left_out += [("bending, in part", remark) for remark in found.remarks]
+    work.log.libraries["scikit-fem"] = None
+    work.put(lateral=found)

@@ -1,7 +1,5 @@
 """Ranges of speed in which a misaligned shaft is unstable, with their boundaries and what meets in them."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from torsion.analyses.lateral.misaligned import (
@@ -14,6 +12,7 @@ from torsion.analyses.lateral.misaligned import (
     natural_frequencies,
 )
 from torsion.kernels.tree import FloatArray
+from torsion.results import derived, reported, result
 
 POINTS = 400
 SPAN = 0.05  # rad/s / the sum of both frequencies: how far around a resonance points are added
@@ -22,16 +21,34 @@ EVEN = 1e-6  # imaginary / real part: a multiplier that is real
 EXACTLY = 1e-15  # relative, of a boundary
 
 
-@dataclass(frozen=True)
+@reported
 class Zone:
     """An unstable range."""
 
     lower: float  # rad/s
     upper: float  # rad/s
-    is_open: tuple[bool, bool]  # the range asked for ends inside the zone, at lower and at upper
-    kind: str  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1, or "several"
+    is_open: tuple[bool, bool] = result("", (), "[from, to] the range goes on beyond the speeds looked at")
+    kind: str = result(  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
+        "", (), "principal, sum, difference, several, or mean couple", key="type"
+    )
     worst: float  # rad/s of the fastest growth
-    rate: float  # 1/s there
+    rate: float = result("1/s", (), "fastest growth in the range", key="growth_per_s")
+    ratio: float = 1.0  # of these speeds / reference speed
+
+    @derived("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
+    def first(self) -> float:
+        """Of the train."""
+        return self.lower / self.ratio
+
+    @derived("rad/s", (), "and ends", key="to_rad_per_s")
+    def last(self) -> float:
+        """Of the train."""
+        return self.upper / self.ratio
+
+    @derived("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
+    def at(self) -> float:
+        """Of the train."""
+        return self.worst / self.ratio
 
 
 def zones(

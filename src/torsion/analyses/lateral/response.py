@@ -1,7 +1,5 @@
 """Answer of a turning shaft to couples at its points: at rest in space (order 0) and at orders of its speed."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +8,7 @@ from torsion.analyses.lateral.whirl import Critical, criticals
 from torsion.assembly.lateral.places import places
 from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.results import derived, reported, result, words
 
 SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is told
 UNDAMPED = 1e-9  # damping ratio below which the height of a resonance is not known
@@ -20,21 +19,39 @@ STEPS = np.tan(np.linspace(-0.5, 0.5, 13)[1:-1] * np.pi)  # equal steps of phase
 ASIDE = np.array([-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03])  # around one without damping
 
 
-@dataclass(frozen=True)
+@reported
 class Answer:
     """Complex amplitudes Re[X exp(i order Omega t)] in y and z (last axis); NaN where the status is singular.
 
     Order 0 stands still and is real. Amplitudes are half ranges.
     """
 
-    order: int
+    order: int = result("", (), "per revolution of the shaft; 0 stands still")
     speed: FloatArray  # (speeds,) rad/s of the shaft
-    displacement: ComplexArray  # (speeds, places, 2) m
+    displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude, half range")
     slope: ComplexArray  # (speeds, places, 2)
     moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
-    force: ComplexArray  # (speeds, points, 2) N, of the shaft on its joints and supports
-    amplification: FloatArray  # (speeds,) growth of relative errors of the data
+    force: ComplexArray = result(
+        "N", ("speed", "point", "direction"), "[y, z] complex amplitude, of the shaft on its joints and supports"
+    )
+    amplification: FloatArray = result("1", ("speed",), "growth of relative errors of the data")
     status: Lines  # (speeds,) uint8 of `Status`
+    ratio: float = 1.0  # speed of the shaft / reference speed
+
+    @derived("rad/s", ("speed",), "reference speeds, more of them around resonances", key="speed_rad_per_s")
+    def reference_speed(self) -> FloatArray:
+        """(speeds,)."""
+        return self.speed / self.ratio
+
+    @derived("N*m", ("speed", "place"), "largest amplitude of the bending moment in any direction", key="moment_Nm")
+    def largest_moment(self) -> FloatArray:
+        """(speeds, places)."""
+        return extent(self.moment)
+
+    @derived("", ("speed",), "ok, near-singular or singular", key="status")
+    def status_words(self) -> np.ndarray:
+        """(speeds,)."""
+        return words(self.status, Status)
 
     @property
     def orbit(self) -> FloatArray:

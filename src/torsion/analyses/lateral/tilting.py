@@ -5,7 +5,7 @@ supports. Where it bends about as easily as it tilts, that is said and nothing i
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate
 
 import numpy as np
@@ -17,6 +17,7 @@ from torsion.assembly.lateral.line import BendingShaft, JointAt
 from torsion.assembly.lateral.shaft import Beam, Segment
 from torsion.kernels.misaligned import small_angle_part
 from torsion.kernels.tree import FloatArray
+from torsion.results import derived, reported, result
 
 Torques = Callable[[FloatArray], FloatArray]  # speeds, rad/s -> N m of the joint's driving shaft
 Bending = tuple[FloatArray, FloatArray]
@@ -26,17 +27,37 @@ MEAN = "mean couple"
 OF_MEAN = Model(lambda turned, tilt: small_angle_part(turned, sine=0.0, cosine=0.0, constant=1.0))
 
 
-@dataclass(frozen=True)
+@reported
 class Tilting:
     """How fast small tilting motions of a rigid shaft grow over the speed of its joint's driving shaft."""
 
-    joint: str
+    joint: str = result("", (), "that drives the shaft")
     shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
     frequency: tuple[float, float]  # Hz of y and of z at rest, without torque
     speed: FloatArray  # (speeds,) rad/s of the driving shaft
-    growth: FloatArray  # (speeds,) 1/s
-    zones: tuple[Zone, ...]  # in speeds of the driving shaft
+    growth: FloatArray = result("1/s", ("speed",), "of the fastest small motion; positive: unstable")
+    zones: tuple[Zone, ...] = result("", (), "unstable ranges", key="unstable")
     ratio: float  # speed of the driving shaft / reference speed
+
+    @derived("kg*m**2", (), "about the centre of the joint")
+    def transverse_inertia(self) -> float:
+        """Of the shaft."""
+        return self.shaft.inertia
+
+    @derived("kg*m**2", (), "of the same body")
+    def polar_inertia(self) -> float:
+        """Of the shaft."""
+        return self.shaft.polar * self.shaft.inertia
+
+    @derived("", (), "of the tilt at rest", key="frequency_Hz")
+    def frequency_by_plane(self) -> dict[str, float]:
+        """Hz, along the normal of the joint's plane and in the plane."""
+        return dict(zip("yz", self.frequency, strict=True))
+
+    @derived("rad/s", ("speed",), "reference speeds", key="speed_rad_per_s")
+    def reference_speed(self) -> FloatArray:
+        """(speeds,)."""
+        return self.speed / self.ratio
 
     @property
     def is_damped(self) -> bool:
@@ -62,7 +83,7 @@ def tilting(
     z, y = (np.sqrt(rigid.square) / (2.0 * np.pi)).tolist()  # the angle about y moves the shaft along z
     if why := _too_soft((y, z), bending):
         return None, why
-    unstable = tuple(_named(rigid, zone) for zone in zones(rigid, first, last, EXACT))
+    unstable = tuple(replace(_named(rigid, zone), ratio=ratio) for zone in zones(rigid, first, last, EXACT))
     around = [speed for zone in unstable for speed in _around(zone) if first < speed < last]
     known = [one for one in resonances(rigid).values() if first < one < last]
     grid = np.unique(np.concatenate([np.linspace(first, last, POINTS), known, around]))

@@ -5,37 +5,51 @@ the lowest frequencies, its largest values, keep all their digits. With dampers 
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.analyses.lateral.planes import EPS, Planes
 from torsion.analyses.lateral.refined import OVERDAMPED, refined
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+from torsion.results import derived, reported, result
 
 SPARE_MODES, TIMES_MODES = 8, 1  # modes at rest among which damped ones are sought: these, and so many times those told
 
 
-@dataclass(frozen=True)
+@reported
 class Whirl:
     """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
 
     speed: FloatArray  # (speeds,) rad/s of the shaft
-    frequency: FloatArray  # (speeds, modes) Hz of the oscillation; NaN where fewer modes oscillate
-    log_decrement: FloatArray  # (speeds, modes); negative: the shaft is unstable
-    direction: FloatArray  # (speeds, modes) 1 forward, -1 backward, between them an ellipse
+    frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null where fewer modes oscillate")
+    log_decrement: FloatArray = result("1", ("speed", "mode"), "negative: the shaft is unstable")
+    direction: FloatArray = result("1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse")
+    ratio: float = 1.0  # speed of the shaft / reference speed
+
+    @derived("rad/s", ("speed",), "reference speeds", key="speed_rad_per_s")
+    def reference_speed(self) -> FloatArray:
+        """(speeds,)."""
+        return self.speed / self.ratio
 
 
-@dataclass(frozen=True, slots=True)
+@reported
 class Critical:
     """A speed at which a frequency of the shaft is `order` times its speed; damping is left out of the speed."""
 
-    order: int  # 1: unbalance; 2: the couples of cross joints
-    mode: int  # counted from 1 by ascending speed
+    order: int = result("", (), "per revolution of the shaft: 1 unbalance, others couples of joints")
+    mode: int = result("", (), "counted from 1 by speed")
     speed: float  # rad/s of the shaft
-    frequency: float  # Hz
-    direction: float  # 1 forward, -1 backward, between them an ellipse
-    damping_ratio: float  # first order: half width of the resonance over speed / speed; 0: the amplitude has no bound
+    frequency: float = result("Hz", (), "order times the speed of the shaft")
+    direction: float = result("1", (), "1 forward, -1 backward whirl, between them an ellipse")
+    damping_ratio: float = result(
+        "1", (), "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound"
+    )
+    ratio: float = 1.0  # speed of the shaft / reference speed
+
+    @derived("rad/s", (), "reference speed", key="speed_rad_per_s")
+    def reference_speed(self) -> float:
+        """Of the train."""
+        return self.speed / self.ratio
 
 
 def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:

@@ -23,7 +23,7 @@ def _read_value(value: Any, info: ValidationInfo) -> float:
 Value = Annotated[float, BeforeValidator(_read_value, json_schema_input_type=float | str)]
 
 
-class MapAsked(Declared):
+class MapSettings(Declared):
     """Settings of `map` in `stability`."""
 
     over: Over = required("angle (of all cross joints), damping or torque (factors on what the file says)")
@@ -33,7 +33,7 @@ class MapAsked(Declared):
     modes: Annotated[int, Field(ge=1, le=60)] | None = given("elastic modes kept (default: those that matter)")
 
     @model_validator(mode="after")
-    def _rises(self) -> "MapAsked":
+    def _rises(self) -> "MapSettings":
         if self.first >= self.last:
             raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
         return self
@@ -43,7 +43,7 @@ class MapAsked(Declared):
         return np.linspace(self.first, self.last, self.steps)
 
 
-class Asked(Declared):
+class StabilitySettings(Declared):
     """Settings of `stability`."""
 
     speeds: SpeedRange | None = given("speeds (default: those of the operation)")
@@ -51,4 +51,4 @@ class Asked(Declared):
     modes: Annotated[int, Field(ge=1, le=1000)] | None = given(
         "reduce to so many elastic modes (default: all of a train of at most 20 coordinates, else those that matter)"
     )
-    map: MapAsked | None = given("growth over speed and one more quantity")
+    map: MapSettings | None = given("growth over speed and one more quantity")

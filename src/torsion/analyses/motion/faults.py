@@ -1,7 +1,6 @@
 """What the exact equations of motion do not take: told as faults of the file where they are asked for."""
 
 from torsion.analyses.motion.asked import Over
-from torsion.analyses.steady import has_mean_torque
 from torsion.components.base import Component
 from torsion.errors import Fault, Path
 from torsion.study import Study
@@ -46,7 +45,7 @@ def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
     train, load = study.train, study.operation.load
     if over == "torque":
         flat = not isinstance(load, str) and not any(torque for _, torque in load)
-        if flat or not has_mean_torque(study.operation):
+        if flat or not study.operation.has_mean_torque:
             hint = "give it, for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`, or a table of `load`"
             return [Fault(path, "the map varies the mean torque, and the train has none", hint)]
     if over == "damping":

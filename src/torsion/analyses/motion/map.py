@@ -4,7 +4,6 @@ The train is reduced to the modes that matter: deviation = rigid motion of the j
 values of the second quantity are solved side by side at one speed, each started from its solution at the speed before.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,12 +20,12 @@ from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.stability import Search, damped
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.findings import Progress, silent
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
 from torsion.kernels.tree import FloatArray
 from torsion.kinematics.cross import unevenness
+from torsion.results import reported, result
 from torsion.study import Study
-
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
 SIDE_BY_SIDE = 25  # values solved at a time, to stay within the caches
 SAME_SWING = 0.02  # relative: periodic motions that differ by more are not the same
@@ -34,20 +33,20 @@ CHECKED = 9  # points at which the unreduced train is computed too
 MOST_ALONE = 1000  # points that are solved one by one where they found no solution side by side
 
 
-@dataclass(frozen=True)
+@reported
 class StabilityMap:
     """Growth rates; NaN where no periodic motion was found."""
 
-    over: Over
-    speed: FloatArray  # (speeds,) rad/s of the reference station
-    value: FloatArray  # (values,) rad, or factors
-    growth: FloatArray  # (speeds, values) 1/s
-    modes: int  # elastic modes kept
-    of_modes: int  # of so many
+    over: Over = result("", (), "angle, damping or torque")
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    value: FloatArray = result("", ("value",), "joint angles in rad, or factors")
+    growth: FloatArray = result("1/s", ("speed", "value"), "null where no periodic motion was found")
+    modes: int = result("", (), "elastic modes kept")
+    of_modes: int = result("", (), "of so many")
     swing: FloatArray  # (speeds, values) rad: largest vibration of a coordinate, half range
-    error: float  # 1/s: largest difference to the unreduced train at the points that were checked
-    checked: int
-    elsewhere: int  # points checked at which the unreduced train settled in another periodic motion
+    error: float = result("1/s", (), "largest difference to the whole train at the points checked")
+    checked: int = result("", (), "points checked")
+    elsewhere: int = result("", (), "points checked at which the whole train settled in another motion")
     alone: int  # points near resonances that were solved one by one on the unreduced train
 
 
@@ -88,7 +87,7 @@ def stability_map(
     progress: Progress | None = None,
 ) -> StabilityMap:
     """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
-    tell = progress or (lambda what, share: None)
+    tell = progress or (silent)
     at = scene(study, system, vibratory=False)
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")

@@ -1,6 +1,5 @@
 """The exact periodic response of a train with joints over speed, by harmonic balance."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from fractions import Fraction
@@ -12,6 +11,7 @@ from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_m
 from torsion.analyses.motion.torques import course
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.findings import Progress, silent
 from torsion.kernels.periodic.harmonic_balance import (
     Balance,
     Linearised,
@@ -23,9 +23,8 @@ from torsion.kernels.periodic.harmonic_balance import (
     resized,
 )
 from torsion.kernels.tree import BoolArray, ComplexArray, FloatArray
+from torsion.results import derived, reported, result, words
 from torsion.study import Study
-
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
 ACCURACY = 1e-10  # harmonics left out / largest kept
 FEWEST, MOST = 6, 400  # harmonics of the common period
@@ -59,30 +58,51 @@ class Orbit:
         return Found.OK if self.found.truncation <= ACCURACY else Found.COARSE
 
 
-@dataclass(frozen=True)
+@reported
 class PeriodicResponse:
     """Complex amplitudes of the exact periodic response (half ranges, phase at reference angle zero).
 
     NaN where no periodic solution was found.
     """
 
-    speed: FloatArray  # (speeds,) rad/s of the reference station
-    orders: tuple[Fraction, ...]  # per turn of the reference station, ascending
-    angle: ComplexArray  # (speeds, orders, stations) rad at own speed
-    torque: ComplexArray  # (speeds, orders, spans) N m at the driving station's speed
-    mean: FloatArray  # (speeds, spans) N m
-    drive: FloatArray  # (speeds,) N m of all drives together, at the reference speed; NaN where the train is held
-    harmonics: np.ndarray  # (speeds,) int: of the common period
-    truncation: FloatArray  # (speeds,) estimated largest harmonic left out / largest kept
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    orders: tuple[Fraction, ...] = result(
+        "", ("order",), "per revolution of the reference, ascending, exact", record="order"
+    )
+    angle: ComplexArray = result(
+        "rad", ("speed", "order", "station"), "complex amplitude at own speed; null where there is no periodic motion",
+        printed=("speed", "named station"),
+    )  # fmt: skip
+    torque: ComplexArray = result(
+        "N*m", ("speed", "order", "span"), "complex amplitude, elastic and damping share together",
+        printed=("speed", "end span"),
+    )  # fmt: skip
+    mean: FloatArray = result(
+        "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
+    )
+    drive: FloatArray = result(
+        "N*m", ("speed",), "mean torque of all drives at the reference speed; null where the train is held"
+    )
+    harmonics: np.ndarray = result("", ("speed",), "of the common period")
+    truncation: FloatArray = result(
+        "1", ("speed",), "estimated largest harmonic left out / largest kept", key="left_out"
+    )
     status: np.ndarray  # (speeds,) uint8: Found
-    why: tuple[str, ...]  # (speeds,) of no solution; else empty
+    why: tuple[str, ...] = result("", (), "of every speed: why there is no periodic motion; else empty")
     orbits: tuple[Orbit | None, ...]  # (speeds,)
-    growth: FloatArray | None = None  # (speeds,) 1/s of small deviations from it; None where it was not computed
-    others: "PeriodicResponse | None" = None  # further motions at some of the speeds, in the same orders
+    growth: FloatArray | None = result("1/s", ("speed",), "of small deviations; null if not computed", default=None)
+    others: "PeriodicResponse | None" = result(
+        "", (), "further motions at the highest peaks, in the same orders; null for none", default=None
+    )
 
-    @property
+    @derived("", ("speed",), "ok, coarse (harmonics left out above 1e-10) or none (no motion found)", key="status")
+    def status_words(self) -> np.ndarray:
+        """(speeds,)."""
+        return words(self.status, Found)
+
+    @derived("", ("speed",), "small deviations grow: the train does not settle in this motion")
     def is_unstable(self) -> BoolArray:
-        """(speeds,) small deviations grow: the motion is not the one that the train settles in."""
+        """(speeds,)."""
         if self.growth is None:
             return np.zeros(len(self.speed), dtype=bool)
         periods = np.array([np.nan if one is None else one.now.loading.period for one in self.orbits])
@@ -105,7 +125,7 @@ def periodic_response(
 ) -> PeriodicResponse:
     """The periodic response at ascending reference speeds (speeds,) rad/s, each started from the one before it."""
     at = scene(study, system)
-    tell = progress or (lambda what, share: None)
+    tell = progress or (silent)
     orbits, why = list[Orbit | None](), list[str]()
     for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
         tell("harmonic balance", k / len(speeds))

@@ -10,6 +10,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from torsion.analyses.motion.zones import Zone, modal_energy, zone
 from torsion.errors import SolveError
+from torsion.results import derived, reported, result
 
 if TYPE_CHECKING:
     from torsion.analyses.motion.stability import Search
@@ -21,17 +22,42 @@ PARTS = 8  # of a range: in each of them the growth is asked before the greatest
 PEAK = 1e-4  # of the stretch in which the greatest growth is sought; at a smooth peak its growth is then far closer
 
 
-@dataclass(frozen=True)
+@reported
 class UnstableRange:
     """Speeds between which small deviations grow."""
 
-    first: float  # rad/s of the reference station
-    last: float
-    is_open: tuple[bool, bool]  # the range goes on beyond the speeds asked for
-    growth: float  # 1/s, the greatest within
-    at: float  # rad/s, where
+    first: float = result("rad/s", (), "lower boundary, reference speed", key="from_rad_per_s")
+    last: float = result("rad/s", (), "upper boundary", key="to_rad_per_s")
+    is_open: tuple[bool, bool] = result(
+        "", (), "[below, above] the range goes on beyond the speeds requested", key="goes_on"
+    )
+    growth: float = result("1/s", (), "largest growth found within")
+    at: float = result("rad/s", (), "where")
     zone: Zone
-    unknown: tuple[float | None, float | None] = (None, None)  # rad/s: from an end as far as there nothing is known
+    unknown: tuple[float | None, float | None] = result(
+        "rad/s", (), "[below, above] from the end to there nothing is known; null elsewhere",
+        key="unknown_to_rad_per_s", default=(None, None),
+    )  # fmt: skip
+
+    @derived("", (), "its type in words")
+    def name(self) -> str:
+        """As the report prints it."""
+        return self.zone.name
+
+    @derived("", (), "principal, sum, difference or unexplained")
+    def kind(self) -> str:
+        """Of the zone."""
+        return self.zone.kind
+
+    @derived("", (), "elastic modes that take part, counted from 1")
+    def modes(self) -> tuple[int, ...]:
+        """Of the zone."""
+        return self.zone.modes
+
+    @derived("", (), "k of k times the common frequency = combination of the modes")
+    def rank(self) -> int:
+        """Of the zone."""
+        return self.zone.rank
 
     @property
     def grows_at_end(self) -> tuple[bool, bool]:

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.motion.asked import Asked
+from torsion.analyses.motion.asked import StabilitySettings
 from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import Basis, basis, reduced
-from torsion.analyses.motion.stability import Progress, Stability, search, stability
+from torsion.analyses.motion.stability import Stability, search, stability
 from torsion.assembly.system import System
+from torsion.findings import Progress
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
@@ -31,7 +32,7 @@ def modes_that_matter(at: Scene, shapes: Basis, fastest: float, asked: int | Non
 
 
 def stability_asked(
-    study: Study, system: System, asked: Asked, speeds: FloatArray, *, progress: Progress | None = None
+    study: Study, system: System, asked: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
 ) -> Stability:
     """Stability at reference speeds (speeds,) rad/s, on as many modes as are asked for, else those that matter."""
     at = scene(study, system, vibratory=False)

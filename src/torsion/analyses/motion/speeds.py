@@ -10,21 +10,14 @@ import numpy as np
 from torsion.analyses.motion.floquet import by_monodromy, variation
 from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import basis
-from torsion.analyses.motion.periodic import (
-    Orbit,
-    PeriodicResponse,
-    Progress,
-    continued,
-    harmonics_at_least,
-    orbit,
-    told,
-)
+from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, continued, harmonics_at_least, orbit, told
 from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.several import others
 from torsion.analyses.motion.stability import damped
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.findings import Progress
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 

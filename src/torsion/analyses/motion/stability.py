@@ -1,6 +1,5 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,10 +15,10 @@ from torsion.analyses.motion.ranges import UNSTABLE, UnstableRange, indicator, u
 from torsion.analyses.motion.zones import candidates
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.findings import Progress, silent
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.results import reported, result
 from torsion.study import Study
-
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
 MOST_SEEDS = 60  # combination resonances that are looked at between the speeds asked for
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
@@ -28,23 +27,34 @@ BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the stati
 CHECKED = 3  # speeds at which the other method checks the growth rate
 
 
-@dataclass(frozen=True)
+@reported
 class Stability:
     """Growth rates over speed; NaN where there is no periodic motion."""
 
-    speed: FloatArray  # (speeds,) rad/s of the reference station, ascending, with those added in and around zones
-    asked: np.ndarray  # (speeds,) bool
-    growth: FloatArray  # (speeds,) 1/s of the fastest growing motion
-    frequency: FloatArray  # (speeds,) rad/s of that motion, modulo w0 and within half of it
-    amplitude_growth: FloatArray  # (speeds,) factor over one turn of the reference station
-    ranges: tuple[UnstableRange, ...]
-    modes: FloatArray  # (modes,) rad/s of the train with straight joints, elastic ones
-    method: str
-    check: float  # 1/s: largest difference of the two methods where both were used; NaN where they were not
-    unsolved: FloatArray  # (speeds,) rad/s of the reference station without a periodic motion
-    loses: bool  # something damps; where nothing does, a growth of 0 is the best there is
-    kept: int | None = None  # elastic modes that the train was reduced to; None: all
-    left_out: float = 0.0  # 1/s: estimated error of that
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them in and around unstable ranges")
+    asked: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
+    growth: FloatArray = result(
+        "1/s", ("speed",), "of the fastest growing small deviation; null where there is no periodic motion"
+    )
+    frequency: FloatArray = result("rad/s", ("speed",), "of that motion, within half of the common frequency")
+    amplitude_growth: FloatArray = result(
+        "1", ("speed",), "growth over a revolution of the reference", key="factor_per_turn"
+    )
+    ranges: tuple[UnstableRange, ...] = result("", (), "unstable ranges of speed")
+    modes: FloatArray = result("rad/s", ("mode",), "elastic ones of the train with straight joints")
+    method: str = result("", (), "monodromy or hill")
+    check: float = result("1/s", (), "largest difference to the other method; null where it was too large")
+    unsolved: FloatArray = result("rad/s", ("unsolved",), "speeds without a periodic motion")
+    loses: bool = result(
+        "", (), "something damps; where nothing does, a growth of 0 is the best there is", key="something_damps"
+    )
+    kept: int | None = result(
+        "", (), "elastic modes that the train is reduced to; null for all", key="modes_kept", default=None
+    )
+    left_out: float = result(
+        "1/s", (), "largest change of the growth rate with twice as many, where that was tried",
+        key="reduction_error_per_s", default=0.0,
+    )  # fmt: skip
 
     @property
     def unknown(self) -> tuple[tuple[float, float], ...]:
@@ -127,7 +137,7 @@ def stability(
     Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
     they shift the orbit, not its stability, to first order.
     """
-    tell = progress or (lambda what, share: None)
+    tell = progress or (silent)
     ask = search(study, system, method=method, modes=modes)
     asked = np.unique(np.asarray(speeds, dtype=float))
     for k, speed in enumerate(asked.tolist()):

@@ -1,6 +1,6 @@
 """Complex amplitudes of a forced response, and what all lines together make of them."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fractions import Fraction
 from typing import Any, TypeVar
 
@@ -8,53 +8,93 @@ import numpy as np
 
 from torsion.analyses.response.excitation import Line
 from torsion.assembly.system import System
+from torsion.kernels.response import Status
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.results import derived, reported, result, words
 
 
-@dataclass(frozen=True)
+@reported
 class Response:
     """Complex amplitudes (half ranges, time factor exp(+i omega t), phase at reference angle zero)."""
 
-    speed: FloatArray  # (speeds,) rad/s of the reference station, refined around resonances
-    asked: np.ndarray  # (speeds,) bool: speeds of the grid that was asked for
-    lines: tuple[Line, ...]
-    frequency: FloatArray  # (speeds, lines) Hz
-    angle: ComplexArray  # (speeds, lines, stations) rad at own speed
-    torque: ComplexArray  # (speeds, lines, spans) N m, elastic and damping share together
-    mean: FloatArray  # (speeds, spans) N m, order 0
-    residual: FloatArray  # (speeds, lines) relative equilibrium residual
+    speed: FloatArray = result(
+        "rad/s", ("speed",), "reference speeds, more of them around resonances and where rules judge"
+    )
+    asked: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
+    lines: tuple[Line, ...] = result("", ("line",), "harmonic components of the excitation", record="")
+    frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
+    angle: ComplexArray = result(
+        "rad", ("speed", "line", "station"), "complex amplitude at own speed", printed=("speed", "named station")
+    )
+    torque: ComplexArray = result(
+        "N*m", ("speed", "line", "span"), "complex amplitude, elastic and damping share together",
+        printed=("speed", "end span"),
+    )  # fmt: skip
+    mean: FloatArray = result(
+        "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
+    )
+    residual: FloatArray = result("1", ("speed", "line"), "relative equilibrium residual")
     status: np.ndarray  # (speeds, lines) uint8: kernels.response.Status
-    joint_error: FloatArray  # (speeds, lines) estimated relative error of the first-order joint model; 0 without joints
+    joint_error: FloatArray = result(
+        "1", ("speed", "line"), "estimated relative error of the first-order joint model; 0 without joints"
+    )
     system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
-    remark: str = ""  # what the refinement around resonances had to leave out
-    left_out: tuple[Line, ...] = ()  # what excites by an order that was not asked for
+    remark: str = result("", (), "what the refinement of speeds left out", default="")
+    left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
+
+    @derived("", ("speed", "line"), "ok, near-singular or singular", key="status")
+    def status_words(self) -> np.ndarray:
+        """(speeds, lines)."""
+        return words(self.status, Status)
+
+    @derived("", (), "orders that excite and `orders` does not name, exact; empty where a rule judges all")
+    def orders_left_out(self) -> tuple[Fraction | None, ...]:
+        """Ascending."""
+        return tuple(line.order for line in self.left_out)
 
 
-@dataclass(frozen=True)
+@reported
 class Synthesis:
     """All lines together, true to phase, over the common cycle."""
 
-    half_range: FloatArray  # (speeds, spans) N m: (max - min)/2
-    peak: FloatArray  # (speeds, spans) N m: largest |mean + vibration|
-    rms: FloatArray  # (speeds, spans) N m
-    bound: FloatArray  # (speeds, spans) N m: sum of magnitudes
-    turns: Fraction  # common cycle in turns of the reference station; 0 where lines have none
+    half_range: FloatArray = result("N*m", ("speed", "span"), "(max - min)/2", printed=("element", "speed"))
+    peak: FloatArray = result(
+        "N*m", ("speed", "span"), "largest magnitude of mean and vibration", printed=("element", "speed")
+    )
+    rms: FloatArray = result("N*m", ("speed", "span"), "root mean square", printed=("element", "speed"))
+    bound: FloatArray = result("N*m", ("speed", "span"), "sum of magnitudes", printed=("element", "speed"))
+    turns: Fraction  # common cycle in revolutions of the reference station; 0 where lines have none
+
+    @derived("", (), "revolutions of the reference after which all orders repeat, exact; null if none")
+    def common_cycle_turns(self) -> Fraction | None:
+        """As text, "21/8"."""
+        return self.turns or None
 
 
-@dataclass(frozen=True)
+@reported
 class FrequencyResponse:
     """Complex amplitudes under the torques that act at every frequency, at one operating point."""
 
-    frequency: FloatArray  # (frequencies,) Hz, refined around resonances
-    asked: np.ndarray  # (frequencies,) bool: frequencies of the grid that was asked for
-    sources: tuple[str, ...]  # names of what excites
-    speed: float  # rad/s of the reference station, at which damping and mean torque were taken; 0 where none is given
-    angle: ComplexArray  # (frequencies, stations) rad at own speed
-    torque: ComplexArray  # (frequencies, spans) N m, elastic and damping share together
-    residual: FloatArray  # (frequencies,) relative equilibrium residual
+    frequency: FloatArray = result("Hz", ("frequency",), "ascending, refined around resonances")
+    asked: np.ndarray = result("", ("frequency",), "the frequency is one of those requested", key="is_asked")
+    sources: tuple[str, ...] = result("", (), "what excites")
+    speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 where none is given")
+    angle: ComplexArray = result(
+        "rad", ("frequency", "station"), "complex amplitude at own speed", printed=("frequency", "named station")
+    )
+    torque: ComplexArray = result(
+        "N*m", ("frequency", "span"), "complex amplitude, elastic and damping share together",
+        printed=("frequency", "end span"),
+    )  # fmt: skip
+    residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
     status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
     system: System = field(repr=False)  # as of `Response`
-    remark: str = ""  # what the refinement around resonances had to leave out
+    remark: str = result("", (), "what the refinement of frequencies left out", default="")
+
+    @derived("", ("frequency",), "ok, near-singular or singular", key="status")
+    def status_words(self) -> np.ndarray:
+        """(frequencies,)."""
+        return words(self.status, Status)
 
 
 Result = TypeVar("Result", Response, FrequencyResponse)

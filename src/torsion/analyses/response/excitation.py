@@ -14,16 +14,17 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.primitives import Torque
+from torsion.results import reported, result
 from torsion.train import Train
 
 
-@dataclass(frozen=True, slots=True)
+@reported
 class Line:
     """One harmonic: so many cycles per turn of the reference station, or a fixed frequency."""
 
-    order: Fraction | None
-    frequency: float | None  # Hz
-    sources: tuple[str, ...]  # names of what excites it
+    order: Fraction | None = result("", (), "per revolution of the reference, exact; null for a fixed frequency")
+    frequency: float | None = result("Hz", (), "null for an order", key="fixed_frequency_Hz")
+    sources: tuple[str, ...] = result("", (), "what excites it")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,11 @@ from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, merged
 from torsion.analyses.response.excitation import Sources, sources, sweeping
 from torsion.analyses.response.solver import answer, ground_damping
-from torsion.analyses.steady import operating_speed, steady_if_known
+from torsion.analyses.steady import steady_if_known
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
+from torsion.findings import Work
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.study import FrequencyRange, Study
@@ -42,7 +43,7 @@ def frequency_response(
         hint = "give an excitation neither `order` nor `frequency`"
         path = ("analyses", "response", "frequencies")
         raise InputError([Fault(path, "no torque acts at every frequency", hint)])
-    at = np.array([operating_speed(study.operation) if speed is None else speed])
+    at = np.array([(study.operation.speed or 0.0) if speed is None else speed])
     mean = steady_if_known(study, system, at) if at[0] > 0 else None
     ground = ground_damping(system, at, mean)
     drive = sources(system, excitation, at, mean)
@@ -82,3 +83,12 @@ def _asked_frequencies(study: Study, frequencies: FloatArray | None) -> FloatArr
         hint = "for example `frequencies: {from: 1, to: 200}`"
         raise InputError([Fault(path, "a response over frequency needs the frequencies", hint)])
     return asked.values()
+
+
+def run(work: Work) -> None:
+    """The response over the frequencies that the file names."""
+    with work.log.step("response over frequency", "asked") as step:
+        found = frequency_response(work.study, work.system, modes=work.get(Modes), damped=work.get(DampedModes))
+        step.method = "two-sided elimination"
+        step.size = f"{found.frequency.size} frequencies"
+    work.put(frequency_response=found)

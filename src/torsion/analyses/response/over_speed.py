@@ -1,7 +1,6 @@
 """Forced response: complex amplitudes of every order and fixed frequency over the speed range."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Any, Literal
@@ -22,13 +21,12 @@ from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
+from torsion.findings import Progress, silent
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.study import FrequencyRange, Study
 
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
-
-__all__ = ["Asked", "FrequencyResponse", "Line", "Response", "Synthesis", "response"]
+__all__ = ["FrequencyResponse", "Line", "Response", "ResponseSettings", "Synthesis", "response"]
 
 
 def _read_orders(value: Any) -> Any:
@@ -39,7 +37,7 @@ def _read_orders(value: Any) -> Any:
     return tuple(fields.read_exact(order) for order in value)
 
 
-class Asked(Declared):
+class ResponseSettings(Declared):
     """Settings of `response`."""
 
     orders: Annotated[Any, BeforeValidator(_read_orders)] = given(
@@ -78,7 +76,7 @@ def response(
     found = excitations(system, None if all_orders else orders)
     highest = max((float(_frequencies(one.line, asked[-1:])[0]) for one in found), default=0.0)
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
-    scene = _Scene(study, system, found, progress or (lambda what, share: None))
+    scene = _Scene(study, system, found, progress or silent)
     further = np.empty(0) if also is None else also[(also > asked[0]) & (also < asked[-1])]
     points = np.union1d(asked, grid.apart(asked, further))
     speed, remark = _refined_speeds(scene, points, damped, modes)
@@ -97,7 +95,7 @@ def response(
 def response_at(study: Study, system: System, found: Response, speeds: FloatArray) -> Response:
     """The response at `speeds` (speeds,) rad/s alone, ascending, of the lines that are found."""
     orders = [line.order for line in found.lines if line.order is not None]
-    return _solve(_Scene(study, system, excitations(system, orders), lambda what, share: None), speeds)
+    return _solve(_Scene(study, system, excitations(system, orders), silent), speeds)
 
 
 def asked_orders(study: Study) -> tuple[Fraction, ...] | None:

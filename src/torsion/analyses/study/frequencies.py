@@ -7,7 +7,8 @@ import numpy as np
 from torsion.analyses.modes import Modes, modes_as_discretised
 from torsion.analyses.study.division import divisions, reference
 from torsion.analyses.study.rows import TimedQuantity
-from torsion.analyses.study.timing import Effort, Method, Progress, timed
+from torsion.analyses.study.timing import Effort, Method, timed
+from torsion.findings import Progress
 from torsion.study import Study
 
 EPS = float(np.finfo(np.float64).eps)

@@ -15,9 +15,10 @@ from torsion.analyses.study.division import divided, divisions, has_shafts, read
 from torsion.analyses.study.loads import LINES, Harmonics, Loaded, eliminated, errors, loaded
 from torsion.analyses.study.modal import superposed
 from torsion.analyses.study.rows import TimedQuantity
-from torsion.analyses.study.timing import Effort, Method, Progress, timed
+from torsion.analyses.study.timing import Effort, Method, timed
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.findings import Progress
 from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
 from torsion.kernels.tree import BoolArray, ComplexArray
 from torsion.study import Study

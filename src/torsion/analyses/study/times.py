@@ -9,9 +9,10 @@ from torsion.analyses.study.division import has_shafts, plain
 from torsion.analyses.study.frequencies import timed_frequencies
 from torsion.analyses.study.response import timed_response
 from torsion.analyses.study.rows import TimedQuantity, Timings
-from torsion.analyses.study.timing import FULL, QUICK, Progress
+from torsion.analyses.study.timing import FULL, QUICK
 from torsion.assembly import assemble
 from torsion.errors import Fault, InputError
+from torsion.findings import Progress
 from torsion.study import Study
 
 TOLERANCE = 1e-3

@@ -10,12 +10,12 @@ import numpy as np
 
 from torsion.analyses.study.rows import TimedRow
 from torsion.errors import SolveError
+from torsion.findings import Progress
 
 ROUNDING = 1e-12  # relative error from which a finer division cannot show more than rounding
 SLOW, SLOW_ROUNDS = 0.3, 3  # s of one run, from which a method has its turn in so many rounds alone
 RUNS_A_TURN = 5  # at most, of a method that is fast
 TURN = 0.01  # s, filled with runs of a fast method
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
 
 @dataclass(frozen=True)

@@ -33,10 +33,14 @@ def sound(mesh: Triangles) -> Triangles:
     return mesh
 
 
-def refuse_size(extent: float) -> None:
-    """Raise SectionFault for an extent (m) that no shaft has."""
+def refuse_size(extent: float, widest: float) -> None:
+    """Raise SectionFault for an extent (m) that no shaft has, or that is not usual."""
+    unit = "`unit` is the unit of the mesh: m, cm, mm or in"
     if not SMALLEST <= extent <= LARGEST:
-        raise SectionFault(f"the section is {extent:.3g} m wide", "`unit` is the unit of the mesh: m, cm, mm or in")
+        raise SectionFault(f"the section is {extent:.3g} m wide", unit)
+    if extent > widest:
+        hint = f"{unit}; usual: at most {widest:g} m; if it is meant, `unusual: true` on the shaft says so"
+        raise SectionFault(f"the section is {extent:.3g} m wide", hint)
 
 
 def _at(point: FloatArray) -> str:

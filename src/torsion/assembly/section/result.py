@@ -100,7 +100,7 @@ def _stamp(file: str) -> tuple[int, int]:
 @lru_cache(maxsize=64)
 def _checked(mesh: SectionMesh, _: tuple[int, int]) -> Triangles:
     found = read_triangles(mesh.file)
-    refuse_size(float(np.ptp(found.points, axis=0).max()) * mesh.scale)
+    refuse_size(float(np.ptp(found.points, axis=0).max()) * mesh.scale, mesh.widest)
     found = sound(found)
     scaled = Triangles(found.points * mesh.scale, found.nodes)
     known = moments(scaled)

@@ -4,19 +4,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.check.models import Compared
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table
 from torsion.report.numbers import NONE, RPM, given, number, order, rpm
 
 if TYPE_CHECKING:
-    from torsion.analyses.check.models import Compared, ModelCompared
+    from torsion.analyses.check.models import ModelCompared
 
 MOST_MODES = 40  # of which a table is printed
 
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where it was not asked."""
-    found = findings.check
+    found = findings.get(Compared)
     if found is None:
         return []
     blocks: list[Block] = [Heading("Comparison of the models")]

@@ -2,17 +2,20 @@
 
 import numpy as np
 
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Heading, Paragraph, Points
 from torsion.report.chapters.verdict import conclusion
 from torsion.report.elements import elements
 from torsion.report.numbers import given_rpm, number, order, rpm
 from torsion.report.reading import amplitude, largest, reference
+from torsion.rules.check import Checks
 
 
 def chapter(findings: Findings) -> list[Block]:
     """Only where something was judged or excited."""
-    if not findings.checks and findings.response is None:
+    if not findings.need(Checks).lines and findings.get(Response) is None:
         return []
     blocks: list[Block] = [Heading("Conclusion and proposed measurements"), *conclusion(findings)]
     proposals = _proposals(findings)
@@ -23,7 +26,7 @@ def chapter(findings: Findings) -> list[Block]:
 
 
 def _proposals(findings: Findings) -> tuple[str, ...]:
-    response = findings.response
+    response = findings.get(Response)
     if response is None or not response.lines:
         return ()
     speeds = findings.study.operation.speeds
@@ -38,8 +41,8 @@ def _proposals(findings: Findings) -> tuple[str, ...]:
         f"analysis by orders{f' ({orders})' if orders else ''} and of the frequencies below."
     )
     found = [run, *_strain(findings), *_angle(findings)]
-    if findings.modes is not None and len(findings.modes.frequency):
-        values = ", ".join(number(f, 4) for f in findings.modes.frequency[:3].tolist())
+    if findings.get(Modes) is not None and len(findings.need(Modes).frequency):
+        values = ", ".join(number(f, 4) for f in findings.need(Modes).frequency[:3].tolist())
         found.append(
             f"Compare the measured natural frequencies with {values} Hz; a difference above 5 % calls for new data."
         )
@@ -56,8 +59,8 @@ def _strain(findings: Findings) -> list[str]:
     values = amplitude(findings, shaft.spans)
     at = largest(np.nanmax(np.where(np.isfinite(values), values, 0.0), axis=1))
     where = (
-        f"; the largest amplitude is expected at {rpm(float(findings.response.speed[at]))} rpm"
-        if findings.response and at is not None
+        f"; the largest amplitude is expected at {rpm(float(findings.need(Response).speed[at]))} rpm"
+        if findings.get(Response) and at is not None
         else ""
     )
     return [f"Torque by strain gauges with telemetry on {shaft.name}{where}."]
@@ -65,7 +68,7 @@ def _strain(findings: Findings) -> list[str]:
 
 def _angle(findings: Findings) -> list[str]:
     """Where the first mode moves most and can be seen."""
-    modes, train = findings.modes, findings.study.train
+    modes, train = findings.get(Modes), findings.study.train
     if modes is None or len(modes.frequency) == 0:
         return []
     size = np.abs(modes.shape[: len(train.stations), 0] / findings.system.speed_ratio[: len(train.stations)])

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
@@ -12,7 +14,7 @@ from torsion.report.reading import largest, orders_together, synthesis, unreliab
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing without elastic couplings or without a response."""
-    if findings.response is None or findings.synthesis is None or not findings.response.lines:
+    if findings.get(Response) is None or findings.get(Synthesis) is None or not findings.need(Response).lines:
         return []
     system = findings.system
     found = [e for e in elements(system) if e.kind == "coupling" and (_damps(findings, e) or _limited(findings, e))]
@@ -65,9 +67,9 @@ def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -
 
 def _worst(findings: Findings, values: FloatArray, unit: Scale) -> tuple[str, str]:
     at = largest(values)
-    if at is None or findings.response is None:
+    if at is None or findings.get(Response) is None:
         return NONE, NONE
-    return unit.text(float(values[at])), rpm(float(findings.response.speed[at]))
+    return unit.text(float(values[at])), rpm(float(findings.need(Response).speed[at]))
 
 
 def _limit(findings: Findings, element: Element, key: str, unit: Scale) -> str:
@@ -76,13 +78,13 @@ def _limit(findings: Findings, element: Element, key: str, unit: Scale) -> str:
 
 
 def _mean(findings: Findings, element: Element, unit: Scale) -> str:
-    if findings.steady is None:
+    if findings.get(Steady) is None:
         return NONE
-    return unit.text(float(np.abs(findings.steady.torque[list(element.spans)]).max()))
+    return unit.text(float(np.abs(findings.need(Steady).torque[list(element.spans)]).max()))
 
 
 def _peak(findings: Findings, element: Element, unit: Scale) -> str:
-    made = findings.synthesis
+    made = findings.get(Synthesis)
     if made is None:
         return NONE
     peak = np.where(unreliable(findings), np.nan, made.peak[:, list(element.spans)].max(axis=1))
@@ -94,7 +96,7 @@ def _heat(findings: Findings, element: Element) -> FloatArray:
     """(speeds,) W; NaN where the response has no reliable value."""
     from torsion.rules.coupling import heat
 
-    response, system = findings.response, findings.system
+    response, system = findings.get(Response), findings.system
     if response is None:
         return np.zeros(0)
     data = [

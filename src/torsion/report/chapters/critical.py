@@ -2,6 +2,8 @@
 
 from fractions import Fraction
 
+from torsion.analyses.critical import CriticalSpeeds
+from torsion.analyses.modes import Modes
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, given_rpm, number, order, rpm
@@ -14,12 +16,12 @@ MOST_ROWS = 60
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where no order excites or no speed range is given."""
     speeds = findings.study.operation.speeds
-    if findings.modes is None or not findings.critical or speeds is None:
+    if findings.get(Modes) is None or not findings.need(CriticalSpeeds).crossings or speeds is None:
         return []
-    inside = [c for c in findings.critical if c.is_inside]
+    inside = [c for c in findings.need(CriticalSpeeds).crossings if c.is_inside]
     text = (
         f"A speed of {reference(findings)} is critical where an order that is excited meets a natural frequency. "
-        f"{_inside(len(inside), len(findings.critical))} in the speed range "
+        f"{_inside(len(inside), len(findings.need(CriticalSpeeds).crossings))} in the speed range "
         f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm."
     )
     return [
@@ -36,13 +38,13 @@ def _inside(inside: int, total: int) -> str:
 
 
 def _orders(findings: Findings) -> list[Fraction]:
-    return sorted({c.order for c in findings.critical})
+    return sorted({c.order for c in findings.need(CriticalSpeeds).crossings})
 
 
 def _matrix(findings: Findings) -> Table:
     """Order by mode."""
-    modes = sorted({c.mode for c in findings.critical})
-    at = {(c.order, c.mode): c for c in findings.critical}
+    modes = sorted({c.mode for c in findings.need(CriticalSpeeds).crossings})
+    at = {(c.order, c.mode): c for c in findings.need(CriticalSpeeds).crossings}
     columns = (Column("Order"), *(Column(f"Mode {mode}", "rpm") for mode in modes))
     rows = []
     for value in _orders(findings):
@@ -60,7 +62,7 @@ def _list(findings: Findings) -> Table:
         Column("Critical speed", "rpm"), Column("Order"), Column("Mode"), Column("Frequency", "Hz"),
         *([Column("Distance from rated", "%")] if speed else []), Column("Sources", align="left"),
     ]  # fmt: skip
-    inside = sorted((c for c in findings.critical if c.is_inside), key=lambda c: c.speed)
+    inside = sorted((c for c in findings.need(CriticalSpeeds).crossings if c.is_inside), key=lambda c: c.speed)
     rows = []
     for c in inside[:MOST_ROWS]:
         own = [number(100 * (c.speed / speed - 1), 3)] if speed else []
@@ -70,16 +72,20 @@ def _list(findings: Findings) -> Table:
 
 
 def _diagram(findings: Findings) -> dict[str, object]:
-    speeds, modes = findings.study.operation.speeds, findings.modes
+    speeds, modes = findings.study.operation.speeds, findings.get(Modes)
     if speeds is None or modes is None:
         return {}
     orders = _orders(findings)
-    met = {c.order for c in findings.critical if c.is_inside}
+    met = {c.order for c in findings.need(CriticalSpeeds).crossings if c.is_inside}
     shown = sorted([*[o for o in orders if o in met], *[o for o in orders if o not in met]][:MOST_ORDERS])
     return {
         "frequencies": modes.frequency.tolist(),
         "orders": [(float(o), f"order {order(o)}") for o in shown],
-        "crossings": [(c.speed * RPM, c.frequency, c.is_inside) for c in findings.critical if c.order in shown],
+        "crossings": [
+            (c.speed * RPM, c.frequency, c.is_inside)
+            for c in findings.need(CriticalSpeeds).crossings
+            if c.order in shown
+        ],
         "speeds": (speeds.first * RPM, speeds.last * RPM),
         "rated": rated_rpm(findings),
         "barred": barred_rpm(findings),

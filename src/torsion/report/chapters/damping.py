@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 
+from torsion.analyses.damped import DampedModes
+from torsion.analyses.response.amplitudes import FrequencyResponse, Response
+from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
 from torsion.report.elements import elements
@@ -18,7 +21,7 @@ def chapter(findings: Findings) -> list[Block]:
     """Left out for an undamped train without a response; an undamped response says so."""
     system = findings.system
     if not system.damps:
-        if findings.response is None and findings.sweep is None:
+        if findings.get(Response) is None and findings.get(FrequencyResponse) is None:
             return []
         text = (
             "Nothing in the train takes energy out: at a resonance the response has no finite value and is not printed."
@@ -43,9 +46,9 @@ def chapter(findings: Findings) -> list[Block]:
 
 def _barely_damped(findings: Findings) -> str:
     """Modes that the damping given hardly damps."""
-    if findings.damped is None or findings.response is None:
+    if findings.get(DampedModes) is None or findings.get(Response) is None:
         return ""
-    return ", ".join(str(k + 1) for k in np.flatnonzero(findings.damped.damping_ratio < BARELY).tolist())
+    return ", ".join(str(k + 1) for k in np.flatnonzero(findings.need(DampedModes).damping_ratio < BARELY).tolist())
 
 
 def _explanation() -> str:
@@ -120,7 +123,7 @@ def _value(findings: Findings, station: int, speed: float | None) -> str:
     mine = [d for d in findings.system.dampers if d.station == station]
     if all(d.torque_factor == 0 and d.speed_factor == 0 for d in mine):
         return number(sum(d.constant for d in mine))
-    steady = findings.steady
+    steady = findings.get(Steady)
     if speed is None:
         return "varies with speed"
     near = 0 if steady is None else int(np.argmin(np.abs(steady.speed - speed)))

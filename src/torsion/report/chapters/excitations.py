@@ -2,11 +2,12 @@
 
 import math
 
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.primitives import Torque
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, degrees, given, given_rpm, number, order, scale
-from torsion.report.reading import over_speed, reference
+from torsion.report.reading import reference
 
 
 def chapter(findings: Findings) -> list[Block]:
@@ -21,7 +22,7 @@ def chapter(findings: Findings) -> list[Block]:
     if angled:
         names = ", ".join(f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled)
         blocks.append(Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}."))
-    if findings.response is not None and findings.response.lines:
+    if findings.get(Response) is not None and findings.need(Response).lines:
         blocks.append(_lines(findings))
     return blocks
 
@@ -63,7 +64,7 @@ def _amplitude(torque: Torque) -> str:
 
 
 def _lines(findings: Findings) -> Table:
-    response = over_speed(findings)
+    response = findings.need(Response)
     columns = (
         Column("Order of the reference"), Column("Frequency over the range", "Hz"), Column("Sources", align="left"),
     )  # fmt: skip

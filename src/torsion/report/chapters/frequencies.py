@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
@@ -23,14 +24,14 @@ SMALLEST_SHARE = 0.005  # of the energy of a mode; less is not listed
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing when no frequency was asked."""
-    modes = findings.modes
+    modes = findings.get(Modes)
     if modes is None:
         return []
     blocks: list[Block] = [Heading("Natural frequencies"), _introduction(modes)]
     if len(modes.frequency) == 0:
         return blocks
     blocks.append(_frequencies(modes))
-    if findings.damped is not None:
+    if findings.get(DampedModes) is not None:
         blocks.extend(_damped(findings))
     blocks.extend([Heading("Energy shares", 2), _shares(findings, modes)])
     shown = min(len(modes.frequency), MOST_MODES)
@@ -75,7 +76,7 @@ def _frequencies(modes: Modes) -> Table:
 
 
 def _damped(findings: Findings) -> list[Block]:
-    damped = findings.damped
+    damped = findings.get(DampedModes)
     if damped is None:
         return []
     columns = (

@@ -2,17 +2,20 @@
 
 import numpy as np
 
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, RPM, Scale, number, rpm, scale
 from torsion.report.reading import NO_VALUE, barred_rpm, largest, orders_together, rated_rpm, synthesis, unreliable
+from torsion.rules.check import Checks
 
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing without gears or without a response."""
-    if findings.response is None or findings.synthesis is None or not findings.response.lines:
+    if findings.get(Response) is None or findings.get(Synthesis) is None or not findings.need(Response).lines:
         return []
     meshes = [e for e in elements(findings.system) if e.kind == "gear"]
     if not meshes:
@@ -20,7 +23,7 @@ def chapter(findings: Findings) -> list[Block]:
     torque = {e: synthesis(findings, e.spans) for e in meshes}
     unit = scale("N m", [float(np.nanmax(np.append(row, 0.0))) for row in torque.values()])
     blocks: list[Block] = [Heading("Gear meshes")]
-    if findings.steady is None:
+    if findings.get(Steady) is None:
         blocks.append(
             Paragraph("The mean torque is not known, so it cannot be said whether the tooth load reverses.", "note")
         )
@@ -30,9 +33,9 @@ def chapter(findings: Findings) -> list[Block]:
 
 def _mean(findings: Findings, mesh: Element) -> FloatArray | None:
     """(speeds,) N m; None where it is not known."""
-    if findings.steady is None or findings.response is None:
+    if findings.get(Steady) is None or findings.get(Response) is None:
         return None
-    return np.asarray(np.abs(findings.response.mean[:, mesh.spans[0]]))
+    return np.asarray(np.abs(findings.need(Response).mean[:, mesh.spans[0]]))
 
 
 def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -> Table:
@@ -41,7 +44,7 @@ def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -
         Column("Mean torque there", unit.unit), Column("Largest vibratory / mean"), Column("At speed", "rpm"),
         Column("Load reverses", align="left"),
     )  # fmt: skip
-    speed = findings.response.speed if findings.response is not None else np.zeros(0)
+    speed = findings.need(Response).speed if findings.get(Response) is not None else np.zeros(0)
     rows, marks = [], []
     for mesh, values in torque.items():
         at, mean = largest(values), _mean(findings, mesh)
@@ -85,12 +88,16 @@ def _figure(findings: Findings, mesh: Element, values: FloatArray) -> Figure:
     mean = _mean(findings, mesh)
     unit = scale("N m", [float(np.nanmax(np.append(values, 0.0))), *([] if mean is None else [float(mean.max())])])
     drawn = {
-        "speed": findings.response.speed * RPM if findings.response is not None else np.zeros(0),
+        "speed": findings.need(Response).speed * RPM if findings.get(Response) is not None else np.zeros(0),
         "vibratory": values * unit.factor, "mean": None if mean is None else mean * unit.factor,
         "bad": unreliable(findings), "unit": unit.unit, "limit": None, "rated": rated_rpm(findings),
         "barred": barred_rpm(findings),
     }  # fmt: skip
-    limit = [c.limit for c in findings.checks if c.where == mesh.name and c.rule == "gear-hammer" and c.unit == "N m"]
+    limit = [
+        c.limit
+        for c in findings.need(Checks).lines
+        if c.where == mesh.name and c.rule == "gear-hammer" and c.unit == "N m"
+    ]
     constant = [value for value in limit if np.isfinite(value)]
     drawn["limit"] = constant[0] * unit.factor if constant else None
     return Figure(f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}", "gear", drawn)

@@ -4,12 +4,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.joints.found import Joints
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.report import joint_figures, joint_tables
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table
 from torsion.report.chapters import verdict
 from torsion.report.numbers import number, order, rpm
-from torsion.report.reading import joint_model, largest, over_speed
+from torsion.report.reading import joint_model, largest
+from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import JointFound, Joints
@@ -27,7 +30,7 @@ MODEL = (
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing without joints."""
-    found = findings.joints
+    found = findings.get(Joints)
     if found is None or not found.joints:
         return []
     blocks: list[Block] = [Heading("Universal joints"), joint_tables.geometry(found), joint_tables.alone(found)]
@@ -39,11 +42,11 @@ def chapter(findings: Findings) -> list[Block]:
 
 def summary(findings: Findings) -> list[Block]:
     """The joints in short, for a report of them alone: each line as one, what is gained, and the verdict."""
-    found = findings.joints
+    found = findings.get(Joints)
     if found is None:
         return []
     items = [sentence for line in found.lines for sentence in joint_tables.in_short(found, line)]
-    judged = verdict.conclusion(findings) if findings.checks else []
+    judged = verdict.conclusion(findings) if findings.need(Checks).lines else []
     return [Heading("Summary"), Points(tuple(items)), *judged]
 
 
@@ -77,7 +80,7 @@ def _best(found: "Joints") -> list[Block]:
 def _response(findings: Findings, found: "Joints") -> list[Block]:
     """How the train answers to each joint's order; nothing without a response or without a joint that excites."""
     exciting = [joint for joint in found.joints if joint.order and joint.amplitude]
-    if findings.response is None or not findings.response.lines or not exciting:
+    if findings.get(Response) is None or not findings.need(Response).lines or not exciting:
         return []
     columns = (
         Column("Joint", align="left"), Column("Line"), Column("Largest torque through the joint", "N m"),
@@ -90,7 +93,7 @@ def _response(findings: Findings, found: "Joints") -> list[Block]:
 
 def _answers(findings: Findings, joint: "JointFound") -> list[tuple[str, ...]]:
     """The largest torque in the joint's spans at every line of its order."""
-    response, wanted = over_speed(findings), joint.order * joint.ratio
+    response, wanted = findings.need(Response), joint.order * joint.ratio
     spans = [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
     rows: list[tuple[str, ...]] = []
     for place, line in enumerate(response.lines):

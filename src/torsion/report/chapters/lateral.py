@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.lateral.bending import Lateral
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
@@ -25,7 +26,7 @@ AXES = (
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where bending is not asked for and no shaft has a support."""
-    found = findings.lateral
+    found = findings.get(Lateral)
     if found is None:
         return []
     speeds = speed_range(findings)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from torsion.asked import has_inertia
+from torsion.analyses.requests import has_inertia
 from torsion.assembly.section.resolved import stress_modulus
 from torsion.components.propeller import Propeller
 from torsion.findings import Findings

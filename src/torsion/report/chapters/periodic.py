@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element
 from torsion.report.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
-from torsion.report.reading import amplitude, over_speed, rated_rpm, unstable_rpm
+from torsion.report.reading import amplitude, rated_rpm, unstable_rpm
 
 if TYPE_CHECKING:
     from torsion.report.motion import Compared
@@ -26,7 +28,7 @@ MODEL = (
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where no exact response was computed."""
-    if findings.periodic is None or findings.response is None:
+    if findings.get(PeriodicResponse) is None or findings.get(Response) is None:
         return []
     from torsion.report.motion import compared, first_order_judged
 
@@ -44,9 +46,8 @@ def chapter(findings: Findings) -> list[Block]:
 
 
 def _introduction(findings: Findings) -> Paragraph:
-    from torsion.report.motion import exact_response
 
-    found = exact_response(findings)
+    found = findings.need(PeriodicResponse)
     known = found.truncation[np.isfinite(found.truncation)]
     harmonics = int(found.harmonics.max(initial=0))
     kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
@@ -58,15 +59,15 @@ def _introduction(findings: Findings) -> Paragraph:
             f"; mean torque of the drive {number(float(np.nanmin(found.drive)))} to "
             f"{number(float(np.nanmax(found.drive)))} N m"
         )
-    left_out = any(line.order is None for line in over_speed(findings).lines)
+    left_out = any(line.order is None for line in findings.need(Response).lines)
     return Paragraph(text + "." + (" Torques of fixed frequency are left out of it." if left_out else ""))
 
 
 def _flagged(findings: Findings) -> list[Block]:
     """The speeds without a periodic motion, with a coarse or an unstable one."""
-    from torsion.report.motion import WORDS, exact_response, flagged
+    from torsion.report.motion import WORDS, flagged
 
-    found, bad = exact_response(findings), np.flatnonzero(flagged(findings))
+    found, bad = findings.need(PeriodicResponse), np.flatnonzero(flagged(findings))
     if not bad.size:
         return []
     columns = (
@@ -90,9 +91,9 @@ def _flagged(findings: Findings) -> list[Block]:
 
 def _others(findings: Findings) -> list[Block]:
     """Further motions at the same speed; nothing where none was found."""
-    from torsion.report.motion import exact_response, other_motions
+    from torsion.report.motion import other_motions
 
-    if exact_response(findings).others is None:
+    if findings.need(PeriodicResponse).others is None:
         return []
     columns = (
         Column("Speed", "rpm"), Column("Motion", align="left"), Column("Largest torque amplitude", "N m"),
@@ -111,9 +112,9 @@ def _others(findings: Findings) -> list[Block]:
 
 
 def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Table:
-    from torsion.report.motion import exact_response, flagged, signed
+    from torsion.report.motion import flagged, signed
 
-    response, exact, bad = over_speed(findings), exact_response(findings), flagged(findings)
+    response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
     columns = (
         Column("Element", align="left"), Column("Order"), Column("First order", unit.unit), Column("At speed", "rpm"),
         Column("Exact", unit.unit), Column("At speed", "rpm"), Column("Difference", "%"),
@@ -160,9 +161,9 @@ def joint_orders(findings: Findings) -> list[Fraction]:
 
 def _figure(findings: Findings, element: Element) -> Figure:
     from torsion.analyses.motion.periodic import Found
-    from torsion.report.motion import exact_amplitude, exact_response
+    from torsion.report.motion import exact_amplitude
 
-    response, found = over_speed(findings), exact_response(findings)
+    response, found = findings.need(Response), findings.need(PeriodicResponse)
     first, exact = amplitude(findings, element.spans), exact_amplitude(findings, element.spans)
     unit = scale("N m", [float(np.nanmax(np.append(exact, 0.0)))])
     lines = [line.order for line in response.lines]

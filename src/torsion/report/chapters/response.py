@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from torsion.analyses.response.over_speed import Response, asked_orders
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.over_speed import asked_orders
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
@@ -18,7 +19,6 @@ from torsion.report.reading import (
     judged,
     largest,
     orders_together,
-    over_speed,
     rated_rpm,
     reference,
     rounding,
@@ -34,7 +34,7 @@ MOST_FIGURES = 12
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing without a response over speed."""
-    response = findings.response
+    response = findings.get(Response)
     if response is None or not response.lines:
         return []
     found = [e for e in elements(findings.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
@@ -57,7 +57,7 @@ def chapter(findings: Findings) -> list[Block]:
 
 def _introduction(findings: Findings, response: Response) -> Paragraph:
     asked, extra = int(response.asked.sum()), int((~response.asked).sum())
-    made = findings.synthesis
+    made = findings.get(Synthesis)
     cycle, lines = "", "the lines of the orders asked for" if response.left_out else "all lines"
     if made is not None:
         cycle = (
@@ -102,7 +102,7 @@ def _status(findings: Findings, response: Response) -> Paragraph:
 
 
 def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
-    response, made = over_speed(findings), findings.synthesis
+    response, made = findings.need(Response), findings.get(Synthesis)
     mean = scale("N m", np.abs(response.mean).max(axis=0).tolist())
     columns = (
         Column("Element", align="left"), Column("Synthesis, half range", unit.unit), Column("At speed", "rpm"),
@@ -174,7 +174,7 @@ def _referred(findings: Findings, element: Element) -> float:
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
-    response = over_speed(findings)
+    response = findings.need(Response)
     parts, half = amplitude(findings, element.spans), synthesis(findings, element.spans)
     limits = _limits(findings, element)
     unit = scale("N m", [float(np.nanmax(np.append(parts, 0.0)))])

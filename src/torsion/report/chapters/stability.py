@@ -1,18 +1,15 @@
 """Chapter: stability of a train with joints: growth of small deviations, unstable ranges, and the map."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from torsion.analyses.motion.map import StabilityMap
+from torsion.analyses.motion.stability import Stability
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, counted, number, rpm, told_apart
 from torsion.report.reading import rated_rpm, reference
 from torsion.report.unstable import ABOVE, BELOW, beyond, end, fastest, legend
-
-if TYPE_CHECKING:
-    from torsion.analyses.motion.map import StabilityMap
-    from torsion.analyses.motion.stability import Stability
+from torsion.rules.check import Checks
 
 MODEL = (
     "A joint makes the stiffness of the train vary with the angle. About the periodic motion that the joints and the "
@@ -30,7 +27,7 @@ SMALL = 1e-5  # 1/s: less is the error of few modes and of rounding
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where stability was not asked for."""
-    found = findings.stability
+    found = findings.get(Stability)
     if found is None:
         return []
     blocks: list[Block] = [Heading("Stability"), _introduction(findings, found), _verdict(findings, found)]
@@ -39,8 +36,8 @@ def chapter(findings: Findings) -> list[Block]:
     if found.unsolved.size:
         blocks.append(_unsolved(found))
     blocks.append(_figure(findings, found))
-    if findings.stability_map is not None:
-        blocks += _map(findings, findings.stability_map)
+    if findings.get(StabilityMap) is not None:
+        blocks += _map(findings, findings.get(StabilityMap))
     return blocks
 
 
@@ -68,7 +65,7 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
 
 
 def _verdict(findings: Findings, found: "Stability") -> Paragraph:
-    check = next(check for check in findings.checks if check.clause == "stability")
+    check = next(check for check in findings.need(Checks).lines if check.clause == "stability")
     where = "the operation" if findings.study.operation.speeds is not None else "the speeds asked for"
     if check.verdict == "pass":
         return Paragraph(f"No deviation grows at any speed of {where}.", "pass")
@@ -149,7 +146,7 @@ def _map(findings: Findings, found: "StabilityMap") -> list[Block]:
 
 def _missed(findings: Findings, found: "StabilityMap") -> str:
     """That unstable ranges lie between the speeds of the map."""
-    ranges = () if findings.stability is None else findings.stability.ranges
+    ranges = () if findings.get(Stability) is None else findings.need(Stability).ranges
     missed = sum(not np.any((found.speed >= one.first) & (found.speed <= one.last)) for one in ranges)
     if not missed:
         return ""

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
@@ -15,7 +16,7 @@ SAME = 1e-9  # of the largest torque: neighbours that differ by less are one lin
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing without a mean torque."""
-    steady = findings.steady
+    steady = findings.get(Steady)
     if steady is None or not np.any(steady.torque):
         return []
     found = elements(findings.system)

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.assembly.section.resolved import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, number, rpm
-from torsion.report.reading import NO_VALUE, barred, evidence, largest, orders_together, rated_rpm, unreliable
+from torsion.report.reading import NO_VALUE, barred, largest, orders_together, rated_rpm, unreliable
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12
@@ -20,9 +21,9 @@ LIMITS = (
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing without shafts or without a response."""
-    if findings.response is None or findings.synthesis is None or not findings.study.train.bars:
+    if findings.get(Response) is None or findings.get(Synthesis) is None or not findings.study.train.bars:
         return []
-    if not findings.response.lines:
+    if not findings.need(Response).lines:
         return []
     blocks: list[Block] = [Heading("Stress of the shafts")]
     of = f"half range of the synthesis of {orders_together(findings)}"
@@ -42,7 +43,7 @@ class Curves:
     """Stress and limits of one shaft over the speed, N/mm2."""
 
     def __init__(self, findings: Findings, bar: Bar) -> None:
-        self.speed = findings.response.speed if findings.response is not None else np.zeros(0)
+        self.speed = findings.need(Response).speed if findings.get(Response) is not None else np.zeros(0)
         self.continuous: FloatArray | None = None
         self.transient: FloatArray | None = None
         limits = _limits(findings, bar.name)
@@ -64,14 +65,14 @@ def _limits(findings: Findings, shaft: str) -> tuple[FloatArray, FloatArray, Flo
     from torsion.rules.m68 import limits
 
     try:
-        return limits(evidence(findings), shaft)
+        return limits(findings, shaft)
     except KeyError:
         return None
 
 
 def _stress(findings: Findings, bar: Bar) -> FloatArray:
     """(speeds,) N/mm2, on the smallest section modulus of the shaft."""
-    synthesis = findings.synthesis
+    synthesis = findings.get(Synthesis)
     if synthesis is None:
         return np.zeros(0)
     spans = [k for k, span in enumerate(findings.system.spans) if span.part == bar.part]

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import FrequencyResponse
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
@@ -14,11 +16,11 @@ MOST_LINES = 10
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where no frequencies were asked."""
-    sweep = findings.sweep
+    sweep = findings.get(FrequencyResponse)
     if sweep is None:
         return []
     bad = sweep.status != Status.OK
-    natural = [] if findings.modes is None else findings.modes.frequency.tolist()
+    natural = [] if findings.get(Modes) is None else findings.need(Modes).frequency.tolist()
     found = elements(findings.system)
     torque = np.array([np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in found])
     torque = torque.reshape(len(found), sweep.frequency.size)

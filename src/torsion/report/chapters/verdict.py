@@ -2,12 +2,16 @@
 
 import numpy as np
 
+from torsion.analyses.check.models import Compared
+from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.motion.stability import Stability
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Points, Table
 from torsion.report.chapters.check import conclusion as compared_models
 from torsion.report.numbers import RPM, given, number, order, rpm
 from torsion.report.reading import band_words, barred_rpm, failed, unreliable
-from torsion.rules.check import Check
+from torsion.rules.check import Check, Checks
 
 COLUMNS = (
     Column("Check", align="left"), Column("Component", align="left"), Column("Worst value"), Column("Limit"),
@@ -18,9 +22,9 @@ COLUMNS = (
 def chapter(findings: Findings) -> list[Block]:
     """The verdict comes first in every report."""
     blocks: list[Block] = [Heading("Verdict")]
-    if findings.checks:
-        rows = tuple(_row(check) for check in findings.checks)
-        marks = tuple(check.verdict for check in findings.checks)
+    if findings.need(Checks).lines:
+        rows = tuple(_row(check) for check in findings.need(Checks).lines)
+        marks = tuple(check.verdict for check in findings.need(Checks).lines)
         blocks.append(
             Table(
                 COLUMNS,
@@ -40,9 +44,9 @@ def chapter(findings: Findings) -> list[Block]:
 def conclusion(findings: Findings) -> list[Block]:
     """The conclusion, that of the comparison of models, and the restrictions of speed, in plain sentences."""
     blocks: list[Block] = [_overall(findings)]
-    if findings.check is not None:
-        blocks.append(compared_models(findings.check))
-    if findings.periodic is not None:
+    if findings.get(Compared) is not None:
+        blocks.append(compared_models(findings.get(Compared)))
+    if findings.get(PeriodicResponse) is not None:
         blocks.extend(_first_order(findings))
     restrictions = _restrictions(findings)
     if restrictions:
@@ -77,7 +81,7 @@ def _is_kept(check: Check) -> bool:
 
 
 def _overall(findings: Findings) -> Paragraph:
-    checks, bad = findings.checks, failed(findings)
+    checks, bad = findings.need(Checks).lines, failed(findings)
     if not checks:
         text = "No rule was asked, or none applies to this train: the report gives results without a verdict."
         return Paragraph(text, "note")
@@ -118,28 +122,28 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
     ]
     found += _unstable(findings)
     bad = unreliable(findings)
-    response = findings.response
+    response = findings.get(Response)
     if response is not None and np.any(bad):
         speeds = response.speed[bad] * RPM
         found.append(
             f"At {_listed(speeds)} the response has no reliable finite value (undamped resonance). "
             "No amplitude is stated there; give the damping of the train."
         )
-    if not found and response is not None and findings.checks and not failed(findings):
+    if not found and response is not None and findings.need(Checks).lines and not failed(findings):
         found.append("No restriction of speed follows from the checks asked.")
     return tuple(found)
 
 
 def _unstable(findings: Findings) -> list[str]:
     """The unstable ranges, and where it could not be said whether there is one."""
-    stable = findings.stability
+    stable = findings.get(Stability)
     if stable is None:
         return []
     from torsion.report.unstable import unanswered, words
 
     ends = float(stable.speed[0]), float(stable.speed[-1])
     found = [f"Unstable range: {words(one, ends)}. Not for operation." for one in stable.ranges]
-    nothing = [check for check in findings.checks if check.clause == "stability" and np.isinf(check.value)]
+    nothing = [check for check in findings.need(Checks).lines if check.clause == "stability" and np.isinf(check.value)]
     if nothing:
         return found + [f"No answer on the stability of the {check.where}: {check.note}." for check in nothing]
     return found + [f"No periodic motion was found {where}: nothing is known there." for where in unanswered(stable)]
@@ -160,7 +164,7 @@ def _listed(speeds: np.ndarray) -> str:
 def _notes(findings: Findings) -> tuple[str, ...]:
     """Remarks, each once, with the components that it is about."""
     about: dict[str, list[str]] = {}
-    for check in findings.checks:
+    for check in findings.need(Checks).lines:
         if check.note:
             about.setdefault(f"{check.what}: {check.note}", []).append(check.where)
     return tuple(f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items())

@@ -18,12 +18,12 @@ PAGE = "check.html"
 
 def write_check(findings: Findings, folder: str | Path, *, today: date | None = None) -> list[Path]:
     """Write both files into the folder, all or none; raises OSError where it cannot be written."""
+    from torsion.output.results_json import MODELS, text
     from torsion.report.html import html
-    from torsion.report.json.results import check_text
     from torsion.report.write import write_texts
 
     page = html(check_document(findings, today or date.today()))
-    return write_texts({PAGE: page, "check.json": check_text(findings)}, folder)
+    return write_texts({PAGE: page, "check.json": text(findings, MODELS)}, folder)
 
 
 def check_document(findings: Findings, today: date | None = None) -> Document:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import torsion
+from torsion.analyses.joints.found import Joints
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block
@@ -21,6 +22,7 @@ from torsion.report.cover import checksum, cover
 from torsion.report.document import Document
 from torsion.report.numbering import numbered
 from torsion.report.numbers import RPM
+from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import JointFound
@@ -31,19 +33,19 @@ Series = tuple[str, FloatArray]  # title with unit; (angles,)
 
 def write_joints(findings: Findings, folder: str | Path, *, today: date | None = None) -> list[Path]:
     """Write the three files into the folder, all or none; raises OSError where it cannot be written."""
+    from torsion.output.results_json import JOINTS, text
     from torsion.report.html import html
-    from torsion.report.json.results import joint_text
     from torsion.report.write import write_texts
 
     page = html(joint_document(findings, today or date.today()))
-    texts = {PAGE: page, "joints.json": joint_text(findings), "joints.csv": csv_text(findings)}
+    texts = {PAGE: page, "joints.json": text(findings, JOINTS), "joints.csv": csv_text(findings)}
     return write_texts(texts, folder)
 
 
 def joint_document(findings: Findings, today: date | None = None) -> Document:
     """The report of the joints alone; the verdict where a rule was judged."""
     blocks: list[Block] = joints_chapter.summary(findings)
-    if findings.checks:
+    if findings.need(Checks).lines:
         blocks += verdict_chapter.chapter(findings)
     for chapter in (joints_chapter, plan_chapter, source_chapter):
         blocks += chapter.chapter(findings)
@@ -53,7 +55,7 @@ def joint_document(findings: Findings, today: date | None = None) -> Document:
 
 def csv_text(findings: Findings) -> str:
     """One row an angle; comments before the titles say what it is of. Numbers come back to the last digit."""
-    found, study = findings.joints, findings.study
+    found, study = findings.get(Joints), findings.study
     if found is None:
         raise ValueError("a table of joints needs joints")
     series: list[Series] = [("angle of first shaft [deg]", np.degrees(found.angle))]

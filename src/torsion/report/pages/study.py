@@ -11,10 +11,10 @@ from typing import Any
 import torsion
 from torsion.analyses.study.rows import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
 from torsion.findings import Findings
+from torsion.output.plain import finite
 from torsion.report.chapters import source as source_chapter
 from torsion.report.cover import checksum, cover
 from torsion.report.document import Document
-from torsion.report.json.numbers import finite
 from torsion.report.numbering import numbered
 from torsion.report.pages.study_blocks import blocks
 from torsion.report.terminal.study import PAGE, recommendation

@@ -50,7 +50,7 @@ class Surface:
 
 def shapes(findings: Findings) -> Modes:
     """The modes to be drawn; raises InputError where there are none."""
-    modes = findings.modes
+    modes = findings.get(Modes)
     if modes is not None and modes.frequency.size:
         return modes
     why = dict(findings.plan.left_out).get("natural frequencies", "the train has no elastic mode")

@@ -1,20 +1,17 @@
 """The tables of the models side by side on the terminal, narrow enough for 80 columns."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console, RenderableType
 from rich.table import Table as Grid
 from rich.text import Text
 
+from torsion.analyses.check.models import Compared
 from torsion.findings import Findings
 from torsion.report.chapters import check as chapter
 from torsion.report.numbers import number
 from torsion.report.pages.check import PAGE
 from torsion.report.terminal.grids import COLOURS, filled, grid, printed
-
-if TYPE_CHECKING:
-    from torsion.analyses.check.models import Compared
 
 
 def show_check(findings: Findings, folder: Path | None = None, console: Console | None = None) -> None:
@@ -29,7 +26,7 @@ def show_check(findings: Findings, folder: Path | None = None, console: Console 
 
 def check_grids(findings: Findings) -> list[RenderableType]:
     """Frequencies with their errors, the largest errors of every model, and the verdict last."""
-    found = findings.check
+    found = findings.get(Compared)
     if found is None:
         return []
     if found.exact is None:

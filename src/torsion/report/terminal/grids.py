@@ -9,6 +9,7 @@ from rich.text import Text
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Paragraph, Points
 from torsion.report.numbers import given, number, rpm
+from torsion.rules.check import Checks
 
 COLOURS = {
     "pass": "green",
@@ -47,7 +48,7 @@ def verdicts(findings: Findings) -> Grid:
     """The checks in a line each."""
     heads = (("verdict", "<"), ("component", "<"), ("check", "<"), ("value", ">"), ("limit", ">"), ("unit", "<"))
     made = grid("Checks, each at its worst point", *heads, ("at rpm", ">"))
-    for check in findings.checks:
+    for check in findings.need(Checks).lines:
         limit = "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit, 4)
         unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
         word = Text(SHORT.get(check.verdict, check.verdict.upper()), style=COLOURS[check.verdict])

@@ -8,12 +8,14 @@ from rich.console import Console, RenderableType
 from rich.table import Table as Grid
 from rich.text import Text
 
+from torsion.analyses.joints.found import Joints
 from torsion.findings import Findings
 from torsion.report import joint_tables
 from torsion.report.chapters import verdict
 from torsion.report.numbers import NONE, number, rpm, scale
 from torsion.report.pages.joints import PAGE
 from torsion.report.terminal.grids import filled, grid, printed, verdicts
+from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import Joints, OptimumFound
@@ -33,7 +35,7 @@ def show_joints(findings: Findings, folder: Path | None = None, console: Console
 
 def joint_grids(findings: Findings) -> list[RenderableType]:
     """Geometry, lines, couples, the best choice, what could not be said, and the verdict if a rule was judged."""
-    found = findings.joints
+    found = findings.get(Joints)
     if found is None:
         return []
     shown: list[RenderableType] = [
@@ -43,7 +45,7 @@ def joint_grids(findings: Findings) -> list[RenderableType]:
         if line.optimum is not None:
             shown += [_best(line.optimum), Text(joint_tables.gained(line.optimum))]
     shown += [Text(f"- {remark}") for remark in found.remarks]
-    if findings.checks:
+    if findings.need(Checks).lines:
         shown += [verdicts(findings), *(printed(block) for block in verdict.conclusion(findings))]
     return shown
 

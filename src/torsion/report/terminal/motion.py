@@ -3,6 +3,9 @@
 import numpy as np
 from rich.table import Table as Grid
 
+from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.motion.stability import Stability
+from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.report.numbers import number, rpm
 from torsion.report.terminal.grids import filled, grid
@@ -10,11 +13,11 @@ from torsion.report.terminal.grids import filled, grid
 
 def largest_by_both(findings: Findings) -> Grid | None:
     """The largest torque of every element, to the first order and exactly."""
-    if findings.periodic is None or findings.response is None:
+    if findings.get(PeriodicResponse) is None or findings.get(Response) is None:
         return None
     from torsion.report.motion import compared, flagged, signed
 
-    exact, bad, rows = findings.periodic, flagged(findings), compared(findings)
+    exact, bad, rows = findings.get(PeriodicResponse), flagged(findings), compared(findings)
     together = [row for row in rows if row.order is None] or list(rows)
     made = grid("Exact periodic response, largest torque", ("element", "<"), ("order", ">"), ("first order, N m", ">"),
                 ("exact, N m", ">"), ("at rpm", ">"), ("%", ">"), ("", "<"))  # fmt: skip
@@ -33,11 +36,11 @@ def largest_by_both(findings: Findings) -> Grid | None:
 
 def unstable_ranges(findings: Findings) -> Grid | None:
     """The unstable ranges of speed."""
-    if findings.stability is None:
+    if findings.get(Stability) is None:
         return None
     from torsion.report.unstable import ABOVE, BELOW, end, fastest, legend
 
-    ranges = findings.stability.ranges
+    ranges = findings.need(Stability).ranges
     heads = (("from rpm", ">"), ("to rpm", ">"), ("growth, 1/s", ">"), ("at rpm", ">"), ("type", "<"))
     made = grid(f"Unstable ranges of speed{legend(ranges)}", *heads)
     return filled(made, [

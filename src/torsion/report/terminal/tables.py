@@ -10,6 +10,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table as Grid
 from rich.text import Text
 
+from torsion.analyses.check.models import Compared
+from torsion.analyses.critical import CriticalSpeeds
+from torsion.analyses.damped import DampedModes
+from torsion.analyses.joints.found import Joints
+from torsion.analyses.lateral.bending import Lateral
+from torsion.analyses.modes import Modes
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
 from torsion.report.chapters import verdict
 from torsion.report.chapters.lateral import speed_range
@@ -36,18 +43,18 @@ def show(findings: Findings, folder: Path | None = None, console: Console | None
 def tables(findings: Findings) -> list[RenderableType]:
     """Everything that is printed, narrow enough for 80 columns; the verdict last, where the eye is."""
     shown: list[RenderableType] = [Text(findings.study.name, style="bold")]
-    joints = None if findings.joints is None else lines_as_one(findings.joints)
-    bent = None if findings.lateral is None else bending_speeds(findings.lateral, speed_range(findings))
+    joints = None if findings.get(Joints) is None else lines_as_one(findings.get(Joints))
+    bent = None if findings.get(Lateral) is None else bending_speeds(findings.get(Lateral), speed_range(findings))
     moved = largest_by_both(findings), unstable_ranges(findings)
     found = (_frequencies(findings), _critical_speeds(findings), _torques(findings), *moved, joints, bent)
     shown += [made for made in (*found, verdicts(findings)) if made is not None and made.row_count]
-    if findings.check is not None and findings.check.exact is not None:
-        shown.append(largest_errors(findings.check))
+    if findings.get(Compared) is not None and findings.need(Compared).exact is not None:
+        shown.append(largest_errors(findings.get(Compared)))
     return [*shown, *(printed(block) for block in verdict.conclusion(findings))]
 
 
 def _frequencies(findings: Findings) -> Grid | None:
-    modes, damped = findings.modes, findings.damped
+    modes, damped = findings.get(Modes), findings.get(DampedModes)
     if modes is None:
         return None
     made = grid("Natural frequencies", ("mode", ">"), ("Hz", ">"), ("per minute", ">"), ("nodes", ">"))
@@ -65,14 +72,14 @@ def _frequencies(findings: Findings) -> Grid | None:
 
 def _critical_speeds(findings: Findings) -> Grid | None:
     made = grid("Critical speeds in the range", ("rpm", ">"), ("order", ">"), ("mode", ">"), ("excited by", "<"))
-    inside = [crossing for crossing in findings.critical if crossing.is_inside]
+    inside = [crossing for crossing in findings.need(CriticalSpeeds).crossings if crossing.is_inside]
     return filled(made, [[rpm(one.speed), order(one.order), str(one.mode), ", ".join(one.sources)] for one in inside])
 
 
 def _torques(findings: Findings) -> Grid | None:
     """The largest synthesis of every component, of the speeds at which every line is reliable."""
-    response = findings.response
-    if response is None or findings.synthesis is None:
+    response = findings.get(Response)
+    if response is None or findings.get(Synthesis) is None:
         return None
     made = grid("Largest vibratory torque, all orders", ("element", "<"), ("N m", ">"), ("at rpm", ">"))
     rows, nothing = [], rounding(findings)

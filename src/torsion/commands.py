@@ -1,6 +1,5 @@
 """A file to its findings and its report: what the command does."""
 
-from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.errors import Fault, InputError
-from torsion.findings import Findings, compared_models, run
-from torsion.plan import Log, Plan, versions
+from torsion.findings import Findings, Progress, silent
+from torsion.plan import Plan
+from torsion.run import run
 from torsion.schema.read import located, read
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def solve(
     *,
     pdf: bool = False,
     vtu: bool = False,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress = silent,
 ) -> Findings:
     """Read, solve and judge a scene; write its report into `out` (default: reports/<scene>/ beside where you stand).
 
@@ -65,17 +65,17 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
 
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
     """
-    from torsion.analyses.joints.joints import Asked
+    from torsion.analyses.joints.joints import JointsSettings
 
     study = read(file)
-    if all(part.component.keyword != "joint" for part in study.train.parts):
+    if not study.has_joints:
         fault = Fault(("train",), "the train has no joint", "`torsion joint` tells of joints; use `torsion solve`")
         raise located(InputError([fault]), study)
-    settings = study.analyses.get("joints") or Asked()
+    settings = study.analyses.get("joints") or JointsSettings()
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
     rules = tuple((name, asked) for name, asked in study.rules if name in JOINT_RULES)
-    findings = run(replace(study, analyses={"joints": settings}, rules=rules), bending=False)
+    findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",))
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
     return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine)))
 
@@ -90,21 +90,14 @@ def write_joints(findings: Findings, folder: Path) -> list[Path]:
         raise _unwritable(folder, error) from None
 
 
-def check(file: str | Path, *, progress: Callable[[str, float], None] | None = None) -> Findings:
+def check(file: str | Path, *, progress: Progress = silent) -> Findings:
     """Read a scene and compare the models of its shafts, whether it asks that or not; nothing is written.
 
     Raises InputError, also for closed loops, of which there is no exact model, and SolveError.
     """
-    from torsion.analyses.division import assembled
-
-    study, log = read(file), Log()
-    system = assembled(study)
-    try:
-        compared = compared_models(study, log, progress or (lambda what, share: None), always=True)
-    except InputError as error:
-        raise located(error, study) from None
-    log.without("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
-    return Findings(study, system, Plan(tuple(log.lines), tuple(log.left_out), versions(system)), check=compared)
+    findings = run(replace(read(file), rules=()), only=("check",), progress=progress)
+    rest = ("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
+    return replace(findings, plan=replace(findings.plan, left_out=(*findings.plan.left_out, rest)))
 
 
 def write_check(findings: Findings, folder: Path) -> list[Path]:
@@ -122,7 +115,7 @@ def study(
     *,
     tolerance: str | float | None = None,
     quick: bool = False,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress = silent,
 ) -> "tuple[Findings, Timings]":
     """Read a scene and time every model and method on it, against their errors; nothing is written.
 
@@ -130,25 +123,25 @@ def study(
     SolveError.
     """
     from torsion.analyses.division import assembled
+    from torsion.analyses.requests import highest_excited, no_response
     from torsion.analyses.study.times import TOLERANCE, study_times
-    from torsion.asked import highest_excited, no_response
+    from torsion.rules import needed
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
     scene = read(file)
-    excites = any(torque.order is not None or torque.frequency is not None for torque in scene.train.torques)
-    excites = excites or any(mesh.error for mesh in scene.train.constraints)
     try:
-        system = assembled(scene)
+        system, ruled = assembled(scene), needed(scene)
         timings = study_times(
-            scene, highest=highest_excited(scene, system), count=getattr(scene.analyses.get("modes"), "count", None),
-            no_response=no_response(scene, system, excites), tolerance=goal, quick=quick, progress=progress,
+            scene, highest=highest_excited(scene, system, ruled),
+            count=getattr(scene.analyses.get("modes"), "count", None),
+            no_response=no_response(scene, system, ruled), tolerance=goal, quick=quick, progress=progress,
         )  # fmt: skip
         if not timings.quantities:
             fault = Fault(("train",), " ".join(timings.remarks), "a shaft with density, or an excitation and speeds")
             raise InputError([fault])
     except InputError as error:
         raise located(error, scene) from None
-    return Findings(scene, system, Plan((), (), {})), timings
+    return Findings(scene, {"system": system}, Plan((), (), {})), timings
 
 
 def _tolerance(given: str | float) -> float:

@@ -1,0 +1,82 @@
+"""Declared results as plain data: dicts, lists, texts and numbers that are finite or None."""
+
+import math
+from enum import Enum
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from torsion.output.selection import Selection
+from torsion.results import Quantity, is_declared, quantities
+
+LISTED = {"named station": "station", "end span": "span", "element": "element"}  # axes whose places a result names
+
+
+def plain(value: Any, selection: Selection) -> Any:
+    """A result, or any value that one holds: complex numbers as pairs, exact ones as text, no value as None."""
+    if is_declared(value):
+        return _result(value, selection)
+    if isinstance(value, Fraction):
+        return str(value)
+    if isinstance(value, Enum):
+        return value.name.lower().replace("_", "-")
+    if isinstance(value, np.ndarray):
+        return numbers(value)
+    if isinstance(value, dict):
+        return {key: plain(one, selection) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(one, selection) for one in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, complex):
+        known = not np.isnan(value)
+        return [value.real, value.imag] if known else [None, None]
+    if isinstance(value, float):
+        return finite(value)
+    return value
+
+
+def finite(value: float | None) -> float | None:
+    """A number, or None where it is none."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def numbers(values: Any) -> Any:
+    """An array as nested lists, complex values as pairs; what is not finite is None."""
+    array: Any = np.asarray(values)
+    if array.dtype.kind == "c":
+        array = np.where(np.isnan(array), complex(np.nan, np.nan), array)
+        array = np.stack([array.real, array.imag], axis=-1)
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        known = np.isfinite(array)
+        array = array.astype(object)
+        array[~known] = None
+    return array.tolist()
+
+
+def _result(value: Any, selection: Selection) -> Any:
+    """A result as a dict; arrays over an axis of records are distributed over the records."""
+    declared = quantities(type(value))
+    records = {one.axes[0]: one for one in declared if one.record is not None}
+    found: dict[str, Any] = {}
+    for one in sorted(declared, key=lambda one: one.record is None):
+        held = getattr(value, one.name)
+        axis = next((axis for axis in one.axes if axis in records), None)
+        if one.record is not None:
+            entries = [plain(record, selection) for record in held]
+            found[one.key] = [{one.record: entry} for entry in entries] if one.record else entries
+        elif axis is None or held is None:
+            found[one.key] = plain(_reduced(held, one, one.axes, selection), selection)
+        else:
+            place, rest = one.axes.index(axis), tuple(other for other in one.axes if other != axis)
+            for number, entry in enumerate(found[records[axis].key]):
+                inside = _reduced(np.take(held, number, axis=place), one, rest, selection)
+                entry[one.key] = plain(inside, selection)
+    printed = {axis for one in declared for axis in one.printed}
+    positions = {axis: selection.positions(axis) for axis in LISTED if axis in printed}
+    return found[""] if "" in found else {**{LISTED[axis]: at for axis, at in positions.items()}, **found}
+
+
+def _reduced(value: Any, one: Quantity, axes: tuple[str, ...], selection: Selection) -> Any:
+    return selection.reduced(value, one, axes) if isinstance(value, np.ndarray) and value.ndim else value

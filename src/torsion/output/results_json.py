@@ -1,0 +1,47 @@
+"""The results as JSON: declared, stable, every number finite or null.
+
+Format 1 may gain keys; a key that is there keeps its meaning. Complex amplitudes are pairs [real, imaginary]; orders
+and ratios are texts "a/b".
+"""
+
+import json
+from typing import Any
+
+import torsion
+from torsion.analyses import ANALYSES
+from torsion.findings import Findings
+from torsion.output.plain import plain
+from torsion.output.scene import scene, span_rows, station_rows
+from torsion.output.selection import MOST_SEGMENTS, Selection
+
+FORMAT = 1
+HEAD = ("scene", "plan")  # keys that every file of results has
+JOINTS, MODELS = ("joints", "checks"), ("check",)  # keys of the files of the joints, and of the models, alone
+LEGEND = {
+    "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
+    "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
+    "own_speed": "angles, torques and inertias are told at the station's own speed, a span's at its driving station",
+    "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
+    "reference": "orders and speeds count from the component `scene.reference`",
+    "status": "ok, near-singular or singular: how far a line can be trusted; where singular, amplitudes are null",
+    "long_shafts": f"of a shaft of more than {MOST_SEGMENTS} segments stretches are told, as `name [first..last]`: "
+    "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
+    "null": "no value, not a number, or infinite (a held station's inertia)",
+}
+
+
+def results(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Everything that was found; what was not requested is null or an empty list. `only`: those keys, and the head."""
+    chosen = Selection(findings.system)
+    head = {"scene": scene(findings.study), "stations": station_rows(chosen), "spans": span_rows(chosen)}
+    names = [name for analysis in ANALYSES.values() for name in analysis.results]
+    found = head | {name: findings.results.get(name) for name in (*names, "checks")} | {"plan": findings.plan}
+    kept = {name: plain(value, chosen) for name, value in found.items() if not only or name in (*HEAD, *only)}
+    program = {"name": "torsion", "version": torsion.__version__}
+    return {"format": FORMAT, "program": program, "legend": LEGEND} | kept
+
+
+def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
+    """The results as JSON text, one line for each top-level key."""
+    rows = [f"{json.dumps(k)}: {json.dumps(v, allow_nan=False)}" for k, v in results(findings, only).items()]
+    return "{\n" + ",\n".join(rows) + "\n}\n"

@@ -1,0 +1,129 @@
+"""What stands at the head of the results: the scene, and the stations and spans that arrays run over."""
+
+import hashlib
+from fractions import Fraction
+
+from torsion.assembly.system import System
+from torsion.output.selection import Selection
+from torsion.results import derived, reported, result
+from torsion.study import Study
+
+
+@reported
+class Scene:
+    """What was read, and how the train is run."""
+
+    name: str = result("", (), "name of the scene")
+    description: str = result("", (), "its description")
+    file: str = result("", (), "the file it was read from")
+    sha256: str | None = result("", (), "SHA-256 of the file's text, or null")
+    model: str = result("", (), "lumped, fem or exact")
+    reference: str = result("", (), "component whose speed is the speed axis, per whose revolution orders count")
+    speed_range: tuple[float, float] | None = result("rad/s", (), "[from, to], or null")
+    rated_speed: float | None = result("rad/s", (), "rated speed, or null")
+    rated_power: float | None = result("W", (), "rated power, or null")
+    rules: tuple[str, ...] = result("", (), "rules that the file names")
+
+
+@reported
+class StationRow:
+    """A point of the train."""
+
+    name: str = result("", (), "name of a point of the train")
+    component: str = result("", (), "component that made it")
+    kind: str = result("", (), "kind of that component")
+    speed_ratio: Fraction = result("", (), "its speed / reference speed, exact")
+    sense: int = result("", (), "1 turns as the reference does, -1 the other way")
+    is_ground: bool = result("", (), "the fixed end of a spring to ground")
+    is_held: bool = result("", (), "turns at exactly its mean speed")
+    inertia: float = result("kg*m**2", (), "inertia with the share of its shafts; null where held", key="inertia_kg_m2")
+
+
+@reported
+class Harmonic:
+    """One harmonic component of an imposed angle."""
+
+    order: int = result("", (), "per revolution of the driving station")
+    amplitude: complex = result("rad", (), "complex amplitude of that order")
+
+
+@reported
+class SpanRow:
+    """An elastic or rigid piece between two stations."""
+
+    name: str = result("", (), "name of an elastic or rigid piece")
+    component: str = result("", (), "component that made it")
+    kind: str = result("", (), "kind of that component")
+    driving_station: int = result("", (), "position in `stations`")
+    driven_station: int = result("", (), "position in `stations`")
+    ratio: Fraction = result("", (), "speed of the driven / speed of the driving station, exact")
+    flexibility: float = result("rad/(N*m)", (), "0 is rigid, null is damping without stiffness")
+    loss_factor: float = result("1", (), "eta of k (1 + i eta)")
+    viscous: float = result("N*m*s/rad", (), "viscous damping")
+    error: tuple[Harmonic, ...] = result("", (), "imposed on the driven angle, over the driving station's angle")
+
+    @derived("N*m/rad", (), "1/flexibility; null where the piece is rigid")
+    def stiffness(self) -> float:
+        """Of the whole piece, or group of segments."""
+        return 1.0 / self.flexibility if self.flexibility else float("inf")
+
+
+def scene(study: Study) -> Scene:
+    """The head of the results of a study."""
+    speeds, rated = study.operation.speeds, study.operation.rated
+    return Scene(
+        name=study.name,
+        description=study.description,
+        file=study.file,
+        sha256=hashlib.sha256(study.text.encode("utf-8")).hexdigest() if study.text else None,
+        model=study.model,
+        reference=study.operation.at or study.train.parts[0].name,
+        speed_range=None if speeds is None else (speeds.first, speeds.last),
+        rated_speed=None if rated is None else rated.speed,
+        rated_power=None if rated is None else rated.power,
+        rules=tuple(name for name, _ in study.rules),
+    )
+
+
+def station_rows(selection: Selection) -> tuple[StationRow, ...]:
+    """Every station, or group of inner stations of a shaft, that is reported."""
+    system: System = selection.system
+    parts, groups = system.train.parts, selection.groups
+    inertia = groups.over_stations(system.inertia)
+    return tuple(
+        StationRow(
+            name=station.name,
+            component=parts[station.part].name,
+            kind=parts[station.part].component.keyword,
+            speed_ratio=station.ratio,
+            sense=station.sense,
+            is_ground=station.is_ground,
+            is_held=bool(system.held[index]),
+            inertia=float(inertia[place]),
+        )
+        for place, index in enumerate(groups.stations.tolist())
+        for station in (system.stations[index],)
+    )
+
+
+def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
+    """Every span, or group of segments of a shaft, that is reported."""
+    system: System = selection.system
+    parts, groups = system.train.parts, selection.groups
+    names, ends, flexibility = groups.names(), groups.ends.tolist(), groups.over_spans(system.flexibility)
+    return tuple(
+        SpanRow(
+            name=names[place],
+            component=parts[span.part].name,
+            kind=parts[span.part].component.keyword,
+            driving_station=ends[place][0],
+            driven_station=ends[place][1],
+            ratio=span.ratio,
+            flexibility=float(flexibility[place]),
+            loss_factor=float(system.loss_factor[index]),
+            viscous=float(system.viscous[index]),
+            error=tuple(Harmonic(order, value) for order, value in span.error),
+        )
+        for place, index in enumerate(groups.spans.tolist())
+        for span in (system.spans[index],)
+    )

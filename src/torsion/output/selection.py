@@ -1,0 +1,81 @@
+"""What every output shows of the stations and spans of a train, and how values over them are reduced to that."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from torsion.assembly.system import System
+from torsion.report.elements import Element, elements
+from torsion.report.told import Told, told
+from torsion.results import Quantity
+
+MOST_SEGMENTS = 2000  # of a shaft that are reported each by itself; of more, groups of them
+WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}
+
+
+class Selection:
+    """Reduces the axes of declared arrays to what is reported.
+
+    A `station` or `span` axis keeps every station or span, those of very long shafts in groups: of a group an inertia,
+    flexibility or share of energy is the sum, anything else the value at its outer end (of spans: of its first).
+    A `named station` is one that the train names, an `end span` the first or last of an element, where its end torques
+    stand, and of an `element` the span with the largest value is reported.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+
+    @cached_property
+    def groups(self) -> Told:
+        """Every station and span, or the groups of segments that stand for them."""
+        return told(self.system, MOST_SEGMENTS)
+
+    @cached_property
+    def elements(self) -> tuple[Element, ...]:
+        """The elastic elements as people name them."""
+        return elements(self.system)
+
+    @cached_property
+    def named_stations(self) -> list[int]:
+        """Positions of the stations that the train names."""
+        return list(range(len(self.system.train.stations)))
+
+    @cached_property
+    def end_spans(self) -> list[int]:
+        """Positions of the first and the last span of every element."""
+        return sorted({span for element in self.elements for span in (element.spans[0], element.spans[-1])})
+
+    def positions(self, axis: str) -> list[Any]:
+        """What a reduced axis runs over: positions among the stations or spans reported, or names of elements."""
+        if axis == "element":
+            return [element.name for element in self.elements]
+        return self.named_stations if axis == "named station" else self.groups.place(self.end_spans)
+
+    def reduced(self, values: Any, quantity: Quantity, axes: tuple[str, ...]) -> Any:
+        """The values with the axes that are printed, in their order; `axes` are those of the values."""
+        array = np.asarray(values)
+        kept = [self._shown(axis, quantity) for axis in axes]
+        for place, (axis, shown) in enumerate(zip(axes, kept, strict=True)):
+            if axis in WITHIN:
+                array = self._along(array, place, (axis, shown), quantity.is_total)
+        return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
+
+    @staticmethod
+    def _shown(axis: str, quantity: Quantity) -> str:
+        return next(shown for shown in quantity.printed if shown in WITHIN.get(axis, (axis,)))
+
+    def _along(self, array: Any, place: int, axes: tuple[str, str], is_total: bool) -> Any:
+        """The values with one axis, of stations or spans, reduced to what is shown of it."""
+        axis, shown = axes
+        if shown == "element":
+            largest = [array.take(list(one.spans), axis=place).max(axis=place) for one in self.elements]
+            return np.stack(largest, axis=place) if largest else array.take([], axis=place)
+        if shown in ("named station", "end span"):
+            return array.take(self.named_stations if axis == "station" else self.end_spans, axis=place)
+        if self.groups.is_whole:
+            return array
+        if is_total:
+            first = self.groups.first_station if axis == "station" else self.groups.first_span
+            return np.add.reduceat(array, first, axis=place)
+        return array.take(self.groups.stations if axis == "station" else self.groups.spans, axis=place)

@@ -1,1 +1,0 @@
-"""The results as JSON: one subject a file."""

@@ -1,0 +1,174 @@
+"""A quantity of a result, declared once: its unit, axes and meaning, which every output reads.
+
+A result is a frozen dataclass whose fields (and properties) are declared so:
+
+>>> @reported
+... class Twist:
+...     angle: float = result("rad", (), "twist of the whole train")
+...     @derived("deg", (), "the same in degrees")
+...     def degrees(self) -> float:
+...         return math.degrees(self.angle)
+>>> [(quantity.key, quantity.meaning) for quantity in quantities(Twist)]
+[('angle_rad', 'twist of the whole train'), ('degrees_deg', 'the same in degrees')]
+"""
+
+import dataclasses
+import inspect
+import typing
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from types import UnionType
+from typing import Any, TypeVar
+
+import numpy as np
+
+Value = TypeVar("Value")
+Axes = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """What is declared of a field or property of a result."""
+
+    name: str
+    unit: str  # "" or "1" for none
+    axes: Axes  # what each axis of the array in memory runs over
+    meaning: str
+    key: str  # its name in every output: the name with the unit, unless another is declared; "" stands for the whole
+    printed: Axes  # axes of the outputs, in their order; a span may be reduced to the element that it belongs to
+    is_total: bool  # over a group of segments it adds up; else the value at the end of the group stands for it
+    record: (
+        str | None
+    )  # its axis runs over records, which take the arrays over that axis: "", or the name of a plain value
+
+
+@dataclass(frozen=True, slots=True)
+class _Declared:
+    unit: str
+    axes: Axes
+    meaning: str
+    key: str | None
+    printed: Axes | None
+    is_total: bool
+    record: str | None
+
+    def named(self, name: str) -> Quantity:
+        suffix = _spelled(self.unit)
+        key = self.key if self.key is not None else f"{name}_{suffix}" if suffix else name
+        printed = self.axes if self.printed is None else self.printed
+        return Quantity(name, self.unit, self.axes, self.meaning, key, printed, self.is_total, self.record)
+
+
+def _spelled(unit: str) -> str:
+    """A unit as part of a name: rad_per_s."""
+    words = unit.removeprefix("1/") if unit != "1" else ""
+    for sign, word in (("**", ""), ("*", ""), ("(", ""), (")", ""), ("/", "_per_")):
+        words = words.replace(sign, word)
+    return f"per_{words}" if unit.startswith("1/") else words
+
+
+class Derived(cached_property[Value]):
+    """A declared property; computed once, when an output or a reader first needs it."""
+
+    declared: _Declared
+
+
+def result(
+    unit: str = "",
+    axes: Axes = (),
+    meaning: str = "",
+    *,
+    key: str | None = None,
+    printed: Axes | None = None,
+    is_total: bool = False,
+    record: str | None = None,
+    default: Any = dataclasses.MISSING,
+) -> Any:
+    """A field of a result: its unit, what the axes of its array run over, and what it means."""
+    declared = _Declared(unit, axes, meaning, key, printed, is_total, record)
+    return dataclasses.field(default=default, metadata={"declared": declared})
+
+
+@typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
+def reported(kind: type[Value]) -> type[Value]:
+    """A class of results: a frozen dataclass whose declared quantities every output reads."""
+    return dataclass(frozen=True)(kind)
+
+
+def derived(
+    unit: str = "",
+    axes: Axes = (),
+    meaning: str = "",
+    *,
+    key: str | None = None,
+    printed: Axes | None = None,
+    is_total: bool = False,
+    record: str | None = None,
+) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
+    """A property of a result that is an output too, declared as a field is."""
+
+    def declare(function: Callable[[Any], Value]) -> Derived[Value]:
+        made = Derived(function)
+        made.declared = _Declared(unit, axes, meaning, key, printed, is_total, record)
+        return made
+
+    return declare
+
+
+def words(codes: Any, kind: type[Enum]) -> np.ndarray:
+    """An array of codes as the words of their kind: near-singular."""
+    table = np.array([code.name.lower().replace("_", "-") for code in kind], dtype=object)
+    return np.asarray(table[np.asarray(codes, dtype=np.int64)])
+
+
+def quantities(kind: type) -> tuple[Quantity, ...]:
+    """Everything that a result declares, fields first, in the order in which it declares them."""
+    fields = [
+        field.metadata["declared"].named(field.name)
+        for field in dataclasses.fields(kind)
+        if "declared" in field.metadata
+    ]
+    properties = {
+        name: value.declared.named(name)
+        for base in reversed(kind.__mro__)
+        for name, value in vars(base).items()
+        if isinstance(value, Derived)
+    }
+    return (*fields, *properties.values())
+
+
+def is_declared(value: object) -> bool:
+    """The value, or class, is a result with declared quantities."""
+    kind = value if isinstance(value, type) else type(value)
+    return dataclasses.is_dataclass(kind) and bool(quantities(kind))
+
+
+def parts(kind: type, quantity: Quantity) -> type | None:
+    """The class of the results that a quantity consists of; None where it consists of plain values."""
+    inner = _inner(_hint(kind, quantity.name))
+    return next((one for one in inner if isinstance(one, type) and is_declared(one)), None)
+
+
+def is_list(kind: type, quantity: Quantity) -> bool:
+    """A quantity holds any number of values, one after another."""
+    return typing.get_origin(_hint(kind, quantity.name)) is tuple
+
+
+def _hint(kind: type, name: str) -> Any:
+    """The type of one field or property; those of the others may be known to the type checker alone."""
+    attribute = getattr(kind, name, None)
+    if isinstance(attribute, Derived):
+        return typing.get_type_hints(attribute.func)["return"]
+    holder = next(base for base in kind.__mro__ if name in inspect.get_annotations(base))
+    alone = {"__annotations__": {name: inspect.get_annotations(holder)[name]}, "__module__": holder.__module__}
+    return typing.get_type_hints(type(name, (), alone))[name]
+
+
+def _inner(hint: Any) -> Iterator[Any]:
+    """The types within a type, itself first."""
+    yield hint
+    if isinstance(hint, UnionType) or typing.get_origin(hint) is not None:
+        for argument in typing.get_args(hint):
+            yield from _inner(argument)

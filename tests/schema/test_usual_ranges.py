@@ -1,0 +1,139 @@
+"""Quantities that no train has are refused with the likely slip, unless the file says that they are meant."""
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from torsion.components import KINDS, component
+from torsion.components.coupling import Coupling
+from torsion.components.excitation import Excitation
+from torsion.components.material import Material
+from torsion.components.propeller import Propeller
+from torsion.components.shaft import Shaft
+from torsion.errors import InputError
+from torsion.schema.json_schema import json_schema
+from torsion.schema.manual import manual
+from torsion.schema.read import parse
+
+SCENE = """name: a
+operation: {OPERATIONrated: {speed: 1500 rpm, power: 12 GW}, speeds: {from: 300 rpm, to: 1800 rpm}}
+materials:
+  odd: {MATERIALshear_modulus: 0.5 GPa, youngs_modulus: 2 TPa, density: 1, tensile_strength: 11 GPa, loss_factor: 3}
+train:
+  - motor: {inertia: 1, MOTORripple: [{order: 6, torque: 900 %}]}
+  - coupling: {psi: 80, COUPLINGstiffness: 1e-4, tolerance: 15}
+  - gear: {ratio: 2, GEARbranches: [{ratio: 3, mesh_stiffness: 1e-5, train: [disc: {inertia: 1}]}]}
+  - shaft: {length: 21 km, SHAFTdiameter: [60, 70], bore: 4, material: odd}
+  - joint: {kind: tripod, angle: 5 deg, JOINTradius: 30, arm: 600}
+  - propeller: {inertia: 1, PROPELLERdiameter: 500, pitch_ratio: 80, area_ratio: 70}
+excitations:
+  - {EXCITATIONat: motor-1, order: 1, torque: {of_mean: 10}}
+"""
+CARRIERS = {"OPERATION": 1, "MATERIAL": 5, "MOTOR": 1, "COUPLING": 3, "GEAR": 1, "SHAFT": 4, "JOINT": 2, "PROPELLER": 3,
+            "EXCITATION": 1}  # fmt: skip
+
+
+def scene(meant=()):
+    """The scene with `unusual: true` on those that are meant, and `unusual: false` or nothing on the others."""
+    text = SCENE
+    for place, carrier in enumerate(CARRIERS):
+        text = text.replace(carrier, "unusual: true, " if carrier in meant else ("", "unusual: false, ")[place % 2])
+    return text
+
+
+def faults_of(text):
+    with pytest.raises(InputError) as caught:
+        parse(text)
+    return caught.value.faults
+
+
+def test_every_slip_of_a_file_is_told_at_once_with_the_key_that_lifts_it():
+    faults = faults_of(scene())
+    found = {carrier: [fault for fault in faults if f"on the {carrier.lower()} says so" in fault.hint]
+             for carrier in CARRIERS}  # fmt: skip
+    assert {carrier: len(told) for carrier, told in found.items()} == CARRIERS
+    assert len(faults) == sum(CARRIERS.values())
+    assert len({(fault.line, fault.column) for fault in faults}) == len(faults)
+
+
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_unusual_lifts_the_ranges_of_what_says_it_and_of_nothing_else(carrier):
+    faults = faults_of(scene([carrier]))
+    assert len(faults) == sum(CARRIERS.values()) - CARRIERS[carrier]
+    assert not any(f"on the {carrier.lower()} says so" in fault.hint for fault in faults)
+
+
+def test_what_is_meant_is_read_as_it_is_written():
+    study = parse(scene(CARRIERS))
+    (shaft,) = study.train.bars
+    assert (shaft.length, shaft.outer, shaft.bore) == (21e3, (60.0, 70.0), (4.0, 4.0))
+    assert study.train.part("coupling-1").component.loss() == 80 / (2 * math.pi)
+
+
+def test_unusual_lifts_no_other_limit():
+    text = scene(CARRIERS).replace("psi: 80", "psi: -80").replace("bore: 4", "bore: 65")
+    assert [fault.message for fault in faults_of(text)] == [
+        "-80 is out of range", "the bore is not smaller than the diameter",
+    ]  # fmt: skip
+
+
+def test_only_true_says_that_it_is_meant():
+    faults = faults_of(scene(CARRIERS).replace("psi: 80, unusual: true", "psi: 80, unusual: 'true'"))
+    assert any("neither true nor false" in fault.message for fault in faults)
+    assert any("80 %?" in fault.hint for fault in faults)
+
+
+def test_a_gear_does_not_speak_for_the_components_of_its_branches():
+    text = scene(CARRIERS).replace("disc: {inertia: 1}", "coupling: {stiffness: 1e-4}")
+    (fault,) = faults_of(text)
+    assert "on the coupling" in fault.hint
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "build"),
+    [
+        (None, 3.0, lambda value, **meant: Shaft(length=1.0, diameter=value, **meant)),
+        (None, 20e3, lambda value, **meant: Shaft(length=value, diameter=0.1, **meant)),
+        (None, 4.0 * math.pi, lambda value, **meant: Coupling(stiffness=1e4, psi=value, **meant)),
+        (None, 2.0, lambda value, **meant: Coupling(stiffness=1e4, loss_factor=value, **meant)),
+        (None, 2.0, lambda value, **meant: Shaft(length=1.0, diameter=0.1, loss_factor=value, **meant)),
+        (500.0, 25e3, lambda value, **meant: Material(shear_modulus=8e10, density=value, **meant)),
+        (1e9, 1e12, lambda value, **meant: Material(shear_modulus=value, density=7850.0, **meant)),
+        (1e9, 1e12, lambda value, **meant: Material(shear_modulus=8e10, youngs_modulus=value, density=0.0, **meant)),
+        (None, 5.0, lambda value, **meant: Excitation(at="a", order=1, torque={"of_mean": value}, **meant)),
+        (None, 5.0, lambda value, **meant: Propeller(
+            inertia=1.0, blades=4, excitation=[{"blade_order": 1, "torque": {"of_mean": value}}], **meant)),
+    ],
+)  # fmt: skip
+def test_the_ends_of_a_range_are_usual_and_what_lies_beyond_is_refused_in_python_too(lowest, highest, build):
+    for end, beyond in ((lowest, 0.0), (highest, math.inf)):
+        if end is not None:
+            build(end)
+            with pytest.raises(ValidationError, match=r"outside the usual range .*unusual: true"):
+                build(math.nextafter(end, beyond))
+            build(math.nextafter(end, beyond), unusual=True)
+
+
+def test_no_density_is_a_massless_shaft_and_not_unusual():
+    assert Material(shear_modulus=8e10, density=0.0).density == 0.0
+
+
+def test_a_refused_component_leaves_nothing_to_the_next():
+    with pytest.raises(ValidationError, match="out of range"):
+        Shaft(length=-1.0, diameter=60.0, unusual=True)
+    with pytest.raises(ValidationError, match="60 mm"):
+        Shaft(length=1.0, diameter=60.0)
+
+
+def test_schema_and_manual_tell_the_ranges_and_the_key_that_lifts_them():
+    definitions = json_schema()["$defs"]
+    assert definitions["Shaft"]["properties"]["length"]["x-usual"] == [None, 20e3]
+    assert definitions["Material"]["properties"]["density"]["x-usual"] == [500.0, 25e3]
+    torque = definitions["Ripple"]["properties"]["torque"]["anyOf"]
+    assert {"of_mean": {"x-usual": [None, 5.0]}} in [way.get("properties") for way in torque]
+    assert "usually at most 3" in str(definitions["Shaft"]["properties"]["diameter"])
+    for name in ("Material", "Operation", "Excitation", *(component(kind).__name__ for kind in KINDS)):
+        assert definitions[name]["properties"]["unusual"]["type"] == "boolean"
+    rows = [line for line in manual().splitlines() if line.startswith("| `diameter` | `m`, or a list")]
+    assert [row.split(" | ")[2] for row in rows] == ["more than 0, usually at most 3"]
