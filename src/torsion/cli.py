@@ -42,8 +42,8 @@ def solve(
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
-    Exit status: 0 solved and every check passes, 1 solved and a check fails, 2 the input is at fault, 3 no answer to
-    the promised accuracy.
+    Exit status: 0 solved and no check fails, 1 solved and a check fails or a limit is not kept, 2 the input is at
+    fault, 3 no answer to the promised accuracy.
     """
     _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
     try:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
+ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
 ELSEWHERE = ("natural frequencies", "damped modes", "response over speed", "critical speeds", "mean torque", "rules")
 
 
@@ -66,6 +67,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
     """
     from torsion.analyses.joints.joints import JointsSettings
+    from torsion.rules.joint_tubes import tubes
 
     study = read(file)
     if not study.has_joints:
@@ -77,7 +79,9 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     rules = tuple((name, asked) for name, asked in study.rules if name in JOINT_RULES)
     findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",))
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
-    return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine)))
+    supported = [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks] if rules else []
+    unjudged = tuple((f"{JOINT_RULES[0]}: bending of {name}", ON_SUPPORTS) for name in supported)
+    return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine, *unjudged)))
 
 
 def write_joints(findings: Findings, folder: Path) -> list[Path]:

@@ -107,7 +107,7 @@ def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
     assert len(rows) == len(train.checks) > 5
     for row, check in zip(rows, train.checks, strict=True):
         assert row[1] == check.where
-        assert row[7].lower().startswith(check.verdict)
+        assert row[7:] == (check.standing, check.verdict.upper())
         assert row[2] == number(check.value)
 
 

@@ -5,6 +5,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from torsion.report.json.keys import KEYS
 from torsion.report.json.keys_motion import LATERAL
 from torsion.report.json.results import results, text
 from torsion.report.terminal.tables import tables
+from torsion.rules.bending import bending_checks
 
 RPM = 30.0 / math.pi
 TUBE = "length: 1.5 m, diameter: 60 mm, bore: 50 mm"
@@ -163,6 +165,18 @@ def test_ranges_in_which_the_tilt_grows_are_marked_in_table_verdict_and_figure(t
     assert "unstable" in drawn
     shown = results(tilting)["lateral"]["shafts"][0]["tilting"]["unstable"]
     assert shown[0]["from_rad_per_s"] == pytest.approx(first.lower, rel=1e-12)
+
+
+def test_tilt_that_was_examined_at_a_part_of_the_speeds_alone_fails_without_a_word_of_growth(tilting: Findings) -> None:
+    (shaft,) = tilting.lateral.shafts
+    lateral = replace(tilting.lateral, shafts=(replace(shaft, tilting=replace(shaft.tilting, zones=())),))
+    slower = tilting.study.operation.speeds.model_copy(update={"first": 1.0})
+    checks = bending_checks(lateral, tilting.study.operation.model_copy(update={"speeds": slower}))
+    assert {check.verdict for check in checks} == {"fail"}
+    blocks = chapter(replace(tilting, lateral=lateral, checks=checks))
+    (said,) = (block.text for block in blocks if isinstance(block, Paragraph) and block.kind == "fail")
+    assert said.startswith("No tilting motion of tail shaft grows")
+    assert "only a part of the operation's speeds" in said
 
 
 def test_a_support_alone_asks_for_the_bending_and_joints_alone_leave_it_out() -> None:

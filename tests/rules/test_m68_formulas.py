@@ -86,7 +86,7 @@ def test_strength_is_capped_by_steel_and_role(role, alloy, given, used) -> None:
 )  # fmt: skip
 def test_details_have_the_factors_of_the_table(feature, c_k) -> None:
     assert m68.DETAILS[feature].c_k == c_k
-    assert m68.DETAILS[feature].c_k_mark == "verified"
+    assert m68.DETAILS[feature].c_k_mark == "rule text"
     assert m68.DETAILS[feature].k_mark == "to be verified"
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.joints.joints import joints
+from torsion.analyses.lateral.bending import lateral
 from torsion.assembly import assemble
 from torsion.components.joint import Joint
 from torsion.components.material import Material
@@ -25,7 +26,8 @@ def judge(study):
     def checks(parts, asked=None, **operation):
         scene = study(parts, materials={"steel": STEEL}, **operation)
         found = joints(scene.train, scene.operation)
-        lines = check(Evidence(scene, assemble(scene.train), joints=found), asked or Asked())
+        bent = lateral(scene.train, scene.operation) if scene.bends else None
+        lines = check(Evidence(scene, assemble(scene.train), joints=found, lateral=bent), asked or Asked())
         return {(line.clause, line.where): line for line in lines}
 
     return checks
@@ -108,7 +110,7 @@ def test_critical_bending_speed_of_a_published_tube():
     assert found * RPM == pytest.approx(beam, rel=1e-13)
 
 
-@pytest.mark.parametrize(("rpm", "verdict"), [(5680, "pass"), (5690, "fail")])
+@pytest.mark.parametrize(("rpm", "verdict"), [(5680, "pass"), (5690, "not kept")])
 def test_tube_runs_at_most_at_65_percent_of_its_critical_speed(judge, rpm, verdict):
     found = judge([joint(1), TUBE, joint(1)], speeds=None, rated={"speed": f"{rpm} rpm"})
     line = found["n_crit", "tube"]
@@ -116,6 +118,48 @@ def test_tube_runs_at_most_at_65_percent_of_its_critical_speed(judge, rpm, verdi
     assert line.limit == pytest.approx(0.65 * 8744.278, rel=1e-6)
     assert "twice the speed" in line.note
     assert "passes it" in line.note
+
+
+HELD = ("shaft", {**TUBE[1], "support": {"at": 0.75, "stiffness": 1e10}})
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.6499, "pass"), (0.6501, "not kept")])
+def test_tube_on_a_support_is_judged_by_its_critical_speeds_on_it(judge, share, verdict):
+    """A stiff support in the middle: a whole wave between the joints, w2 rho (A + 3 I b2) = E I b4 with b = 2 pi/l.
+
+    The term of I is that of an element's backward whirl at its own frequency (gyroscopic moment and rotary inertia).
+    """
+    wave, gyration = (2.0 * math.pi / 1.5) ** 2, (0.12**2 + 0.108**2) / 16.0
+    first = wave * math.sqrt(210e9 / 7850.0 * gyration / (1.0 + 3.0 * gyration * wave)) / RPM
+    rated = {"speed": f"{share * first} rpm"}
+    line = judge([joint(1), HELD, joint(1)], speeds=None, rated=rated)["n_crit", "tube"]
+    assert line.limit == pytest.approx(0.65 * first, rel=1e-9)
+    assert (line.verdict, line.standing) == (verdict, "to be verified")
+    assert "on its supports" in line.note
+    assert "simply supported" not in line.note
+
+
+@pytest.mark.parametrize(("rpm", "words"), [(16_900, "stays below it"), (17_100, "passes it within the speeds")])
+def test_twice_the_speed_of_a_tube_on_a_support_meets_its_critical_speed_of_order_2(judge, rpm, words):
+    """Backward whirl at twice the speed: w2 rho (A + 2 I b2) = E I b4, half of which is 17026 rpm."""
+    wave, gyration = (2.0 * math.pi / 1.5) ** 2, (0.12**2 + 0.108**2) / 16.0
+    half = wave * math.sqrt(210e9 / 7850.0 * gyration / (1.0 + 2.0 * gyration * wave)) / RPM / 2.0
+    assert abs(half - 17_000.0) < 90.0
+    line = judge([joint(1), HELD, joint(1)], speeds=None, rated={"speed": f"{rpm} rpm"})["n_crit", "tube"]
+    assert words in line.note
+
+
+def test_tube_on_a_support_is_not_judged_where_bending_was_not_computed(study):
+    scene = study([joint(1), HELD, joint(1)], materials={"steel": STEEL})
+    seen = Evidence(scene, assemble(scene.train), joints=joints(scene.train, scene.operation))
+    assert "n_crit" not in [line.clause for line in check(seen, Asked())]
+
+
+def test_shafts_between_joints_that_nothing_holds_beside_one_on_a_support_are_left_out_with_the_cause(study):
+    loose = ("shaft", {**TUBE[1], "name": "loose", "length": 0.5})
+    between = [HELD, ("coupling", {"stiffness": 1e4}), loose, ("coupling", {"stiffness": 1e4})]
+    scene = study([joint(1), *between, joint(1)], materials={"steel": STEEL})
+    assert "it is not held" in " ".join(why for _, why in left_out(scene, Asked()))
 
 
 def test_share_of_the_critical_speed_is_a_setting(judge):

@@ -47,7 +47,7 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
-    marks: tuple[str, ...] = ()  # "", "pass", "fail", "outside", "to be verified", "note"
+    marks: tuple[str, ...] = ()  # "", "pass", "fail", "not kept", "outside", "note"
 
     def __post_init__(self) -> None:
         if any(len(row) != len(self.columns) for row in self.rows):

@@ -11,7 +11,7 @@ from torsion.report.reading import reference
 
 DISCLAIMER = (
     "This report was computed from the figures in the input file, which it repeats in full; it is as good as they are. "
-    "Rule limits marked “to be verified” are to be compared with the edition in force before the report is submitted. "
+    "Limits marked “to be verified” are to be compared with the edition in force before the report is submitted. "
     "It does not replace the approval of a classification society or measurements on the plant."
 )
 

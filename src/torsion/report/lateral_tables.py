@@ -45,7 +45,7 @@ def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
     )  # fmt: skip
     told = [(shaft, one) for shaft in found for one in near(shaft, speeds)]
     rows = [(*critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in told]
-    marks = tuple("to be verified" if row[-1] == "yes" else "" for row in rows)
+    marks = tuple("note" if row[-1] == "yes" else "" for row in rows)
     caption = (
         "Critical bending speeds: orders count turns of the shaft (1: unbalance; others: its joints' couples), speeds "
         "are those of the reference; damping ratio 0: no bound is known for the amplitude"
@@ -155,7 +155,7 @@ def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
         orbit = _worst(shaft, one, MICRO * sound(one, one.orbit))
         moment = _worst(shaft, one, unit.factor * sound(one, extent(one.moment)))
         rows.append((shaft.name, str(one.order), *orbit, *moment, f"{bad} of {len(one.speed)}"))
-        marks.append("to be verified" if bad else "")
+        marks.append("note" if bad else "")
     caption = (
         "Answer to the secondary couples of the joints; half ranges, in the direction in which they are largest; order "
         "0 stands still. Speeds next to a resonance without damping are left out, and marked in the figures"

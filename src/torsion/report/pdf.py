@@ -9,7 +9,7 @@ from torsion.report.figures import svg
 from torsion.report.html import SUBSCRIPT
 from torsion.report.numbering import Numbered
 
-COLOURS = {"fail": "#b3261e", "pass": "#14693f", "outside": "#8a6500", "to be verified": "#8a6500", "note": "#8a6500"}
+COLOURS = {"fail": "#b3261e", "pass": "#14693f", "not kept": "#b3261e", "outside": "#8a6500", "note": "#8a6500"}
 WIDE = 8  # columns from which a table is set smaller
 
 

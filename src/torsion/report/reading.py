@@ -132,7 +132,7 @@ def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
 
 def failed(findings: Findings) -> tuple[Check, ...]:
     """The checks that failed."""
-    return tuple(check for check in findings.need(Checks).lines if check.verdict == "fail")
+    return tuple(check for check in findings.need(Checks).lines if check.fails)
 
 
 def joint_model(findings: Findings) -> str:

@@ -63,12 +63,12 @@ def _verdict(findings: Findings) -> list[Block]:
     for check in findings.need(Checks).lines:
         if check.clause == "tilting":
             end = f" ({check.note})" if check.note else ""
-            if check.verdict == "fail":
+            if check.value > 0:
                 at = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
                 blocks.append(Paragraph(f"{check.where} is unstable: its tilt grows by up to {at}{end}.", "fail"))
             else:
                 words = f"No tilting motion of {check.where} grows at the speeds that were looked at{end}."
-                blocks.append(Paragraph(words, "pass" if check.verdict == "pass" else "note"))
+                blocks.append(Paragraph(words, "fail" if check.fails else "pass"))
     return blocks
 
 

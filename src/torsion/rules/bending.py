@@ -1,4 +1,7 @@
-"""The verdicts on the stability of bending shafts: no whirl and no tilting may grow at any speed of the operation."""
+"""The verdicts on the stability of bending shafts: no whirl and no tilting may grow at any speed of the operation.
+
+As with the stability of the train, what was not looked at of the operation is not passed.
+"""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -6,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.kernels.tree import FloatArray
-from torsion.rules.check import Check, Verdict
+from torsion.rules.check import Check
 from torsion.study import Operation
 
 if TYPE_CHECKING:
@@ -39,12 +42,6 @@ def _operated(speed: FloatArray, operation: Operation) -> tuple[float, float, bo
     return lowest, highest, reached and last >= highest * (1 - ROUNDING)
 
 
-def _verdict(grows: bool, whole: bool) -> Verdict:
-    if grows:
-        return "fail"
-    return "pass" if whole else "to be verified"
-
-
 def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Operation) -> Check:
     """The least logarithmic decrement within the operation against 0; decrement: (speeds, modes)."""
     first, last, whole = _operated(speed, operation)
@@ -55,8 +52,8 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
     notes = ["nothing damps it"] if abs(least) <= ROUNDING else []
     return Check(
         "stability", "whirl", name, "logarithmic decrement of its whirl", 0.0 if notes else least, 0.0, "",
-        _verdict(least < -ROUNDING, whole), float(speed[row]), note="; ".join(notes + ([] if whole else [PART])),
-        at_least=True,
+        "pass" if whole and least >= -ROUNDING else "fail", "by definition", float(speed[row]),
+        note="; ".join(notes + ([] if whole else [PART])), at_least=True,
     )  # fmt: skip
 
 
@@ -66,10 +63,14 @@ def _tilting(name: str, found: "Tilting", operation: Operation) -> Check:
     first, last, whole = _operated(speed, operation)
     grows = np.where((speed >= first * (1 - ROUNDING)) & (speed <= last * (1 + ROUNDING)), found.growth, -np.inf)
     at = int(np.argmax(grows))
-    within = any(zone.lower / found.ratio < last and zone.upper / found.ratio > first for zone in found.zones)
+    within = [zone for zone in found.zones if zone.lower / found.ratio < last and zone.upper / found.ratio > first]
+    growth = min(float(grows[at]), 0.0)
+    if within:
+        growth = float(grows[at]) if grows[at] > 0 else max(zone.rate for zone in within)
     notes = [] if found.is_damped else ["its supports do not damp it in both directions"]
     return Check(
         "stability", "tilting", name, f"growth rate of its tilt by the couple of {found.joint}",
-        float(grows[at]) if within else min(float(grows[at]), 0.0), 0.0, "1/s", _verdict(within, whole),
-        float(speed[at]), note="; ".join(notes + ([] if whole else [PART])),
+        growth, 0.0, "1/s",
+        "pass" if whole and not within else "fail", "by definition", float(speed[at]),
+        note="; ".join(notes + ([] if whole else [PART])),
     )  # fmt: skip

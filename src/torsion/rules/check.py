@@ -5,7 +5,22 @@ from typing import Literal
 
 from torsion.results import reported, result
 
-Verdict = Literal["pass", "fail", "outside", "to be verified"]
+Verdict = Literal["pass", "fail", "not kept", "outside"]  # not kept: a limit to be verified is exceeded
+Standing = Literal[
+    "rule text",  # compared with the published text of the rule
+    "to be verified",  # from memory or a handbook: against the edition in force
+    "maker",  # rated or published by a maker
+    "setting",  # set in the file
+    "by definition",  # of stability: that nothing grows
+]
+TO_BE_VERIFIED: Standing = "to be verified"
+
+
+def verdict_of(kept: bool, standing: Standing) -> Verdict:
+    """Of a value that is known and its limit."""
+    if kept:
+        return "pass"
+    return "not kept" if standing == TO_BE_VERIFIED else "fail"
 
 
 @reported
@@ -29,7 +44,10 @@ class Check:
     value: float = result("", (), "worst value; null where the response has none")
     limit: float = result("", (), "null where the rule has none")
     unit: str = result("", (), "of value and limit")
-    verdict: Verdict = result("", (), "pass, fail, outside or to be verified")
+    verdict: Verdict = result("", (), "pass, fail, not kept (a limit to be verified is exceeded) or outside")
+    standing: Standing = result(
+        "", (), "where the limit is from: rule text, to be verified, maker, setting or by definition"
+    )
     speed: float | None = result("rad/s", (), "reference speed of the worst value, or null", default=None)
     order: Fraction | None = result("", (), "of the worst value; null for all orders together", default=None)
     note: str = result("", (), "remarks", default="")
@@ -37,6 +55,11 @@ class Check:
         "", (), "the value must not be below the limit", key="limit_is_a_least_value", default=False
     )
     barred: tuple[BarredRange, ...] = result("", (), "ranges that the verdict stands on", default=())
+
+    @property
+    def fails(self) -> bool:
+        """The limit is exceeded, whatever its standing, or no value is known that keeps it."""
+        return self.verdict in ("fail", "not kept")
 
 
 @reported
@@ -48,4 +71,4 @@ class Checks:
     @property
     def fails(self) -> bool:
         """A limit is not kept."""
-        return any(check.verdict == "fail" for check in self.lines)
+        return any(check.fails for check in self.lines)

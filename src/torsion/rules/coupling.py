@@ -13,7 +13,7 @@ from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.rules.check import Check
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import Evidence, parts_of_kind, rule_path, spans_of, vibration_faults
-from torsion.rules.judgement import EDITION, Clause, Curve, between, judge, largest_line, noted, worst_status
+from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def _limits(part: Part) -> dict[str, float]:
 
 
 def _clause(part: Part, clause: str, what: str, unit: str = "N m") -> Clause:
-    return Clause(RULE, clause, part.name, what, unit)
+    return Clause(RULE, clause, part.name, what, unit, "maker")
 
 
 def _mean(evidence: Evidence, part: Part, spans: IntArray, limit: float) -> Check | None:
@@ -119,8 +119,7 @@ def _mean(evidence: Evidence, part: Part, spans: IntArray, limit: float) -> Chec
         return None
     value = np.abs(steady.torque[spans]).max(axis=0)
     curve = Curve(steady.speed, value, np.full(len(value), limit), np.zeros(len(value), dtype=np.int64))
-    line = judge(_clause(part, "T_KN", "mean torque"), curve, np.ones(len(value), dtype=bool))
-    return noted(line, EDITION) if line is not None else None
+    return judge(_clause(part, "T_KN", "mean torque"), curve, np.ones(len(value), dtype=bool))
 
 
 def _vibration(evidence: Evidence, part: Part, spans: IntArray, asked: Asked) -> list[Check]:
@@ -128,7 +127,7 @@ def _vibration(evidence: Evidence, part: Part, spans: IntArray, asked: Asked) ->
     response, found = evidence.vibration()[0], []
     for clause, curve, use, words in _clauses(evidence, part, spans, asked):
         if (line := judge(clause, curve, use)) is not None:
-            found.append(noted(line, words, largest_line(response, line, spans), _tolerance(part), EDITION))
+            found.append(noted(line, words, largest_line(response, line, spans), _tolerance(part)))
     return found
 
 

@@ -16,6 +16,7 @@ from torsion.study import Study
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.found import Joints
+    from torsion.analyses.lateral.bending import Lateral
     from torsion.analyses.modes import Modes
     from torsion.analyses.response.over_speed import Response, Synthesis
     from torsion.analyses.steady import Steady
@@ -33,6 +34,7 @@ class Evidence:
     response: "Response | None" = None
     synthesis: "Synthesis | None" = None
     joints: "Joints | None" = None
+    lateral: "Lateral | None" = None
 
     def vibration(self) -> "tuple[Response, Synthesis]":
         """The response over speed and its synthesis; raises ValueError where they were not computed."""

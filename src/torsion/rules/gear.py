@@ -10,7 +10,7 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
 from torsion.kernels.tree import BoolArray, FloatArray
-from torsion.rules.check import Check
+from torsion.rules.check import TO_BE_VERIFIED, Check, Standing
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import (
     Evidence,
@@ -21,7 +21,7 @@ from torsion.rules.evidence import (
     spans_of,
     vibration_faults,
 )
-from torsion.rules.judgement import EDITION, Clause, Curve, between, judge, largest_line, noted, worst_status
+from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
 from torsion.study import Operation, Study
 
 RULE = "gear-hammer"
@@ -93,7 +93,7 @@ def _mesh(evidence: Evidence, part: Part, span: int, asked: Asked) -> Iterator[C
     response = evidence.vibration()[0]
     for clause, curve, use, words in _clauses(evidence, part, span, asked):
         if (line := judge(clause, curve, use)) is not None:
-            yield noted(line, *words, largest_line(response, line, np.array([span])), EDITION)
+            yield noted(line, *words, largest_line(response, line, np.array([span])))
 
 
 def _clauses(
@@ -102,24 +102,26 @@ def _clauses(
     """Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use."""
     response, synthesis = evidence.vibration()
     status, vibratory = worst_status(response), synthesis.half_range[:, span]
-    where, (share, origin), rated = evidence.system.spans[span].name, _share(part, asked), _rated(evidence, span)
+    where, rated = evidence.system.spans[span].name, _rated(evidence, span)
+    share, origin, standing = _share(part, asked)
     if rated > 0:
-        clause = Clause(RULE, "(K_A - 1) T_rated", where, "vibratory mesh torque, synthesis", "N m")
+        clause = Clause(RULE, "(K_A - 1) T_rated", where, "vibratory mesh torque, synthesis", "N m", standing)
         curve = Curve(response.speed, vibratory, np.full(len(vibratory), share * rated), status)
         reach = coverage(float(response.speed[-1]), _rated_speed(evidence.study))
         yield clause, curve, np.ones(len(vibratory), dtype=bool), (f"{share:.4g} ({origin}) x {rated:.5g} N m", reach)
-    clause = Clause(RULE, "torque reversal", where, "vibratory against mean mesh torque", "N m")
+    clause = Clause(RULE, "torque reversal", where, "vibratory against mean mesh torque", "N m", TO_BE_VERIFIED)
     curve = Curve(response.speed, vibratory, np.abs(response.mean[:, span]), status)
     words = "" if rated > 0 else "the mesh carries no mean torque", continuous_words(asked.continuous)
     yield clause, curve, within(asked.continuous, response.speed), words
 
 
-def _share(part: Part, asked: Asked) -> tuple[float, str]:
-    """Permissible vibratory share of the rated torque, and where it comes from."""
+def _share(part: Part, asked: Asked) -> tuple[float, str, Standing]:
+    """Permissible vibratory share of the rated torque, where it comes from and how that stands."""
     factor = cast(Gear, part.component).application_factor
     if asked.limit is not None:
-        return asked.limit, "setting `limit`"
-    return (USUAL_SHARE, "usual K_A 1.35") if factor is None else (factor - 1.0, f"K_A {factor:.4g}")
+        return asked.limit, "setting `limit`", "setting"
+    share, origin = (USUAL_SHARE, "usual K_A 1.35") if factor is None else (factor - 1.0, f"K_A {factor:.4g}")
+    return share, origin, TO_BE_VERIFIED
 
 
 def _rated(evidence: Evidence, span: int) -> float:

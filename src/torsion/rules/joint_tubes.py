@@ -15,9 +15,11 @@ class Tube:
     """The shaft from one joint to the next."""
 
     name: str
+    parts: tuple[int, ...]  # of its shafts
     ratio: Fraction  # its speed / reference speed
-    critical: float  # rad/s, lowest bending frequency; NaN where something lacks
+    critical: float  # rad/s, lowest bending frequency without supports; NaN where it has some or something lacks
     lacks: str  # why it is not judged; empty where it is
+    has_support: bool = False  # between the joints, so that the analysis of bending knows its critical speeds
 
 
 def tubes(train: Train) -> tuple[Tube, ...]:
@@ -41,7 +43,9 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     if not bars:
         return None
     names = ", ".join(bar.name for bar in bars)
-    ratio, bar = train.stations[bars[0].driving].ratio, bars[0]
+    ratio, bar, parts = train.stations[bars[0].driving].ratio, bars[0], tuple(bar.part for bar in bars)
+    if any(getattr(train.parts[part].component, "support", ()) for part in parts):
+        return Tube(names, parts, ratio, math.nan, _cannot_bend(train, parts), has_support=True)
     lacks, critical = "", math.nan
     material = train.materials[getattr(train.parts[bar.part].component, "material", "steel")]
     if len(bars) > 1 or any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces):
@@ -54,7 +58,15 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
         lacks = "its material has no `youngs_modulus` or no density"
     else:
         critical = critical_speed(bar.length, bar.outer[0], bar.bore[0], material.youngs_modulus, material.density)
-    return Tube(names, ratio, critical, lacks)
+    return Tube(names, parts, ratio, critical, lacks)
+
+
+def _cannot_bend(train: Train, parts: tuple[int, ...]) -> str:
+    """Why the bending of shafts on supports is not computed; empty where it is."""
+    from torsion.assembly.lateral.line import bending_shafts
+
+    shafts, _ = bending_shafts(train)
+    return "; ".join(shaft.lacks for shaft in shafts if shaft.lacks and set(shaft.parts) & set(parts))
 
 
 def _between(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:

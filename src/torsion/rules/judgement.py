@@ -10,14 +10,13 @@ import numpy as np
 from torsion.analyses.response.grid import missed_peaks
 from torsion.kernels.response import Status
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
-from torsion.rules.check import Check
+from torsion.rules.check import Check, Standing, verdict_of
 from torsion.rules.evidence import in_rpm
 
 if TYPE_CHECKING:
     from torsion.analyses.response.over_speed import Line, Response
 
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
-EDITION = "to be verified against the edition in force"
 
 
 @dataclass(frozen=True)
@@ -50,6 +49,7 @@ class Clause:
     where: str
     what: str
     unit: str
+    standing: Standing  # of its limit
 
 
 def worst_status(response: "Response") -> IntArray:
@@ -64,11 +64,12 @@ def judge(clause: Clause, curve: Curve, within: BoolArray) -> Check | None:
     share = np.where(within, curve.utilisation(), -np.inf)
     at = worst_of(share, curve.value)
     value = math.inf if curve.status[at] == Status.SINGULAR else stated(curve.value[at])
+    unknown = status_words(curve, at)  # never a pass, whatever the limit
     return Check(
         clause.rule, clause.clause, clause.where, clause.what,
         value=value, limit=float(curve.limit[at]), unit=clause.unit,
-        verdict="fail" if share[at] > 1.0 else "pass",
-        speed=float(curve.speed[at]), note=status_words(curve, at),
+        verdict="fail" if unknown else verdict_of(bool(share[at] <= 1.0), clause.standing),
+        standing=clause.standing, speed=float(curve.speed[at]), note=unknown,
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from torsion.components.shaft import Shaft
 from torsion.errors import Fault, Path
 from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules import m68_formulas as formulas
-from torsion.rules.check import BarredRange, Check, Verdict
+from torsion.rules.check import TO_BE_VERIFIED, BarredRange, Check, Verdict, verdict_of
 from torsion.rules.evidence import (
     Evidence,
     coverage,
@@ -25,7 +25,6 @@ from torsion.rules.evidence import (
     vibration_faults,
 )
 from torsion.rules.judgement import (
-    EDITION,
     Clause,
     Curve,
     between,
@@ -230,7 +229,7 @@ def _outside(shaft: ClassedShaft, curve: Curve, within: BoolArray) -> Check | No
     at = worst_of(blank, curve.value)
     line = Check(
         RULE, "tau_C", shaft.name, "stress amplitude above 1.05 of the rated speed", stated(curve.value[at]),
-        math.nan, "N/mm2", "outside", float(curve.speed[at]),
+        math.nan, "N/mm2", "outside", "rule text", float(curve.speed[at]),
     )  # fmt: skip
     return noted(line, status_words(curve, at), "outside the rule: it has no limit above 1.05 of the rated speed")
 
@@ -247,16 +246,16 @@ def _diameter(evidence: Evidence, shaft: ClassedShaft, asked: Asked) -> Check | 
         for outer, bore in shaft.ends
     ]
     diameter, least = max(ends, key=lambda end: end[1] / end[0])
-    kept = "kept" if diameter >= least else "not kept"
     used = f"F {factor:g} (drive: {asked.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
     return Check(
-        RULE, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm", "to be verified",
-        _rated_speed(evidence.study), note=f"{kept}; {used}; {EDITION}", at_least=True,
+        RULE, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm",
+        verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, _rated_speed(evidence.study), note=used,
+        at_least=True,
     )  # fmt: skip
 
 
 def _clause(shaft: ClassedShaft, clause: str, what: str) -> Clause:
-    return Clause(RULE, clause, shaft.name, what, "N/mm2")
+    return Clause(RULE, clause, shaft.name, what, "N/mm2", shaft.standing)
 
 
 def _words(barred: tuple[BarredRange, ...]) -> str:

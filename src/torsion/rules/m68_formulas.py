@@ -1,6 +1,6 @@
 """The formulas of IACS UR M68 (Rev. 3, 2021) for shafts; diameters in mm, stresses in N/mm2.
 
-"verified" was compared with a class society's printed rules (KR 2025, Part 5, Ch. 4); "to be verified" is to be
+"rule text" was compared with a class society's printed rules (KR 2025, Part 5, Ch. 4); "to be verified" is to be
 compared with the edition in force before it is relied on.
 """
 
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from torsion.kernels.tree import BoolArray, FloatArray
 
-Mark = Literal["verified", "to be verified"]
+Mark = Literal["rule text", "to be verified"]
 Role = Literal["intermediate", "thrust", "propeller"]
 
 LAST_CONTINUOUS = 1.05  # speed ratio above which the rule has no limit
@@ -30,7 +30,7 @@ class Detail:
     k: float
     has_keyway: bool = False
     condition: str = ""  # what the factor assumes
-    c_k_mark: Mark = "verified"
+    c_k_mark: Mark = "rule text"
     k_mark: Mark = "to be verified"
 
 
@@ -53,7 +53,7 @@ ASSUMED: Mapping[Role, Detail] = {  # for a shaft whose features are not given
     "thrust": Detail(0.85, 1.10, condition="thrust collar assumed"),
     "propeller": Detail(0.55, 1.26, condition="kind of propeller mounting not given, the least favourable taken"),
 }
-STRENGTH_CAP: Mapping[tuple[Role, bool], float] = {  # N/mm2 by role and whether the steel is alloyed (verified)
+STRENGTH_CAP: Mapping[tuple[Role, bool], float] = {  # N/mm2 by role and whether the steel is alloyed (rule text)
     ("intermediate", False): 600.0,
     ("intermediate", True): 800.0,
     ("thrust", False): 600.0,
@@ -67,17 +67,17 @@ DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified
 
 
 def used_strength(strength: float, role: Role, *, alloy: bool) -> float:
-    """The tensile strength that may be used (verified)."""
+    """The tensile strength that may be used (rule text)."""
     return min(strength, STRENGTH_CAP[role, alloy])
 
 
 def size_factor(diameter: float) -> float:
-    """C_D = 0.35 + 0.93 d^-0.2 (verified)."""
+    """C_D = 0.35 + 0.93 d^-0.2 (rule text)."""
     return float(0.35 + 0.93 * diameter**-0.2)
 
 
 def tau_c(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) -> FloatArray:
-    """Stress amplitude permissible in continuous use (verified); NaN above 1.05 of the rated speed."""
+    """Stress amplitude permissible in continuous use (rule text); NaN above 1.05 of the rated speed."""
     ratio = np.asarray(speed_ratio, dtype=float)
     shape = np.where(ratio < FLAT_FROM, 3.0 - 2.0 * ratio**2, 1.38)
     limit = (strength + 160.0) / 18.0 * c_k * size_factor(diameter) * shape
@@ -85,19 +85,19 @@ def tau_c(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) 
 
 
 def tau_t(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) -> FloatArray:
-    """Stress amplitude permissible while a barred range is passed, 1.7 tau_C/sqrt(C_K) (verified); NaN above 0.8."""
+    """Stress amplitude permissible while a barred range is passed, 1.7 tau_C/sqrt(C_K) (rule text); NaN above 0.8."""
     ratio = np.asarray(speed_ratio, dtype=float)
     limit = 1.7 * tau_c(strength, diameter, c_k, ratio) / np.sqrt(c_k)
     return np.asarray(np.where(ratio <= BARRED_BELOW * (1 + ROUNDING), limit, np.nan))
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
-    """Where a barred range is accepted in normal firing (verified): below 0.8 of the rated speed."""
+    """Where a barred range is accepted in normal firing (rule text): below 0.8 of the rated speed."""
     return np.asarray(np.asarray(speed_ratio, dtype=float) < BARRED_BELOW * (1 - ROUNDING))
 
 
 def barred_range(critical: float, rated: float) -> tuple[float, float]:
-    """Least width of a barred range about a critical speed (verified): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
+    """Least barred range about a critical speed (rule text): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
     width = 18.0 - critical / rated
     return 16.0 * critical / width, width * critical / 16.0
 

@@ -16,7 +16,7 @@ from torsion.kernels.tree import FloatArray, IntArray
 from torsion.primitives import Bar
 from torsion.rules import m68_formulas as formulas
 from torsion.rules.evidence import parts_of_kind, spans_of
-from torsion.rules.m68_formulas import ASSUMED, DETAILS, Detail, Role
+from torsion.rules.m68_formulas import ASSUMED, DETAILS, Detail, Mark, Role
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -54,11 +54,12 @@ class ClassedShaft:
 
     part: int
     name: str
-    role: Role
+    role: Role  # as the rule sees it: a tube shaft is one of the propeller shafts
     strength: float  # N/mm2, as used
     details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K and the greatest k govern
     diameter: float  # mm, greatest: for C_D
     ends: tuple[tuple[float, float], tuple[float, float]]  # mm, (outer, bore) of the driving and the driven end
+    is_stated: bool  # its strength
     notes: tuple[str, ...]
 
     @property
@@ -70,6 +71,11 @@ class ClassedShaft:
     def c_k(self) -> float:
         """The smallest C_K of the shaft's features."""
         return self.governing[1].c_k
+
+    @property
+    def standing(self) -> Mark:
+        """Of tau_C: that of C_K, and of the least strength of shaft steel where none is stated."""
+        return self.governing[1].c_k_mark if self.is_stated else "to be verified"
 
     @property
     def k(self) -> float:
@@ -119,7 +125,7 @@ def _modulus(bar: Bar, at: FloatArray) -> FloatArray:
 
 def _classed(study: Study, asked: Asked, number: int, part: Part) -> ClassedShaft:
     component = cast(Shaft, part.component)
-    role = cast(Role, component.role)
+    role = _ruled_as(component)
     stated = study.train.materials[component.material].tensile_strength
     steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
     strength = formulas.used_strength(steel, role, alloy=part.name in asked.alloy)
@@ -127,9 +133,14 @@ def _classed(study: Study, asked: Asked, number: int, part: Part) -> ClassedShaf
     ends = ((outer[0] * MM, bore[0] * MM), (outer[-1] * MM, bore[-1] * MM))
     shaft = ClassedShaft(
         number, part.name, role, strength, _details(component, role, part.name, ends, asked),
-        diameter=max(outer) * MM, ends=ends, notes=(),
+        diameter=max(outer) * MM, ends=ends, is_stated=stated is not None, notes=(),
     )  # fmt: skip
     return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
+
+
+def _ruled_as(shaft: Shaft) -> Role:
+    """The role that the rule gives a shaft: a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)."""
+    return "propeller" if "tube shaft" in shaft.features else cast(Role, shaft.role)
 
 
 def _details(
@@ -156,7 +167,7 @@ def _slot(slot: Slot, ends: tuple[tuple[float, float], ...]) -> float:
 def _notes(shaft: ClassedShaft, stated: float | None) -> tuple[str, ...]:
     """What was used, in words."""
     feature, detail = shaft.governing
-    doubt = "" if detail.c_k_mark == "verified" else ", to be verified against the edition in force"
+    doubt = "" if detail.c_k_mark == "rule text" else ", to be verified"
     condition = f": {detail.condition}" if detail.condition else ""
     if stated is None:
         doubt_of_strength = " (none stated: the least of shaft steel assumed, to be verified)"

@@ -40,7 +40,7 @@ def stability_check(found: "Stability", operation: Operation) -> Check:
     fails = bool(within or bare) or missed
     return Check(
         "stability", "stability", WHOLE, "growth rate of small deviations", growth, 0.0, "1/s",
-        "fail" if fails else "pass", speed, note=_note(found, missed, (first, last)),
+        "fail" if fails else "pass", "by definition", speed, note=_note(found, missed, (first, last)),
     )  # fmt: skip
 
 

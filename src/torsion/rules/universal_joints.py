@@ -2,16 +2,19 @@
 
 import math
 from collections.abc import Iterator
-from typing import Annotated
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 from torsion.analyses.joints.found import JointFound, Joints, LineFound
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
-from torsion.rules.check import Check
+from torsion.rules.check import TO_BE_VERIFIED, Check, Standing, verdict_of
 from torsion.rules.evidence import Evidence, parts_of_kind, rule_path
 from torsion.rules.joint_tubes import Tube, tubes
-from torsion.rules.judgement import EDITION
 from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.analyses.lateral.bending import Lateral
 
 RULE = "universal-joints"
 ELBE = 0.0027  # tan b sin b of 3 degrees, the usual limit of the resulting angle (Elbe)
@@ -33,7 +36,8 @@ class Asked(Declared):
         "greatest speed times angle of a joint, rpm times degrees (makers: 17000 to 27000 by size; default: not judged)"
     )
     critical_share: Annotated[float, Quantity("1", above=0, at_most=1)] = given(
-        "greatest speed of a tube between two joints / its critical bending speed (usual: 0.65 to 0.8)",
+        "greatest speed of a tube between two joints / its critical bending speed, on a `support` that of the bending "
+        "analysis (usual: 0.65 to 0.8)",
         SHARE_OF_CRITICAL,
     )
 
@@ -70,7 +74,8 @@ def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
     checks += _between(found, asked, speed)
     if asked.speed_angle is not None:
         checks += [_speed_angle(joint, asked.speed_angle, speed) for joint in found.joints]
-    checks += [_bending(tube, asked.critical_share, speed) for tube in tubes(evidence.study.train) if not tube.lacks]
+    every = [_critical(tube, evidence.lateral) for tube in tubes(evidence.study.train) if not tube.lacks]
+    checks += [_bending(one, asked.critical_share, speed) for one in every if one is not None]
     return tuple(checks)
 
 
@@ -80,16 +85,21 @@ def _line(found: Joints, line: LineFound, asked: Asked, speed: float) -> Iterato
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
     limit = "limit after Elbe, 3 deg in round figures" if asked.unevenness == ELBE else "setting `unevenness`"
-    yield _verdict("U", where, "non-uniformity tan b sin b", line.index, asked.unevenness, "1", None, bend, limit)
+    standing = _published(asked.unevenness, ELBE)
+    yield _verdict(
+        "U", where, "non-uniformity tan b sin b", line.index, asked.unevenness, "1", standing, None, bend, limit
+    )
     value = joints[-1].steepest * (speed * float(joints[0].ratio)) ** 2
     limit = "limit after Spicer" if asked.torsional == SPICER_TORSIONAL else "setting `torsional`"
     what = "acceleration of the driven side by all joints"
-    yield _verdict("torsional", where, what, value, asked.torsional, "rad/s2", speed, limit)
+    standing = _published(asked.torsional, SPICER_TORSIONAL)
+    yield _verdict("torsional", where, what, value, asked.torsional, "rad/s2", standing, speed, limit)
 
 
 def _between(found: Joints, asked: Asked, speed: float) -> list[Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
     limit = "limit after Spicer" if asked.inertial == SPICER_INERTIAL else "setting `inertial`"
+    standing = _published(asked.inertial, SPICER_INERTIAL)
     checks: dict[int, Check] = {}
     for line in found.lines:
         first = speed * float(found.joints[line.joints[0]].ratio)
@@ -97,34 +107,65 @@ def _between(found: Joints, asked: Asked, speed: float) -> list[Check]:
             joint = found.joints[position]
             what, value = "acceleration of the shaft behind it", joint.steepest * first**2
             checks[position] = _verdict(
-                "inertial", joint.name, what, value, asked.inertial, "rad/s2", speed, limit, "driven from its first end"
-            )
+                "inertial", joint.name, what, value, asked.inertial, "rad/s2", standing, speed, limit,
+                "driven from its first end",
+            )  # fmt: skip
     return list(checks.values())
 
 
 def _speed_angle(joint: JointFound, limit: float, speed: float) -> Check:
     """Speed times angle of one joint, as its maker counts it."""
     value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
-    return _verdict("n b", joint.name, "speed times angle", value, limit, "deg/min", speed, "setting `speed_angle`")
-
-
-def _bending(tube: Tube, share: float, speed: float) -> Check:
-    """Speed of a tube against a share of its critical bending speed."""
-    own, critical = speed * float(tube.ratio) * RPM, tube.critical * RPM
-    twice = "passes it within the speeds" if 2.0 * own >= critical else "stays below it"
     return _verdict(
-        "n_crit", tube.name, "speed of the tube", own, share * critical, "rpm", speed,
-        f"{share:.3g} x critical bending speed {critical:.5g} rpm (simply supported at the joints)",
-        f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}", EDITION,
+        "n b", joint.name, "speed times angle", value, limit, "deg/min", "setting", speed, "setting `speed_angle`"
+    )
+
+
+def _bending(one: "_CriticalSpeed", share: float, speed: float) -> Check:
+    """Speed of a tube against a share of its critical bending speed."""
+    own, critical = speed * float(one.tube.ratio) * RPM, one.first * RPM
+    twice = "passes it within the speeds" if own >= one.second * RPM else "stays below it"
+    return _verdict(
+        "n_crit", one.tube.name, "speed of the tube", own, share * critical, "rpm",
+        TO_BE_VERIFIED if share == SHARE_OF_CRITICAL else "setting", speed,
+        f"{share:.3g} x critical bending speed {critical:.5g} rpm ({one.origin})",
+        f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}",
     )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class _CriticalSpeed:
+    """The critical bending speed of a tube, rad/s of its own: met once and twice a revolution."""
+
+    tube: Tube
+    first: float
+    second: float
+    origin: str
+
+
+def _critical(tube: Tube, bent: "Lateral | None") -> _CriticalSpeed | None:
+    """By the bending analysis of a tube on supports, else by the formula; None where bending was not computed."""
+    if not tube.has_support:
+        return _CriticalSpeed(tube, tube.critical, tube.critical / 2.0, "simply supported at the joints")
+    if bent is None:
+        return None
+    known = [one for shaft in bent.shafts if set(shaft.parts) & set(tube.parts) for one in shaft.critical]
+    first, second = (min((one.speed for one in known if one.order == order), default=math.inf) for order in (1, 2))
+    return _CriticalSpeed(tube, first, second, "bending of the shaft on its supports, order 1")
+
+
 def _verdict(
-    clause: str, where: str, what: str, value: float, limit: float, unit: str, speed: float | None, *notes: str
-) -> Check:
+    clause: str, where: str, what: str, value: float, limit: float, unit: str, standing: Standing,
+    speed: float | None, *notes: str,
+) -> Check:  # fmt: skip
     words = "; ".join(note for note in notes if note)
-    verdict = "pass" if value <= limit else "fail"
-    return Check(RULE, clause, where, what, value, limit, unit, verdict, speed=speed, note=words)  # type: ignore[arg-type]
+    verdict = verdict_of(value <= limit, standing)
+    return Check(RULE, clause, where, what, value, limit, unit, verdict, standing, speed=speed, note=words)
+
+
+def _published(limit: float, by_maker: float) -> Standing:
+    """Of a limit that makers publish and the file may set."""
+    return "maker" if limit == by_maker else "setting"
 
 
 def _speed(study: Study) -> float | None:

@@ -11,11 +11,12 @@ from torsion.report.blocks import Block, Column, Heading, Paragraph, Points, Tab
 from torsion.report.chapters.check import conclusion as compared_models
 from torsion.report.numbers import RPM, given, number, order, rpm
 from torsion.report.reading import band_words, barred_rpm, failed, unreliable
-from torsion.rules.check import Check, Checks
+from torsion.rules.check import TO_BE_VERIFIED, Check, Checks
 
 COLUMNS = (
     Column("Check", align="left"), Column("Component", align="left"), Column("Worst value"), Column("Limit"),
-    Column("Unit", align="left"), Column("At speed", "rpm"), Column("Order"), Column("Verdict", align="left"),
+    Column("Unit", align="left"), Column("At speed", "rpm"), Column("Order"), Column("Limit from", align="left"),
+    Column("Verdict", align="left"),
 )  # fmt: skip
 
 
@@ -69,19 +70,12 @@ def _row(check: Check) -> tuple[str, ...]:
     value = nothing if np.isinf(check.value) else number(check.value)
     what = f"{check.what} ({check.rule}, {check.clause})"
     unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
-    verdict = check.verdict.upper() + ("" if _is_kept(check) or check.verdict == "fail" else ", not kept")
-    return what, check.where, value, limit, unit, rpm(check.speed), order(check.order), verdict
-
-
-def _is_kept(check: Check) -> bool:
-    """The value keeps its limit, whatever the standing of the limit; where there is none, it is kept."""
-    if np.isnan(check.limit):
-        return True
-    return bool(check.value >= check.limit if check.at_least else check.value <= check.limit)
+    at = rpm(check.speed), order(check.order)
+    return what, check.where, value, limit, unit, *at, check.standing, check.verdict.upper()
 
 
 def _overall(findings: Findings) -> Paragraph:
-    checks, bad = findings.need(Checks).lines, failed(findings)
+    checks, bad, doubt = findings.need(Checks).lines, failed(findings), _to_be_verified(findings.need(Checks).lines)
     if not checks:
         text = "No rule was asked, or none applies to this train: the report gives results without a verdict."
         return Paragraph(text, "note")
@@ -89,14 +83,14 @@ def _overall(findings: Findings) -> Paragraph:
         number_of = "The only check" if len(checks) == 1 else f"{len(bad)} of {len(checks)} checks"
         where = ", ".join(dict.fromkeys(check.where for check in bad))
         return Paragraph(
-            f"{number_of} failed ({where}). The train does not satisfy {_asked(findings)}.",
+            f"{number_of} failed ({where}). The train does not satisfy {_asked(findings)}.{doubt}",
             "fail",
         )
     if any(check.verdict != "pass" for check in checks):
-        return Paragraph(f"No check failed: {_count(checks)}.", "note")
+        return Paragraph(f"No check failed: {_count(checks)}.{doubt}", "note")
     restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
     passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
-    return Paragraph(f"{passed} passed: the train satisfies {_asked(findings)}{restricted}.", "pass")
+    return Paragraph(f"{passed} passed: the train satisfies {_asked(findings)}{restricted}.{doubt}", "pass")
 
 
 def _asked(findings: Findings) -> str:
@@ -104,15 +98,20 @@ def _asked(findings: Findings) -> str:
 
 
 def _count(checks: tuple[Check, ...]) -> str:
-    """How many checks stand how, in words."""
-    words = {
-        "pass": "passed", "to be verified": "compared with a limit that is to be verified against the edition in force",
-        "outside": "outside the range for which the rule has a limit",
-    }  # fmt: skip
-    found = [f"{n} {text}" for key, text in words.items() if (n := sum(c.verdict == key for c in checks))]
-    missed = [check.where for check in checks if check.verdict == "to be verified" and not _is_kept(check)]
-    more = f"; not kept among those to be verified: {', '.join(dict.fromkeys(missed))}" if missed else ""
-    return ", ".join(found) + more
+    """How many checks that did not fail stand how, in words."""
+    words = {"pass": "passed", "outside": "outside the range for which the rule has a limit"}
+    return ", ".join(f"{n} {text}" for key, text in words.items() if (n := sum(c.verdict == key for c in checks)))
+
+
+def _to_be_verified(checks: tuple[Check, ...]) -> str:
+    """How many limits are, and which of those are not kept, as a sentence; empty where none is."""
+    number_of = sum(check.standing == TO_BE_VERIFIED for check in checks)
+    if not number_of:
+        return ""
+    missed = dict.fromkeys(f"{check.where} ({check.clause})" for check in checks if check.verdict == "not kept")
+    more = f"; of these not kept: {', '.join(missed)}" if missed else ""
+    counted = "1 limit is" if number_of == 1 else f"{number_of} limits are"
+    return f" {counted} to be verified against the edition in force{more}."
 
 
 def _restrictions(findings: Findings) -> tuple[str, ...]:

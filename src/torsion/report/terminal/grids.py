@@ -14,13 +14,12 @@ from torsion.rules.check import Checks
 COLOURS = {
     "pass": "green",
     "fail": "bold red",
+    "not kept": "bold red",
     "outside": "yellow",
-    "to be verified": "yellow",
     "note": "yellow",
     "plain": "",
 }
 MOST_ROWS = 12
-SHORT = {"to be verified": "VERIFY"}  # the report says the whole of it
 
 
 def grid(title: str, *columns: tuple[str, str]) -> Grid:
@@ -47,13 +46,13 @@ def filled(made: Grid, rows: list[list[str]]) -> Grid:
 def verdicts(findings: Findings) -> Grid:
     """The checks in a line each."""
     heads = (("verdict", "<"), ("component", "<"), ("check", "<"), ("value", ">"), ("limit", ">"), ("unit", "<"))
-    made = grid("Checks, each at its worst point", *heads, ("at rpm", ">"))
+    made = grid("Checks, each at its worst point", *heads, ("at rpm", ">"), ("limit from", "<"))
     for check in findings.need(Checks).lines:
         limit = "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit, 4)
         unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
-        word = Text(SHORT.get(check.verdict, check.verdict.upper()), style=COLOURS[check.verdict])
+        word = Text(check.verdict.upper(), style=COLOURS[check.verdict])
         value = "no answer" if np.isinf(check.value) else number(check.value, 4)
-        cells = (check.where, check.clause, value, limit, unit, rpm(check.speed, 4))
+        cells = (check.where, check.clause, value, limit, unit, rpm(check.speed, 4), check.standing)
         made.add_row(word, *(Text(cell) for cell in cells))
     return made
 
