@@ -27,7 +27,7 @@ PAGES = (NUMBERS, "tests/report", "--ignore=tests/report/surface", "--ignore=tes
 PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that should kill its mutants
     "rules": ("tests/rules", NUMBERS),
     "analyses/response/synthesis.py": ("tests/analyses/response", NUMBERS),
-    "report/json": PAGES,
+    "output": PAGES,
     "report/terminal": PAGES,
     "report/chapters": PAGES,
 }

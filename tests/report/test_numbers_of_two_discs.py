@@ -16,7 +16,7 @@ import torsion
 from torsion.findings import Findings
 from torsion.report.blocks import Table
 from torsion.report.chapters import chapters
-from torsion.report.json.results import results
+from torsion.output.results_json import results
 from torsion.report.terminal.tables import show
 
 J1, J2, STIFFNESS, VISCOUS = 2.0, 3.0, 120.0, 0.8
