@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from torsion.analyses.response.over_speed import response
     from torsion.assembly import assemble
     from torsion.commands import solve
-    from torsion.run import run
+    from torsion.runner import run
     from torsion.schema.read import parse, read
 
 __version__ = "0.1.0"
@@ -25,7 +25,7 @@ _PLACES = {
     "parse": "torsion.schema.read",
     "read": "torsion.schema.read",
     "response": "torsion.analyses.response.over_speed",
-    "run": "torsion.run",
+    "run": "torsion.runner",
     "solve": "torsion.commands",
 }
 

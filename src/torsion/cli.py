@@ -60,7 +60,7 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
 
     if as_json:
         from torsion.output.results_json import text
-        from torsion.run import run
+        from torsion.runner import run
         from torsion.schema.read import read
 
         findings = run(read(file))

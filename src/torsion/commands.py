@@ -9,7 +9,7 @@ import numpy as np
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Progress, silent
 from torsion.plan import Plan
-from torsion.run import run
+from torsion.runner import run
 from torsion.schema.read import located, read
 
 if TYPE_CHECKING:

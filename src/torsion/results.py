@@ -32,33 +32,21 @@ Axes = tuple[str, ...]
 class Quantity:
     """What is declared of a field or property of a result."""
 
-    name: str
     unit: str  # "" or "1" for none
     axes: Axes  # what each axis of the array in memory runs over
     meaning: str
-    key: str  # its name in every output: the name with the unit, unless another is declared; "" stands for the whole
-    printed: Axes  # axes of the outputs, in their order; a span may be reduced to the element that it belongs to
-    is_total: bool  # over a group of segments it adds up; else the value at the end of the group stands for it
-    record: (
-        str | None
-    )  # its axis runs over records, which take the arrays over that axis: "", or the name of a plain value
+    name: str = ""
+    key: str | None = None  # its name in every output: the name with the unit, unless declared; "" stands for the whole
+    printed: Axes = ()  # axes of the outputs, in their order; a span may be reduced to the element that it belongs to
+    is_total: bool = False  # over a group of segments it adds up; else the value at the end of the group stands for it
+    known_by: str = ""  # the statuses, over the first axes of the array, that are 0 where its values are known
+    record: str | None = None  # its axis runs over records that take the arrays over it: "", or the name of a value
 
-
-@dataclass(frozen=True, slots=True)
-class _Declared:
-    unit: str
-    axes: Axes
-    meaning: str
-    key: str | None
-    printed: Axes | None
-    is_total: bool
-    record: str | None
-
-    def named(self, name: str) -> Quantity:
+    def named(self, name: str) -> "Quantity":
+        """As a field or property of that name declares it."""
         suffix = _spelled(self.unit)
         key = self.key if self.key is not None else f"{name}_{suffix}" if suffix else name
-        printed = self.axes if self.printed is None else self.printed
-        return Quantity(name, self.unit, self.axes, self.meaning, key, printed, self.is_total, self.record)
+        return dataclasses.replace(self, name=name, key=key, printed=self.printed or self.axes)
 
 
 def _spelled(unit: str) -> str:
@@ -72,23 +60,12 @@ def _spelled(unit: str) -> str:
 class Derived(cached_property[Value]):
     """A declared property; computed once, when an output or a reader first needs it."""
 
-    declared: _Declared
+    declared: Quantity
 
 
-def result(
-    unit: str = "",
-    axes: Axes = (),
-    meaning: str = "",
-    *,
-    key: str | None = None,
-    printed: Axes | None = None,
-    is_total: bool = False,
-    record: str | None = None,
-    default: Any = dataclasses.MISSING,
-) -> Any:
-    """A field of a result: its unit, what the axes of its array run over, and what it means."""
-    declared = _Declared(unit, axes, meaning, key, printed, is_total, record)
-    return dataclasses.field(default=default, metadata={"declared": declared})
+def result(unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MISSING, **traits: Any) -> Any:
+    """A field of a result: its unit, what the axes of its array run over, what it means; `traits` as of Quantity."""
+    return dataclasses.field(default=default, metadata={"declared": Quantity(unit, axes, meaning, **traits)})
 
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
@@ -97,21 +74,12 @@ def reported(kind: type[Value]) -> type[Value]:
     return dataclass(frozen=True)(kind)
 
 
-def derived(
-    unit: str = "",
-    axes: Axes = (),
-    meaning: str = "",
-    *,
-    key: str | None = None,
-    printed: Axes | None = None,
-    is_total: bool = False,
-    record: str | None = None,
-) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
+def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
     """A property of a result that is an output too, declared as a field is."""
 
     def declare(function: Callable[[Any], Value]) -> Derived[Value]:
         made = Derived(function)
-        made.declared = _Declared(unit, axes, meaning, key, printed, is_total, record)
+        made.declared = Quantity(unit, axes, meaning, **traits)
         return made
 
     return declare

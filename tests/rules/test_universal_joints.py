@@ -12,7 +12,7 @@ from torsion.components.joint import Joint
 from torsion.components.material import Material
 from torsion.rules.evidence import Evidence
 from torsion.rules.joint_tubes import critical_speed, tubes
-from torsion.rules.universal_joints import Asked, check, faults, left_out, needs
+from torsion.rules.universal_joints import JointRuleSettings, check, faults, left_out, needs
 
 RPM = math.pi / 30.0
 STEEL = Material(shear_modulus=80e9, youngs_modulus=210e9, density=7850.0)
@@ -27,7 +27,7 @@ def judge(study):
         scene = study(parts, materials={"steel": STEEL}, **operation)
         found = joints(scene.train, scene.operation)
         bent = lateral(scene.train, scene.operation) if scene.bends else None
-        lines = check(Evidence(scene, assemble(scene.train), joints=found, lateral=bent), asked or Asked())
+        lines = check(Evidence(scene, assemble(scene.train), joints=found, lateral=bent), asked or JointRuleSettings())
         return {(line.clause, line.where): line for line in lines}
 
     return checks
@@ -69,7 +69,7 @@ def test_accelerations_are_those_of_liu_2023_at_the_highest_speed(judge, angle, 
 
 
 def test_limits_of_acceleration_and_angle_are_the_settings(judge):
-    asked = Asked(unevenness=1.0, torsional=9.0, inertial="28 rad/s**2", speed_angle=1700.0)
+    asked = JointRuleSettings(unevenness=1.0, torsional=9.0, inertial="28 rad/s**2", speed_angle=1700.0)
     speeds = {"from": "10 rad/s", "to": "60 rad/s"}
     verdicts = {key: line.verdict for key, line in judge([joint(5), joint(3)], asked, speeds=speeds).items()}
     assert verdicts == {
@@ -80,7 +80,7 @@ def test_limits_of_acceleration_and_angle_are_the_settings(judge):
 
 def test_speed_times_angle_is_at_the_joint_s_own_speed(judge):
     found = judge(
-        [("gear", {"ratio": 4}), joint(7)], Asked(speed_angle=2100.0), speeds=None, rated={"speed": "1200 rpm"}
+        [("gear", {"ratio": 4}), joint(7)], JointRuleSettings(speed_angle=2100.0), speeds=None, rated={"speed": "1200 rpm"}
     )
     line = found["n b", "joint-1"]
     assert line.value == pytest.approx(300.0 * 7.0, rel=1e-13)
@@ -152,19 +152,19 @@ def test_twice_the_speed_of_a_tube_on_a_support_meets_its_critical_speed_of_orde
 def test_tube_on_a_support_is_not_judged_where_bending_was_not_computed(study):
     scene = study([joint(1), HELD, joint(1)], materials={"steel": STEEL})
     seen = Evidence(scene, assemble(scene.train), joints=joints(scene.train, scene.operation))
-    assert "n_crit" not in [line.clause for line in check(seen, Asked())]
+    assert "n_crit" not in [line.clause for line in check(seen, JointRuleSettings())]
 
 
 def test_shafts_between_joints_that_nothing_holds_beside_one_on_a_support_are_left_out_with_the_cause(study):
     loose = ("shaft", {**TUBE[1], "name": "loose", "length": 0.5})
     between = [HELD, ("coupling", {"stiffness": 1e4}), loose, ("coupling", {"stiffness": 1e4})]
     scene = study([joint(1), *between, joint(1)], materials={"steel": STEEL})
-    assert "it is not held" in " ".join(why for _, why in left_out(scene, Asked()))
+    assert "it is not held" in " ".join(why for _, why in left_out(scene, JointRuleSettings()))
 
 
 def test_share_of_the_critical_speed_is_a_setting(judge):
     parts, speed = [joint(1), TUBE, joint(1)], {"speed": "6000 rpm"}
-    assert judge(parts, Asked(critical_share="80 %"), speeds=None, rated=speed)["n_crit", "tube"].verdict == "pass"
+    assert judge(parts, JointRuleSettings(critical_share="80 %"), speeds=None, rated=speed)["n_crit", "tube"].verdict == "pass"
 
 
 def test_tube_behind_a_gear_turns_at_its_own_speed(judge):
@@ -186,7 +186,7 @@ def test_what_lies_between_joints_and_is_no_tube_is_not_judged_and_said(study, b
     scene = study([joint(1), *between, joint(1)], materials={"steel": STEEL, "unknown": unknown})
     (line,) = tubes(scene.train)
     assert np.isnan(line.critical)
-    assert why in " ".join(text for _, text in left_out(scene, Asked()))
+    assert why in " ".join(text for _, text in left_out(scene, JointRuleSettings()))
 
 
 def test_joints_without_a_shaft_between_them_and_shafts_outside_have_no_tube(study):
@@ -196,10 +196,10 @@ def test_joints_without_a_shaft_between_them_and_shafts_outside_have_no_tube(stu
 
 def test_what_the_file_lacks_is_told(study):
     parts = [joint(1), ("disc", {"inertia": 1.0})]
-    assert faults(study(parts), Asked()) == []
-    assert "no speed" in faults(study(parts, speeds=None, rated=None), Asked())[0].message
-    assert "no joint" in faults(study(parts[1:]), Asked())[0].message
-    assert needs(Asked()) == ("joints",)
+    assert faults(study(parts), JointRuleSettings()) == []
+    assert "no speed" in faults(study(parts, speeds=None, rated=None), JointRuleSettings())[0].message
+    assert "no joint" in faults(study(parts[1:]), JointRuleSettings())[0].message
+    assert needs(JointRuleSettings()) == ("joints",)
 
 
 def test_tripod_is_judged_by_its_own_unevenness(judge):

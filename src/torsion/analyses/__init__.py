@@ -66,8 +66,9 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "assembly": Analysis("assembly", "torsion.analyses.division", "run_assembly", needs=("sections",), wanted=always),
     "modes": Analysis(
-        "natural frequencies", "torsion.analyses.division", "run_modes", settings="torsion.analyses.modes:ModesSettings",
-        needs=("assembly",), results={"modes": "torsion.analyses.modes:Modes"}, wanted=always,
+        "natural frequencies", "torsion.analyses.division", "run_modes",
+        settings="torsion.analyses.modes:ModesSettings", needs=("assembly",),
+        results={"modes": "torsion.analyses.modes:Modes"}, wanted=always,
     ),
     "damped": Analysis(
         "damped modes", "torsion.analyses.damped", needs=("modes",), results={"damped_modes": "DampedModes"},

@@ -61,7 +61,7 @@ def _result(value: Any, selection: Selection) -> Any:
     records = {one.axes[0]: one for one in declared if one.record is not None}
     found: dict[str, Any] = {}
     for one in sorted(declared, key=lambda one: one.record is None):
-        held = getattr(value, one.name)
+        held = _known(value, one)
         axis = next((axis for axis in one.axes if axis in records), None)
         if one.record is not None:
             entries = [plain(record, selection) for record in held]
@@ -76,6 +76,16 @@ def _result(value: Any, selection: Selection) -> Any:
     printed = {axis for one in declared for axis in one.printed}
     positions = {axis: selection.positions(axis) for axis in LISTED if axis in printed}
     return found[""] if "" in found else {**{LISTED[axis]: at for axis, at in positions.items()}, **found}
+
+
+def _known(value: Any, one: Quantity) -> Any:
+    """The quantity of a result, with NaN where its status says that it is not known."""
+    held = getattr(value, one.name)
+    if not one.known_by or held is None:
+        return held
+    status = np.asarray(getattr(value, one.known_by))
+    bad = np.expand_dims(status != 0, tuple(range(status.ndim, held.ndim)))
+    return np.where(bad, complex(np.nan, np.nan) if np.iscomplexobj(held) else np.nan, held)
 
 
 def _reduced(value: Any, one: Quantity, axes: tuple[str, ...], selection: Selection) -> Any:

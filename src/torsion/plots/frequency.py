@@ -17,14 +17,13 @@ def frequency(
     """frequency: (frequencies,) Hz; lines: (label, (frequencies,)); quantity: what the axis says, with its unit."""
     with page(name, 3.0) as sheet:
         axes = sheet.axes[0]
-        if np.any(bad):
-            hatch(axes, frequency, bad)
+        hidden = hatch(axes, frequency, bad)
         for at in natural:
             if frequency[0] <= at <= frequency[-1]:
                 axes.axvline(at, color=GREY, linewidth=0.5, linestyle=":", label="natural frequencies")
         for (label, values), pen in zip(lines[:MOST_LINES], pens(len(lines[:MOST_LINES])), strict=True):
-            axes.plot(frequency, np.where(bad | (values <= 0), np.nan, values), label=label, linewidth=1.0, **pen)
-        amplitude_axis(axes, [np.where(bad, np.nan, values) for _, values in lines])
+            axes.plot(frequency, np.where(hidden | (values <= 0), np.nan, values), label=label, linewidth=1.0, **pen)
+        amplitude_axis(axes, [np.where(hidden, np.nan, values) for _, values in lines])
         axes.set_xlim(float(frequency[0]), float(frequency[-1]))
         axes.set_xlabel("frequency, Hz")
         axes.set_ylabel(quantity)

@@ -16,9 +16,7 @@ def gear(
     with page(name, 2.75) as sheet:
         axes = sheet.axes[0]
         ranges(axes, barred)
-        if np.any(bad):
-            hatch(axes, speed, bad)
-        good = np.where(bad, np.nan, vibratory)
+        good = np.where(hatch(axes, speed, bad), np.nan, vibratory)
         axes.plot(speed, good, color=INK, linewidth=1.6, label="vibratory torque (synthesis)")
         if mean is not None:
             axes.plot(speed, mean, color=COLOURS[0], label="mean torque")
@@ -30,7 +28,7 @@ def gear(
             axes.axhline(limit, color=BAD, linewidth=1.0, linestyle=(0, (5, 2)), label="limit of the vibratory torque")
         rated_line(axes, rated)
         axes.set_xlim(float(speed[0]), float(speed[-1]))
-        amplitude_axis(axes, [vibratory])
+        amplitude_axis(axes, [good])
         axes.set_xlabel("speed of the reference component, rpm")
         axes.set_ylabel(f"mesh torque, {unit}")
         legend_below(sheet)

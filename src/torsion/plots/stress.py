@@ -16,16 +16,15 @@ def stress(
     with page(name, 2.75) as sheet:
         axes = sheet.axes[0]
         ranges(axes, barred)
-        if np.any(bad):
-            hatch(axes, speed, bad)
-        axes.plot(speed, np.where(bad, np.nan, synthesis), color=INK, linewidth=1.6, label="stress (synthesis)")
+        good = np.where(hatch(axes, speed, bad), np.nan, synthesis)
+        axes.plot(speed, good, color=INK, linewidth=1.6, label="stress (synthesis)")
         if continuous is not None:
             axes.plot(speed, continuous, color=BAD, label="limit τ_C, continuous")
         if transient is not None and np.any(np.isfinite(transient)):
             axes.plot(speed, transient, color=COLOURS[1], linestyle="--", label="limit τ_T, passing rapidly")
         rated_line(axes, rated)
         axes.set_xlim(float(speed[0]), float(speed[-1]))
-        amplitude_axis(axes, [synthesis])
+        amplitude_axis(axes, [good])
         axes.set_xlabel("speed of the reference component, rpm")
         axes.set_ylabel("shear stress amplitude, N/mm²")
         legend_below(sheet)

@@ -103,8 +103,9 @@ def legend_below(sheet: Page) -> None:
         sheet.figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
-def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable answer here") -> None:
-    """Hatch the stretches of x in which `bad` holds, each from its neighbour to its neighbour."""
+def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable answer here") -> np.ndarray:
+    """Hatch where `bad` holds, from neighbour to neighbour; returns (points,) bool, those inside, to be left blank."""
+    inside = np.array(bad, dtype=bool)
     low, high = float(x[0]), float(x[-1])
     least = (high - low) * 2e-3  # so that a single speed can still be seen
     for start, stop in stretches(bad):
@@ -112,9 +113,11 @@ def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable 
         if right - left < least:
             middle = (left + right) / 2
             left, right = middle - least / 2, middle + least / 2
+        inside |= (x > left) & (x < right)
         axes.axvspan(
             left, right, facecolor="#f6d9d6", edgecolor=BAD, hatch="////", linewidth=0.3, label=label, zorder=0
         )
+    return inside
 
 
 def stretches(where: np.ndarray) -> list[tuple[int, int]]:

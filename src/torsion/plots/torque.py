@@ -20,12 +20,13 @@ def torque(
         axes = sheet.axes[0]
         ranges(axes, barred)
         ranges(axes, unstable, "unstable range")
-        if np.any(bad):
-            hatch(axes, speed, bad)
+        hidden = hatch(axes, speed, bad)
+        lines = [(label, np.where(hidden, np.nan, values)) for label, values in lines]
+        synthesis = None if synthesis is None else np.where(hidden, np.nan, synthesis)
         for (label, values), pen in zip(lines, pens(len(lines)), strict=True):
             axes.plot(speed, values, label=label, linewidth=1.0, **pen)
         if synthesis is not None:
-            axes.plot(speed, np.where(bad, np.nan, synthesis), color=INK, linewidth=1.7, label="synthesis (half range)")
+            axes.plot(speed, synthesis, color=INK, linewidth=1.7, label="synthesis (half range)")
         for label, limit in limits:
             if limit <= 4.0 * axes.get_ylim()[1]:
                 axes.axhline(limit, color=BAD, linewidth=1.0, linestyle=(0, (5, 2)), label=label)

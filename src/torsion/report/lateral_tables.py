@@ -8,7 +8,7 @@ from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Column, Table
 from torsion.report.numbers import NONE, RPM, number, rpm, scale
-from torsion.report.reading import largest
+from torsion.report.reading import NO_VALUE, largest
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.bending import Answer, Critical, ShaftFound
@@ -158,7 +158,7 @@ def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
         marks.append("note" if bad else "")
     caption = (
         "Answer to the secondary couples of the joints; half ranges, in the direction in which they are largest; order "
-        "0 stands still. Speeds next to a resonance without damping are left out, and marked in the figures"
+        "0 stands still. Beside a resonance without damping there is no largest; its speeds are marked in the figures"
     )
     return Table(columns, tuple(rows), caption, tuple(marks))
 
@@ -181,11 +181,9 @@ def forces(found: "tuple[ShaftFound, ...]") -> Table | None:
             for one in shaft.answers:
                 force = sound(one, extent(one.force))[:, place]
                 k = largest(force)
-                if k is not None:
-                    speed = rpm(float(one.speed[k]) / float(shaft.ratio))
-                    rows.append(
-                        (shaft.name, held.name, number(held.at, 4), str(one.order), unit.text(float(force[k])), speed)
-                    )
+                speed = NONE if k is None else rpm(float(one.speed[k]) / float(shaft.ratio))
+                size = NO_VALUE if k is None else unit.text(float(force[k]))
+                rows.append((shaft.name, held.name, number(held.at, 4), str(one.order), size, speed))
     return Table(columns, tuple(rows), "Forces of the shafts on their joints and supports by the secondary couples")
 
 
@@ -203,7 +201,7 @@ def _worst(shaft: "ShaftFound", answer: "Answer", values: FloatArray) -> tuple[s
     """Value, place along the shaft and reference speed of the largest of (speeds, places)."""
     at = largest(values.ravel())
     if at is None:
-        return NONE, NONE, NONE
+        return NO_VALUE, NONE, NONE
     row, place = divmod(at, values.shape[1])
     speed = rpm(float(answer.speed[row]) / float(shaft.ratio))
     return number(float(values[row, place])), number(float(shaft.position[place]), 4), speed

@@ -72,10 +72,10 @@ def _of(findings: Findings, element: Element, nothing: FloatArray) -> list[Compa
     top = float(np.nanmax(np.append(exact, 0.0)))
     if top == 0.0 or findings.get(PeriodicResponse) is None:
         return []
-    exact, orders = without(exact, here), [line.order for line in lines]
+    exact, orders = _where_found(without(exact, here)), [line.order for line in lines]
     rows = []
     if None not in orders:
-        both = synthesis(findings, spans), exact_half_range(findings, spans)
+        both = synthesis(findings, spans), _where_found(exact_half_range(findings, spans))
         rows.append(Compared(element, None, *(_largest(without(one, here)) for one in both)))
     for k, order in enumerate(findings.need(PeriodicResponse).orders):
         mine = None if order not in orders else _largest(first[:, orders.index(order)])
@@ -83,6 +83,11 @@ def _of(findings: Findings, element: Element, nothing: FloatArray) -> list[Compa
         if max((point[0] for point in (mine, found) if point is not None), default=0.0) >= SMALLEST * top:
             rows.append(Compared(element, order, mine, found))
     return rows
+
+
+def _where_found(values: FloatArray) -> FloatArray:
+    """The values with the least of all for NaN, so that the largest is that of the speeds with a periodic motion."""
+    return np.where(np.isnan(values), -np.inf, values)
 
 
 def _largest(values: FloatArray) -> Point | None:

@@ -16,7 +16,7 @@ from torsion.rules.check import BarredRange, Check, Checks
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
-NO_VALUE = "no reliable value"  # of an amplitude where no line of the response can be relied on
+NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
@@ -157,6 +157,6 @@ def per_minute(frequency: float) -> float:
 
 
 def largest(values: FloatArray) -> int | None:
-    """Where the largest of the values that are numbers stands; None where there is none."""
-    known = np.isfinite(values)
-    return int(np.argmax(np.where(known, values, -math.inf))) if np.any(known) else None
+    """Where the largest value stands; None where there is none, or one is not known, which may be the largest."""
+    at = int(np.argmax(values)) if values.size else 0  # the first NaN, where there is one
+    return at if values.size and np.isfinite(values[at]) else None

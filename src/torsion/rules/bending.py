@@ -4,20 +4,27 @@ As with the stability of the train, what was not looked at of the operation is n
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.lateral.bending import Lateral, ShaftFound
+from torsion.analyses.lateral.tilting import Tilting
+from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
 from torsion.rules.check import Check
+from torsion.rules.rule import Rule
 from torsion.study import Operation
-
-if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import Lateral, ShaftFound
-    from torsion.analyses.lateral.tilting import Tilting
 
 ROUNDING = 1e-9  # of a logarithmic decrement, and of speeds relative to themselves
 PART = "only a part of the operation's speeds was looked at"
+
+
+class StableBending(Rule):
+    """The rule on whatever bending was computed."""
+
+    def check(self, evidence: Results, asked: None) -> tuple[Check, ...]:
+        """Of every shaft that bends."""
+        return bending_checks(evidence.need(Lateral), evidence.study.operation)
 
 
 def bending_checks(found: "Lateral", operation: Operation) -> tuple[Check, ...]:

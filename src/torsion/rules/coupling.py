@@ -5,15 +5,18 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from torsion.analyses.steady import Steady
 from torsion.components.coupling import Coupling
 from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, given
+from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.rules.check import Check
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
-from torsion.rules.evidence import Evidence, parts_of_kind, rule_path, spans_of, vibration_faults
+from torsion.rules.evidence import parts_of_kind, rule_path, spans_of, vibration, vibration_faults
 from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
+from torsion.rules.rule import Rule
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -25,64 +28,61 @@ LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 VIBRATORY = LIMITS[1:]
 
 
-class Asked(Declared):
+class CouplingSettings(Declared):
     """Settings of `coupling-maker`."""
 
     continuous: Continuous | None = given("speeds of continuous use, for T_KW and P_KW: {from, to} (default: all)")
 
 
-def needs(asked: Asked) -> tuple[str, ...]:
-    """The analyses that the rule reads."""
-    return ("steady", "response")
+class CouplingMaker(Rule):
+    """The rule, as the study reads it."""
 
+    settings = CouplingSettings
+    needs = ("steady", "response")
 
-def faults(study: Study, asked: Asked) -> list[Fault]:
-    """What the file lacks for this rule."""
-    judged = [(part, limits) for _, part in parts_of_kind(study, "coupling") if (limits := _limits(part))]
-    if not judged:
-        hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
-        return [Fault(rule_path(study, asked), "no coupling has a limit of its maker", hint)]
-    found = continuous_faults(study, asked, RULE, asked.continuous)
-    if any(key in limits for _, limits in judged for key in VIBRATORY):
-        found += vibration_faults(study, asked, RULE)
-    means = [part for part, limits in judged if "rated_torque" in limits or "max_torque" in limits]
-    if means and not study.operation.has_mean_torque:
-        message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
-        found.append(Fault(("operation", "rated", "power"), message, "rated: {speed: 1500 rpm, power: 100 kW}"))
-    return found
+    def faults(self, study: Study, asked: CouplingSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        judged = [(part, limits) for _, part in parts_of_kind(study, "coupling") if (limits := _limits(part))]
+        if not judged:
+            hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
+            return [Fault(rule_path(study, asked), "no coupling has a limit of its maker", hint)]
+        found = continuous_faults(study, asked, RULE, asked.continuous)
+        if any(key in limits for _, limits in judged for key in VIBRATORY):
+            found += vibration_faults(study, asked, RULE)
+        means = [part for part, limits in judged if "rated_torque" in limits or "max_torque" in limits]
+        if means and not study.operation.has_mean_torque:
+            message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
+            found.append(Fault(("operation", "rated", "power"), message, "rated: {speed: 1500 rpm, power: 100 kW}"))
+        return found
 
+    def left_out(self, study: Study, asked: CouplingSettings) -> tuple[tuple[str, str], ...]:
+        """What was not judged, and why."""
+        silent = (part.name for _, part in parts_of_kind(study, "coupling") if not _limits(part))
+        return tuple((f"{RULE} for {name}", "its maker's limits are not given") for name in silent)
 
-def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
-    """What was not judged, and why."""
-    silent = (part.name for _, part in parts_of_kind(study, "coupling") if not _limits(part))
-    return tuple((f"{RULE} for {name}", "its maker's limits are not given") for name in silent)
+    def check(self, evidence: Results, asked: CouplingSettings) -> tuple[Check, ...]:
+        """Mean, vibratory and greatest torque and the heat of every coupling, as far as its limits are given."""
+        found: list[Check | None] = []
+        for number, part in parts_of_kind(evidence.study, "coupling"):
+            limits, spans = _limits(part), spans_of(evidence.system, number)
+            if "rated_torque" in limits and evidence.get(Steady) is not None:
+                found.append(_mean(evidence, part, spans, limits["rated_torque"]))
+            if any(key in limits for key in VIBRATORY):
+                found += _vibration(evidence, part, spans, asked)
+        return tuple(line for line in found if line is not None)
 
+    def speeds(self, study: Study, asked: CouplingSettings) -> tuple[float, ...]:
+        """rad/s: the rated speed and the ends of continuous use."""
+        rated = study.operation.rated
+        return (*(() if rated is None else (rated.speed,)), *ends(asked.continuous))
 
-def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
-    """Mean, vibratory and greatest torque and the heat of every coupling, as far as its limits are given."""
-    found: list[Check | None] = []
-    for number, part in parts_of_kind(evidence.study, "coupling"):
-        limits, spans = _limits(part), spans_of(evidence.system, number)
-        if "rated_torque" in limits and evidence.steady is not None:
-            found.append(_mean(evidence, part, spans, limits["rated_torque"]))
-        if any(key in limits for key in VIBRATORY):
-            found += _vibration(evidence, part, spans, asked)
-    return tuple(line for line in found if line is not None)
-
-
-def speeds(study: Study, asked: Asked) -> tuple[float, ...]:
-    """rad/s: the rated speed and the ends of continuous use."""
-    rated = study.operation.rated
-    return (*(() if rated is None else (rated.speed,)), *ends(asked.continuous))
-
-
-def speeds_between(evidence: Evidence, asked: Asked) -> FloatArray:
-    """(speeds,) rad/s between those computed at which a coupling may be worse."""
-    found = []
-    for number, part in parts_of_kind(evidence.study, "coupling"):
-        spans = spans_of(evidence.system, number)
-        found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, spans, asked)]
-    return between(found)
+    def speeds_between(self, evidence: Results, asked: CouplingSettings) -> FloatArray:
+        """(speeds,) rad/s between those computed at which a coupling may be worse."""
+        found = []
+        for number, part in parts_of_kind(evidence.study, "coupling"):
+            spans = spans_of(evidence.system, number)
+            found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, spans, asked)]
+        return between(found)
 
 
 def heat(response: "Response", flexibility: float, viscous: float, loss_factor: float, span: int) -> FloatArray:
@@ -112,9 +112,9 @@ def _clause(part: Part, clause: str, what: str, unit: str = "N m") -> Clause:
     return Clause(RULE, clause, part.name, what, unit, "maker")
 
 
-def _mean(evidence: Evidence, part: Part, spans: IntArray, limit: float) -> Check | None:
+def _mean(evidence: Results, part: Part, spans: IntArray, limit: float) -> Check | None:
     """Mean torque against T_KN."""
-    steady = evidence.steady
+    steady = evidence.get(Steady)
     if steady is None:
         return None
     value = np.abs(steady.torque[spans]).max(axis=0)
@@ -122,9 +122,9 @@ def _mean(evidence: Evidence, part: Part, spans: IntArray, limit: float) -> Chec
     return judge(_clause(part, "T_KN", "mean torque"), curve, np.ones(len(value), dtype=bool))
 
 
-def _vibration(evidence: Evidence, part: Part, spans: IntArray, asked: Asked) -> list[Check]:
+def _vibration(evidence: Results, part: Part, spans: IntArray, asked: CouplingSettings) -> list[Check]:
     """The verdicts on the vibration of one coupling."""
-    response, found = evidence.vibration()[0], []
+    response, found = vibration(evidence)[0], []
     for clause, curve, use, words in _clauses(evidence, part, spans, asked):
         if (line := judge(clause, curve, use)) is not None:
             found.append(noted(line, words, largest_line(response, line, spans), _tolerance(part)))
@@ -132,10 +132,10 @@ def _vibration(evidence: Evidence, part: Part, spans: IntArray, asked: Asked) ->
 
 
 def _clauses(
-    evidence: Evidence, part: Part, spans: IntArray, asked: Asked
+    evidence: Results, part: Part, spans: IntArray, asked: CouplingSettings
 ) -> list[tuple[Clause, Curve, BoolArray, str]]:
     """Vibratory torque against T_KW and heat against P_KW in continuous use, greatest torque against T_Kmax always."""
-    response, synthesis = evidence.vibration()
+    response, synthesis = vibration(evidence)
     always = np.ones(len(response.speed), dtype=bool)
     use, words = within(asked.continuous, response.speed), continuous_words(asked.continuous)
     half_range, peak = synthesis.half_range[:, spans].max(axis=1), synthesis.peak[:, spans].max(axis=1)

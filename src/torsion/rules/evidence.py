@@ -2,45 +2,23 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.steady import SAME_SPEED
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.steady import SAME_SPEED, Steady
+from torsion.assembly.system import System
 from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
 from torsion.fields import Declared
+from torsion.findings import Results
 from torsion.kernels.tree import FloatArray, IntArray
 from torsion.study import Study
 
-if TYPE_CHECKING:
-    from torsion.analyses.joints.found import Joints
-    from torsion.analyses.lateral.bending import Lateral
-    from torsion.analyses.modes import Modes
-    from torsion.analyses.response.over_speed import Response, Synthesis
-    from torsion.analyses.steady import Steady
-    from torsion.assembly.system import System
 
-
-@dataclass(frozen=True)
-class Evidence:
-    """A study and its results; None for what was not computed."""
-
-    study: Study
-    system: "System"
-    modes: "Modes | None" = None
-    steady: "Steady | None" = None
-    response: "Response | None" = None
-    synthesis: "Synthesis | None" = None
-    joints: "Joints | None" = None
-    lateral: "Lateral | None" = None
-
-    def vibration(self) -> "tuple[Response, Synthesis]":
-        """The response over speed and its synthesis; raises ValueError where they were not computed."""
-        if self.response is None or self.synthesis is None:
-            raise ValueError("a rule about vibration needs the response over speed and its synthesis")
-        return self.response, self.synthesis
+def vibration(evidence: Results) -> tuple[Response, Synthesis]:
+    """The response over speed and its synthesis; raises LookupError where they were not computed."""
+    return evidence.need(Response), evidence.need(Synthesis)
 
 
 def parts_of_kind(study: Study, keyword: str) -> Iterator[tuple[int, Part]]:
@@ -48,17 +26,17 @@ def parts_of_kind(study: Study, keyword: str) -> Iterator[tuple[int, Part]]:
     return ((k, part) for k, part in enumerate(study.train.parts) if part.component.keyword == keyword)
 
 
-def spans_of(system: "System", part: int) -> IntArray:
+def spans_of(system: System, part: int) -> IntArray:
     """(spans of the part,) positions of the spans that a component was made into, from driving to driven."""
     return np.flatnonzero(system.span_part == part)
 
 
-def rated_torque(evidence: Evidence, spans: IntArray) -> FloatArray | None:
+def rated_torque(evidence: Results, spans: IntArray) -> FloatArray | None:
     """(spans,) N m: magnitude of the mean torque at the rated speed; None where it is not known.
 
     Between computed speeds the torque is taken linear in the squared speed for the propeller law, which is exact.
     """
-    steady, rated = evidence.steady, evidence.study.operation.rated
+    steady, rated = evidence.get(Steady), evidence.study.operation.rated
     if steady is None or rated is None:
         return None
     first, last = steady.speed[0], steady.speed[-1]
@@ -67,12 +45,6 @@ def rated_torque(evidence: Evidence, spans: IntArray) -> FloatArray | None:
     power = 2 if evidence.study.operation.load == "propeller" else 1
     rows = [np.interp(rated.speed**power, steady.speed**power, steady.torque[span]) for span in spans]
     return np.asarray(np.abs(np.array(rows)))
-
-
-def excites(study: Study) -> bool:
-    """Something in the train excites it by order, or at a frequency of its own."""
-    harmonic = any(torque.order is not None or torque.frequency is not None for torque in study.train.torques)
-    return harmonic or any(mesh.error for mesh in study.train.constraints)
 
 
 def rule_path(study: Study, asked: Declared) -> Path:
@@ -89,7 +61,7 @@ def vibration_faults(study: Study, asked: Declared, rule: str) -> list[Fault]:
     if study.operation.speeds is None:
         hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
         found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule} judges a speed range", hint))
-    if not excites(study):
+    if not study.excites:
         hint = "give an excitation, or leave the rule out"
         found.append(Fault(rule_path(study, asked), f"nothing excites the train, so {rule} has nothing to judge", hint))
     return found

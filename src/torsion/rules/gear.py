@@ -9,19 +9,21 @@ from torsion.components.gear import Gear
 from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
+from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules.check import TO_BE_VERIFIED, Check, Standing
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import (
-    Evidence,
     coverage,
     parts_of_kind,
     rated_torque,
     rule_path,
     spans_of,
+    vibration,
     vibration_faults,
 )
 from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
+from torsion.rules.rule import Rule
 from torsion.study import Operation, Study
 
 RULE = "gear-hammer"
@@ -29,7 +31,7 @@ USUAL_SHARE = 0.35  # K_A - 1 with the usual application factor 1.35 (to be veri
 NO_LOAD = 1e-9  # a mesh with a smaller share of the train's greatest mean torque is unloaded
 
 
-class Asked(Declared):
+class GearHammerSettings(Declared):
     """Settings of `gear-hammer`."""
 
     limit: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
@@ -40,36 +42,38 @@ class Asked(Declared):
     )
 
 
-def needs(asked: Asked) -> tuple[str, ...]:
-    """The analyses that the rule reads."""
-    return ("steady", "response")
+class GearHammer(Rule):
+    """The rule, as the study reads it."""
 
+    settings = GearHammerSettings
+    needs = ("steady", "response")
 
-def faults(study: Study, asked: Asked) -> list[Fault]:
-    """What the file lacks for this rule."""
-    if not any(parts_of_kind(study, "gear")):
-        return [Fault(rule_path(study, asked), f"{RULE} finds no gear in the train", "leave the rule out")]
-    missing = [*_rated_faults(study.operation), *continuous_faults(study, asked, RULE, asked.continuous)]
-    return missing + vibration_faults(study, asked, RULE)
+    def faults(self, study: Study, asked: GearHammerSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        if not any(parts_of_kind(study, "gear")):
+            return [Fault(rule_path(study, asked), f"{RULE} finds no gear in the train", "leave the rule out")]
+        missing = [*_rated_faults(study.operation), *continuous_faults(study, asked, RULE, asked.continuous)]
+        return missing + vibration_faults(study, asked, RULE)
 
+    def check(self, evidence: Results, asked: GearHammerSettings) -> tuple[Check, ...]:
+        """Both clauses at every mesh; torques are told at the driving gear's speed."""
+        found = []
+        for number, part in parts_of_kind(evidence.study, "gear"):
+            for span in spans_of(evidence.system, number).tolist():
+                found += list(_mesh(evidence, part, span, asked))
+        return tuple(found)
 
-def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
-    """What was not judged, and why: nothing is left out."""
-    return ()
+    def speeds(self, study: Study, asked: GearHammerSettings) -> tuple[float, ...]:
+        """rad/s: the rated speed and the ends of continuous use."""
+        return (_rated_speed(study), *ends(asked.continuous))
 
-
-def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
-    """Both clauses at every mesh; torques are told at the driving gear's speed."""
-    found = []
-    for number, part in parts_of_kind(evidence.study, "gear"):
-        for span in spans_of(evidence.system, number).tolist():
-            found += list(_mesh(evidence, part, span, asked))
-    return tuple(found)
-
-
-def speeds(study: Study, asked: Asked) -> tuple[float, ...]:
-    """rad/s: the rated speed and the ends of continuous use."""
-    return (_rated_speed(study), *ends(asked.continuous))
+    def speeds_between(self, evidence: Results, asked: GearHammerSettings) -> FloatArray:
+        """(speeds,) rad/s between those computed at which a mesh may be worse."""
+        found = []
+        for number, part in parts_of_kind(evidence.study, "gear"):
+            for span in spans_of(evidence.system, number).tolist():
+                found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, span, asked)]
+        return between(found)
 
 
 def _rated_speed(study: Study) -> float:
@@ -79,28 +83,19 @@ def _rated_speed(study: Study) -> float:
     return study.operation.rated.speed
 
 
-def speeds_between(evidence: Evidence, asked: Asked) -> FloatArray:
-    """(speeds,) rad/s between those computed at which a mesh may be worse."""
-    found = []
-    for number, part in parts_of_kind(evidence.study, "gear"):
-        for span in spans_of(evidence.system, number).tolist():
-            found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, span, asked)]
-    return between(found)
-
-
-def _mesh(evidence: Evidence, part: Part, span: int, asked: Asked) -> Iterator[Check]:
+def _mesh(evidence: Results, part: Part, span: int, asked: GearHammerSettings) -> Iterator[Check]:
     """The verdicts on one mesh."""
-    response = evidence.vibration()[0]
+    response = vibration(evidence)[0]
     for clause, curve, use, words in _clauses(evidence, part, span, asked):
         if (line := judge(clause, curve, use)) is not None:
             yield noted(line, *words, largest_line(response, line, np.array([span])))
 
 
 def _clauses(
-    evidence: Evidence, part: Part, span: int, asked: Asked
+    evidence: Results, part: Part, span: int, asked: GearHammerSettings
 ) -> Iterator[tuple[Clause, Curve, BoolArray, tuple[str, ...]]]:
     """Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use."""
-    response, synthesis = evidence.vibration()
+    response, synthesis = vibration(evidence)
     status, vibratory = worst_status(response), synthesis.half_range[:, span]
     where, rated = evidence.system.spans[span].name, _rated(evidence, span)
     share, origin, standing = _share(part, asked)
@@ -115,7 +110,7 @@ def _clauses(
     yield clause, curve, within(asked.continuous, response.speed), words
 
 
-def _share(part: Part, asked: Asked) -> tuple[float, str, Standing]:
+def _share(part: Part, asked: GearHammerSettings) -> tuple[float, str, Standing]:
     """Permissible vibratory share of the rated torque, where it comes from and how that stands."""
     factor = cast(Gear, part.component).application_factor
     if asked.limit is not None:
@@ -124,7 +119,7 @@ def _share(part: Part, asked: Asked) -> tuple[float, str, Standing]:
     return share, origin, TO_BE_VERIFIED
 
 
-def _rated(evidence: Evidence, span: int) -> float:
+def _rated(evidence: Results, span: int) -> float:
     """Mean torque at the rated speed, N m; exactly 0 in a mesh that carries nothing but rounding."""
     everywhere = rated_torque(evidence, np.arange(len(evidence.system.spans)))
     if everywhere is None:

@@ -63,8 +63,8 @@ def judge(clause: Clause, curve: Curve, within: BoolArray) -> Check | None:
         return None
     share = np.where(within, curve.utilisation(), -np.inf)
     at = worst_of(share, curve.value)
-    value = math.inf if curve.status[at] == Status.SINGULAR else stated(curve.value[at])
     unknown = status_words(curve, at)  # never a pass, whatever the limit
+    value = stated(curve.value[at]) if curve.status[at] == Status.OK else math.inf
     return Check(
         clause.rule, clause.clause, clause.where, clause.what,
         value=value, limit=float(curve.limit[at]), unit=clause.unit,

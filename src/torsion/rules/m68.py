@@ -11,17 +11,18 @@ from torsion.analyses.steady import SAME_SPEED
 from torsion.components.material import STEEL
 from torsion.components.shaft import Shaft
 from torsion.errors import Fault, Path
+from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules import m68_formulas as formulas
 from torsion.rules.check import TO_BE_VERIFIED, BarredRange, Check, Verdict, verdict_of
 from torsion.rules.evidence import (
-    Evidence,
     coverage,
     in_rpm,
     parts_of_kind,
     rated_torque,
     rule_path,
     spans_of,
+    vibration,
     vibration_faults,
 )
 from torsion.rules.judgement import (
@@ -38,10 +39,9 @@ from torsion.rules.judgement import (
 )
 from torsion.rules.m68_barred import Barring, barring
 from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS
-from torsion.rules.m68_shafts import PA, Asked, ClassedShaft, Slot, classed_shafts, is_classed, stress_modulus
+from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, is_classed, stress_modulus
+from torsion.rules.rule import Rule
 from torsion.study import Study
-
-__all__ = ["Asked", "Limits", "Slot", "check", "faults", "left_out", "limits", "needs"]
 
 RULE = "iacs-m68"
 NOT_ROUND = "its section is a mesh; limits, factors and least diameters of the rule are those of round shafts"
@@ -57,33 +57,71 @@ class Limits(NamedTuple):
     tau: FloatArray  # (speeds,) N/mm2, half range of the synthesis
 
 
-def needs(asked: Asked) -> tuple[str, ...]:
-    """The analyses that the rule reads."""
-    return ("steady", "response")
+class M68(Rule):
+    """The rule, as the study reads it."""
+
+    settings = M68Settings
+    needs = ("steady", "response")
+
+    def faults(self, study: Study, asked: M68Settings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        classed = [part for _, part in parts_of_kind(study, "shaft") if is_classed(cast(Shaft, part.component))]
+        where = rule_path(study, asked)
+        if not classed:
+            hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
+            return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
+        found = vibration_faults(study, asked, RULE)
+        if study.operation.rated is None:
+            hint = "rated: {speed: 1500 rpm, power: 100 kW}"
+            found.append(Fault(("operation", "rated"), f"`rated` is missing; the limits of {RULE} count from it", hint))
+        for part in classed:
+            material = cast(Shaft, part.component).material
+            made_of = study.train.materials[material]
+            if made_of.tensile_strength is None and made_of != STEEL:
+                message = f"`tensile_strength` of '{material}' is not given, and {RULE} needs it for '{part.name}'"
+                hint = f"materials: {{{material}: {{..., tensile_strength: 600 MPa}}}}"
+                found.append(Fault((*part.path, "material"), message, hint))
+        return found + _settings_faults(asked, {part.name: cast(Shaft, part.component) for part in classed}, where)
+
+    def left_out(self, study: Study, asked: M68Settings) -> tuple[tuple[str, str], ...]:
+        """What was not judged, and why."""
+        found = []
+        for _, part in parts_of_kind(study, "shaft"):
+            shaft = cast(Shaft, part.component)
+            if shaft.role is None:
+                found.append((f"{RULE} for {part.name}", "the shaft has no `role`"))
+            elif not is_classed(shaft):
+                found.append((f"{RULE} for {part.name}", NOT_ROUND))
+        if not study.operation.has_mean_torque:
+            found.append((f"{RULE}: least diameters", "the rated power is not given"))
+        speeds, rated = study.operation.speeds, study.operation.rated
+        if speeds is not None and rated is not None and coverage(speeds.last, rated.speed, LAST_CONTINUOUS):
+            reach = f"the limits reach to {in_rpm(LAST_CONTINUOUS * rated.speed)}"
+            found.append((f"{RULE} above {in_rpm(speeds.last)}", f"`operation.speeds` ends there; {reach}"))
+        return tuple(found)
+
+    def speeds(self, study: Study, asked: M68Settings) -> tuple[float, ...]:
+        """rad/s: the rated speed, and those at which the limits bend or end."""
+        return tuple(share * _rated_speed(study) for share in (BARRED_BELOW, FLAT_FROM, 1.0, LAST_CONTINUOUS))
+
+    def speeds_between(self, evidence: Results, asked: M68Settings) -> FloatArray:
+        """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
+        found, ends = [], list[float]()
+        for shaft in classed_shafts(evidence.study, asked):
+            curve, barred, ruled = _judged(evidence, shaft, asked)
+            found += [(curve, ruled), (curve, ruled & ~barred.passed)]
+            ends += [end for one in barred.permitted for end in (one.lower, one.upper)]
+        return np.union1d(between(found), ends)
+
+    def check(self, evidence: Results, asked: M68Settings) -> tuple[Check, ...]:
+        """Stress in continuous use, while barred ranges are passed, and above 1.05; least diameter; of every shaft."""
+        found: list[Check | None] = []
+        for shaft in classed_shafts(evidence.study, asked):
+            found += [*_stresses(evidence, shaft, asked), _diameter(evidence, shaft, asked)]
+        return tuple(line for line in found if line is not None)
 
 
-def faults(study: Study, asked: Asked) -> list[Fault]:
-    """What the file lacks for this rule."""
-    classed = [part for _, part in parts_of_kind(study, "shaft") if is_classed(cast(Shaft, part.component))]
-    where = rule_path(study, asked)
-    if not classed:
-        hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
-        return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
-    found = vibration_faults(study, asked, RULE)
-    if study.operation.rated is None:
-        hint = "rated: {speed: 1500 rpm, power: 100 kW}"
-        found.append(Fault(("operation", "rated"), f"`rated` is missing; the limits of {RULE} count from it", hint))
-    for part in classed:
-        material = cast(Shaft, part.component).material
-        made_of = study.train.materials[material]
-        if made_of.tensile_strength is None and made_of != STEEL:
-            message = f"`tensile_strength` of '{material}' is not given, and {RULE} needs it for '{part.name}'"
-            hint = f"materials: {{{material}: {{..., tensile_strength: 600 MPa}}}}"
-            found.append(Fault((*part.path, "material"), message, hint))
-    return found + _settings_faults(asked, {part.name: cast(Shaft, part.component) for part in classed}, where)
-
-
-def _settings_faults(asked: Asked, shafts: Mapping[str, Shaft], where: Path) -> list[Fault]:
+def _settings_faults(asked: M68Settings, shafts: Mapping[str, Shaft], where: Path) -> list[Fault]:
     """Settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
     found, names = [], f"there is {', '.join(shafts)}"
     for position, name in enumerate(asked.alloy):
@@ -99,58 +137,17 @@ def _settings_faults(asked: Asked, shafts: Mapping[str, Shaft], where: Path) -> 
     return found
 
 
-def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
-    """What was not judged, and why."""
-    found = []
-    for _, part in parts_of_kind(study, "shaft"):
-        shaft = cast(Shaft, part.component)
-        if shaft.role is None:
-            found.append((f"{RULE} for {part.name}", "the shaft has no `role`"))
-        elif not is_classed(shaft):
-            found.append((f"{RULE} for {part.name}", NOT_ROUND))
-    if not study.operation.has_mean_torque:
-        found.append((f"{RULE}: least diameters", "the rated power is not given"))
-    speeds, rated = study.operation.speeds, study.operation.rated
-    if speeds is not None and rated is not None and coverage(speeds.last, rated.speed, LAST_CONTINUOUS):
-        reach = f"the limits reach to {in_rpm(LAST_CONTINUOUS * rated.speed)}"
-        found.append((f"{RULE} above {in_rpm(speeds.last)}", f"`operation.speeds` ends there; {reach}"))
-    return tuple(found)
-
-
-def speeds(study: Study, asked: Asked) -> tuple[float, ...]:
-    """rad/s: the rated speed, and those at which the limits bend or end."""
-    return tuple(share * _rated_speed(study) for share in (BARRED_BELOW, FLAT_FROM, 1.0, LAST_CONTINUOUS))
-
-
-def speeds_between(evidence: Evidence, asked: Asked) -> FloatArray:
-    """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
-    found, ends = [], list[float]()
-    for shaft in classed_shafts(evidence.study, asked):
-        curve, barred, ruled = _judged(evidence, shaft, asked)
-        found += [(curve, ruled), (curve, ruled & ~barred.passed)]
-        ends += [end for one in barred.permitted for end in (one.lower, one.upper)]
-    return np.union1d(between(found), ends)
-
-
-def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
-    """Stress in continuous use, while barred ranges are passed, and above 1.05; least diameter; of every shaft."""
-    found: list[Check | None] = []
-    for shaft in classed_shafts(evidence.study, asked):
-        found += [*_stresses(evidence, shaft, asked), _diameter(evidence, shaft, asked)]
-    return tuple(line for line in found if line is not None)
-
-
-def limits(evidence: Evidence, shaft: str, asked: Asked | None = None) -> Limits:
+def limits(evidence: Results, shaft: str, asked: M68Settings | None = None) -> Limits:
     """Stress and limits of one shaft over speed, with the study's own settings. Raises KeyError for another name."""
-    settings = asked or next((own for name, own in evidence.study.rules if name == RULE), Asked())
-    for classed in classed_shafts(evidence.study, cast(Asked, settings)):
+    settings = asked or next((own for name, own in evidence.study.rules if name == RULE), M68Settings())
+    for classed in classed_shafts(evidence.study, cast(M68Settings, settings)):
         if classed.name == shaft:
             return _limits(evidence, classed)
     raise KeyError(shaft)
 
 
-def _limits(evidence: Evidence, shaft: ClassedShaft) -> Limits:
-    response, synthesis = evidence.vibration()
+def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:
+    response, synthesis = vibration(evidence)
     spans, modulus = stress_modulus(evidence.system, shaft)
     tau = np.max(synthesis.half_range[:, spans] / modulus * PA, axis=1)
     ratio = response.speed / _rated_speed(evidence.study)
@@ -164,7 +161,7 @@ def _rated_speed(study: Study) -> float:
     return study.operation.rated.speed
 
 
-def _stresses(evidence: Evidence, shaft: ClassedShaft, asked: Asked) -> list[Check | None]:
+def _stresses(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> list[Check | None]:
     """The three clauses about the stress amplitude."""
     curve, barred, ruled = _judged(evidence, shaft, asked)
     passing = replace(curve, limit=_limits(evidence, shaft).tau_t)
@@ -175,23 +172,23 @@ def _stresses(evidence: Evidence, shaft: ClassedShaft, asked: Asked) -> list[Che
     ]
 
 
-def _judged(evidence: Evidence, shaft: ClassedShaft, asked: Asked) -> tuple[Curve, Barring, BoolArray]:
+def _judged(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> tuple[Curve, Barring, BoolArray]:
     """Stress against tau_C, what is barred, and (speeds,) which speeds are not above 1.05."""
     speed, tau_c, _, tau = _limits(evidence, shaft)
     rated = _rated_speed(evidence.study)
-    curve = Curve(speed, tau, tau_c, worst_status(evidence.vibration()[0]))
+    curve = Curve(speed, tau, tau_c, worst_status(vibration(evidence)[0]))
     barred = barring(curve, rated, shaft.name, asked.tachometer)
     return curve, barred, speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
 
 
 def _continuous(
-    evidence: Evidence, shaft: ClassedShaft, curve: Curve, within: BoolArray, barred: Barring
+    evidence: Results, shaft: ClassedShaft, curve: Curve, within: BoolArray, barred: Barring
 ) -> Check | None:
     """tau <= tau_C outside the permitted barred ranges, up to 1.05."""
     line = judge(_clause(shaft, "tau_C", "synthesis stress amplitude"), curve, within)
     if line is None:
         return None
-    mostly = largest_line(evidence.vibration()[0], line, spans_of(evidence.system, shaft.part))
+    mostly = largest_line(vibration(evidence)[0], line, spans_of(evidence.system, shaft.part))
     rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
     reach = coverage(float(curve.speed[-1]), _rated_speed(evidence.study), LAST_CONTINUOUS)
     return noted(line, mostly, _refusal(barred), rest, *shaft.notes, reach)
@@ -208,7 +205,7 @@ def _refusal(barred: Barring) -> str:
     )
 
 
-def _passing(evidence: Evidence, shaft: ClassedShaft, curve: Curve, barred: Barring, asked: Asked) -> Check | None:
+def _passing(evidence: Results, shaft: ClassedShaft, curve: Curve, barred: Barring, asked: M68Settings) -> Check | None:
     """tau <= tau_T in the barred ranges, which no keyway allows."""
     line = judge(_clause(shaft, "tau_T", "stress amplitude in the barred range"), curve, barred.passed)
     if line is None:
@@ -216,7 +213,7 @@ def _passing(evidence: Evidence, shaft: ClassedShaft, curve: Curve, barred: Barr
     reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
     verdict: Verdict = "fail" if reasons else line.verdict
     tachometer = f"tachometer tolerance {100 * asked.tachometer:.3g} % " + ("added" if asked.tachometer else "assumed")
-    mostly = largest_line(evidence.vibration()[0], line, spans_of(evidence.system, shaft.part))
+    mostly = largest_line(vibration(evidence)[0], line, spans_of(evidence.system, shaft.part))
     found = noted(line, *reasons, f"barred range {_words(barred.permitted)}, to be passed rapidly", tachometer, mostly)
     return replace(found, verdict=verdict, barred=barred.permitted)
 
@@ -234,7 +231,7 @@ def _outside(shaft: ClassedShaft, curve: Curve, within: BoolArray) -> Check | No
     return noted(line, status_words(curve, at), "outside the rule: it has no limit above 1.05 of the rated speed")
 
 
-def _diameter(evidence: Evidence, shaft: ClassedShaft, asked: Asked) -> Check | None:
+def _diameter(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Check | None:
     """The less favourable end against its least diameter, for the rated mean torque."""
     torque = rated_torque(evidence, spans_of(evidence.system, shaft.part))
     if torque is None:

@@ -39,7 +39,7 @@ class Slot(Declared):
         return self
 
 
-class Asked(Declared):
+class M68Settings(Declared):
     """Settings of `iacs-m68`."""
 
     alloy: Annotated[tuple[str, ...], OneOrMany] = given("shafts of alloy steel; others are carbon or C-Mn steel", ())
@@ -101,7 +101,7 @@ def is_classed(shaft: Shaft) -> bool:
     return shaft.role is not None and shaft.section is None
 
 
-def classed_shafts(study: Study, asked: Asked) -> Iterator[ClassedShaft]:
+def classed_shafts(study: Study, asked: M68Settings) -> Iterator[ClassedShaft]:
     """Every round shaft of the train that has a role."""
     for number, part in parts_of_kind(study, "shaft"):
         if is_classed(cast(Shaft, part.component)):
@@ -123,7 +123,7 @@ def _modulus(bar: Bar, at: FloatArray) -> FloatArray:
     return section_modulus(outer, bore)
 
 
-def _classed(study: Study, asked: Asked, number: int, part: Part) -> ClassedShaft:
+def _classed(study: Study, asked: M68Settings, number: int, part: Part) -> ClassedShaft:
     component = cast(Shaft, part.component)
     role = _ruled_as(component)
     stated = study.train.materials[component.material].tensile_strength
@@ -144,7 +144,7 @@ def _ruled_as(shaft: Shaft) -> Role:
 
 
 def _details(
-    component: Shaft, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: Asked
+    component: Shaft, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: M68Settings
 ) -> tuple[tuple[str, Detail], ...]:
     """The shaft's features with their factors; the role's usual one where none is given."""
     if not component.features:

@@ -1,15 +1,16 @@
 """The speeds that verdicts stand on: bounds of the limits, corners of tables, and the worst between two of them."""
 
 from collections.abc import Iterator
-from typing import cast
 
 import numpy as np
 
 from torsion.analyses.response import grid
 from torsion.fields import Declared
+from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
-from torsion.rules import VibrationRule, rule
-from torsion.rules.evidence import Evidence
+from torsion.rules import of_study
+from torsion.rules.evidence import vibration
+from torsion.rules.rule import Rule
 from torsion.study import Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
@@ -28,20 +29,18 @@ def judged_speeds(study: Study) -> FloatArray:
     return np.asarray(found[(found >= speeds.first) & (found <= speeds.last)])
 
 
-def speeds_between(evidence: Evidence) -> FloatArray:
+def speeds_between(evidence: Results) -> FloatArray:
     """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
-    response, _ = evidence.vibration()
+    response, _ = vibration(evidence)
     found = [one.speeds_between(evidence, asked) for one, asked in _vibration_rules(evidence.study)]
     more = np.unique(np.concatenate([np.empty(0), *found]))
     inside = (more > response.speed[0]) & (more < response.speed[-1])
     return grid.apart(response.speed, more[inside])
 
 
-def _vibration_rules(study: Study) -> Iterator[tuple[VibrationRule, Declared]]:
+def _vibration_rules(study: Study) -> Iterator[tuple[Rule, Declared]]:
     """The study's rules that read the response over speed, with their settings."""
-    for name, asked in study.rules:
-        if "response" in rule(name).needs(asked):
-            yield cast(VibrationRule, rule(name)), asked
+    return ((one, asked) for one, asked in of_study(study) if "response" in one.needs)
 
 
 def _corners(study: Study) -> list[float]:

@@ -1,21 +1,27 @@
 """The verdict on stability: no small deviation may grow at any speed of the operation."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from torsion.analyses.motion.stability import Stability
+from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
 from torsion.rules.check import Check
+from torsion.rules.rule import Rule
 from torsion.study import Operation
-
-if TYPE_CHECKING:
-    from torsion.analyses.motion.stability import Stability
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
 WHOLE = "whole train"
 MOST = 4  # stretches without an answer that are told one by one
 _RPM = 30.0 / np.pi
 Stretch = tuple[float, float]  # rad/s
+
+
+class StableMotion(Rule):
+    """The rule on whatever stability was computed."""
+
+    def check(self, evidence: Results, asked: None) -> tuple[Check, ...]:
+        """Of the whole train."""
+        return (stability_check(evidence.need(Stability), evidence.study.operation),)
 
 
 def stability_check(found: "Stability", operation: Operation) -> Check:

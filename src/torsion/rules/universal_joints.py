@@ -3,18 +3,18 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from torsion.analyses.joints.found import JointFound, Joints, LineFound
+from torsion.analyses.lateral.bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
+from torsion.findings import Results
 from torsion.rules.check import TO_BE_VERIFIED, Check, Standing, verdict_of
-from torsion.rules.evidence import Evidence, parts_of_kind, rule_path
+from torsion.rules.evidence import parts_of_kind, rule_path
 from torsion.rules.joint_tubes import Tube, tubes
+from torsion.rules.rule import Rule
 from torsion.study import Study
-
-if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import Lateral
 
 RULE = "universal-joints"
 ELBE = 0.0027  # tan b sin b of 3 degrees, the usual limit of the resulting angle (Elbe)
@@ -24,7 +24,7 @@ RPM = 30.0 / math.pi
 Acceleration = Annotated[float, Quantity("rad/s**2", above=0)]
 
 
-class Asked(Declared):
+class JointRuleSettings(Declared):
     """Settings of `universal-joints`."""
 
     unevenness: Annotated[float, Quantity("1", above=0, usual=(None, 2.0), mistaken="degrees")] = given(
@@ -42,44 +42,43 @@ class Asked(Declared):
     )
 
 
-def needs(asked: Asked) -> tuple[str, ...]:
-    """The analyses that the rule reads."""
-    return ("joints",)
+class UniversalJoints(Rule):
+    """The rule, as the study reads it."""
+
+    settings = JointRuleSettings
+    needs = ("joints",)
+
+    def faults(self, study: Study, asked: JointRuleSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        if not any(parts_of_kind(study, "joint")):
+            return [Fault(rule_path(study, asked), f"{RULE} finds no joint in the train", "leave the rule out")]
+        if _speed(study) is None:
+            hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
+            return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
+        return []
+
+    def left_out(self, study: Study, asked: JointRuleSettings) -> tuple[tuple[str, str], ...]:
+        """What it does not judge, and why."""
+        found = [(f"{RULE}: bending of {tube.name}", tube.lacks) for tube in tubes(study.train) if tube.lacks]
+        if asked.speed_angle is None:
+            found.append((f"{RULE}: speed times angle", "`speed_angle` gives no limit; it depends on the joint's size"))
+        return tuple(found)
+
+    def check(self, evidence: Results, asked: JointRuleSettings) -> tuple[Check, ...]:
+        """Every line of joints, every shaft between joints and, where asked, every joint, at the highest speed."""
+        found, speed = evidence.get(Joints), _speed(evidence.study)
+        if found is None or speed is None:
+            raise ValueError("a rule about joints needs them and a speed")
+        checks = [line for one in found.lines for line in _line(found, one, asked, speed)]
+        checks += _between(found, asked, speed)
+        if asked.speed_angle is not None:
+            checks += [_speed_angle(joint, asked.speed_angle, speed) for joint in found.joints]
+        every = [_critical(tube, evidence.get(Lateral)) for tube in tubes(evidence.study.train) if not tube.lacks]
+        checks += [_bending(one, asked.critical_share, speed) for one in every if one is not None]
+        return tuple(checks)
 
 
-def faults(study: Study, asked: Asked) -> list[Fault]:
-    """What the file lacks for this rule."""
-    if not any(parts_of_kind(study, "joint")):
-        return [Fault(rule_path(study, asked), f"{RULE} finds no joint in the train", "leave the rule out")]
-    if _speed(study) is None:
-        hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
-        return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
-    return []
-
-
-def left_out(study: Study, asked: Asked) -> tuple[tuple[str, str], ...]:
-    """What it does not judge, and why."""
-    found = [(f"{RULE}: bending of {tube.name}", tube.lacks) for tube in tubes(study.train) if tube.lacks]
-    if asked.speed_angle is None:
-        found.append((f"{RULE}: speed times angle", "`speed_angle` gives no limit; it depends on the joint's size"))
-    return tuple(found)
-
-
-def check(evidence: Evidence, asked: Asked) -> tuple[Check, ...]:
-    """Every line of joints, every shaft between joints and, where asked, every joint, at the highest speed."""
-    found, speed = evidence.joints, _speed(evidence.study)
-    if found is None or speed is None:
-        raise ValueError("a rule about joints needs them and a speed")
-    checks = [line for one in found.lines for line in _line(found, one, asked, speed)]
-    checks += _between(found, asked, speed)
-    if asked.speed_angle is not None:
-        checks += [_speed_angle(joint, asked.speed_angle, speed) for joint in found.joints]
-    every = [_critical(tube, evidence.lateral) for tube in tubes(evidence.study.train) if not tube.lacks]
-    checks += [_bending(one, asked.critical_share, speed) for one in every if one is not None]
-    return tuple(checks)
-
-
-def _line(found: Joints, line: LineFound, asked: Asked, speed: float) -> Iterator[Check]:
+def _line(found: Joints, line: LineFound, asked: JointRuleSettings, speed: float) -> Iterator[Check]:
     """Non-uniformity of the whole line, and what it does to the driven inertia."""
     joints = [found.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
@@ -96,7 +95,7 @@ def _line(found: Joints, line: LineFound, asked: Asked, speed: float) -> Iterato
     yield _verdict("torsional", where, what, value, asked.torsional, "rad/s2", standing, speed, limit)
 
 
-def _between(found: Joints, asked: Asked, speed: float) -> list[Check]:
+def _between(found: Joints, asked: JointRuleSettings, speed: float) -> list[Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
     limit = "limit after Spicer" if asked.inertial == SPICER_INERTIAL else "setting `inertial`"
     standing = _published(asked.inertial, SPICER_INERTIAL)

@@ -63,14 +63,15 @@ def test_orders_are_exact_texts(train: Findings) -> None:
     assert "80/41" in told
 
 
-def test_a_singular_line_has_its_word_and_no_number(undamped: Findings) -> None:
+def test_a_line_that_is_not_ok_has_its_word_and_no_number(undamped: Findings) -> None:
     line = results(undamped)["response"]["lines"][0]
     words = line["status"]
     assert set(words) >= {"ok"}
     assert "singular" in words or "near-singular" in words
-    for word, torque in zip(words, line["torque_Nm"], strict=True):
-        if word == "singular":
-            assert all(part is None for pair in torque for part in pair)
+    together = results(undamped)["synthesis"]["half_range_Nm"][0]
+    for word, torque, half_range in zip(words, line["torque_Nm"], together, strict=True):
+        unknown = [part is None for pair in torque for part in pair] + [half_range is None]
+        assert all(unknown) if word != "ok" else not any(unknown)
 
 
 def test_json_alone_loads_neither_plots_nor_templates() -> None:

@@ -24,11 +24,15 @@ class Response:
     lines: tuple[Line, ...] = result("", ("line",), "harmonic components of the excitation", record="")
     frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
     angle: ComplexArray = result(
-        "rad", ("speed", "line", "station"), "complex amplitude at own speed", printed=("speed", "named station")
+        "rad",
+        ("speed", "line", "station"),
+        "complex amplitude at own speed; null where the status is not ok",
+        printed=("speed", "named station"),
+        known_by="status",
     )
     torque: ComplexArray = result(
         "N*m", ("speed", "line", "span"), "complex amplitude, elastic and damping share together",
-        printed=("speed", "end span"),
+        printed=("speed", "end span"), known_by="status",
     )  # fmt: skip
     mean: FloatArray = result(
         "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
@@ -80,11 +84,15 @@ class FrequencyResponse:
     sources: tuple[str, ...] = result("", (), "what excites")
     speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 where none is given")
     angle: ComplexArray = result(
-        "rad", ("frequency", "station"), "complex amplitude at own speed", printed=("frequency", "named station")
+        "rad",
+        ("frequency", "station"),
+        "complex amplitude at own speed; null where the status is not ok",
+        printed=("frequency", "named station"),
+        known_by="status",
     )
     torque: ComplexArray = result(
         "N*m", ("frequency", "span"), "complex amplitude, elastic and damping share together",
-        printed=("frequency", "end span"),
+        printed=("frequency", "end span"), known_by="status",
     )  # fmt: skip
     residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
     status: np.ndarray  # (frequencies,) uint8: kernels.response.Status

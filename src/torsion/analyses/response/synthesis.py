@@ -4,18 +4,25 @@ import math
 from fractions import Fraction
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
 from torsion.analyses.response.over_speed import Response, Synthesis
 from torsion.assembly.system import System
 from torsion.kernels.response import Status
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 
 SAMPLES = 32  # of the highest harmonic, before extremes are refined
 MOST_SAMPLES = 20_000  # of a cycle; a longer one is given by its bound
-BLOCK_VALUES = 65_536  # samples held at once (0.5 MB stays in a processor's cache)
-SAMPLING_LOSS = (math.pi / SAMPLES) ** 2 / 2.0  # of the bound: most that the sample beside a maximum stands lower
-SECOND = 2e-5  # of the bound: maxima that the parabola, good to (2 pi/32)^4/128 = 1.2e-5, cannot tell from the highest
-NEWTON_STEPS = 3  # from the parabola's place, a thousandth of a cycle of the highest harmonic off: quadratic from there
+BLOCK_VALUES = 65_536  # samples computed at once (0.5 MB stays in a processor's cache)
+MOST_CELLS = 50_000  # cells refined at once; a cell is half a step to either side of a sample
+DEGREE = 8  # of the Taylor polynomial in a cell, which errs by (pi/32)^9/9! = 2.3e-15 of the bound
+SAME_VALUE = 4e-15  # relative: maxima that close are one, to the error of the polynomial and of rounding
+BEND_VARIES = 0.25  # most share of itself by which the second derivative varies in a cell where Newton's method is used
+NEWTON_STEPS = 4  # from a third of a cell's half width off at most, each error at most a third of the last one's square
+HALVES = [  # (powers, powers) each: the coefficients of the left and of the right half of a cell, as a cell of its own
+    np.array([[math.comb(m, k) * at ** max(m - k, 0) / 2**k for m in range(DEGREE + 1)] for k in range(DEGREE + 1)])
+    for at in (-0.5, 0.5)
+]
 
 __all__ = ["Synthesis", "synthesis"]
 
@@ -25,7 +32,7 @@ def synthesis(system: System, response: Response) -> Synthesis:
 
     Orders are summed as phasors in time. Lines of fixed frequency have no common cycle with them: their magnitudes
     are added. The same holds, as a bound, where the cycle of all orders is too long; `turns` is 0 then.
-    Where a line has no answer (status singular), so has the sum: it is infinite.
+    Where the status of a line is not ok, the sum has no value: it is infinite.
     """
     size = np.abs(response.torque)
     bound = size.sum(axis=1)
@@ -43,7 +50,7 @@ def synthesis(system: System, response: Response) -> Synthesis:
         highest, lowest = (values.reshape(bound.shape) for values in extremes(phasors, harmonics))
     half_range = (highest - lowest) / 2.0 + fixed
     peak = np.maximum(np.abs(response.mean + highest + fixed), np.abs(response.mean + lowest - fixed))
-    answered = np.isfinite(bound) & (response.status != Status.SINGULAR).all(axis=1)[:, None]
+    answered = np.isfinite(bound) & (response.status == Status.OK).all(axis=1)[:, None]
     values = [np.where(answered, value, np.inf) for value in (half_range, peak, rms, bound)]
     return Synthesis(values[0], values[1], values[2], values[3], turns)
 
@@ -61,52 +68,76 @@ def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:
 
 
 def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, FloatArray]:
-    """Largest and smallest value (rows,) of Re sum phasor exp(i harmonic t) over a cycle; phasors (rows, harmonics)."""
-    highest, lowest = np.zeros(len(phasors)), np.zeros(len(phasors))
+    """Largest and smallest value (rows,) of Re sum phasor exp(i harmonic t) over a cycle; phasors (rows, harmonics).
+
+    The sample nearest to an extreme is within h^2/8 sum n^2 |phasor| of it, h the step (the slope is zero there): every
+    sample that may be nearest is refined, so that the result is exact to rounding.
+    """
     if phasors.size == 0:
-        return highest, lowest
+        return np.zeros(len(phasors)), np.zeros(len(phasors))
     if phasors.shape[1] == 1:
-        highest[:] = np.abs(phasors[:, 0])
+        highest = np.abs(phasors[:, 0])
         return highest, -highest
     number = int(harmonics.max()) * SAMPLES
-    angle = 2.0 * math.pi * np.arange(-1, number + 1) / number
-    wave = np.concatenate([np.cos(np.outer(harmonics, angle)), -np.sin(np.outer(harmonics, angle))])
+    angle = 2.0 * math.pi / number * (np.outer(harmonics, np.arange(number)) % number)
+    wave = np.concatenate([np.cos(angle), -np.sin(angle)])
+    phase = math.pi / number * harmonics
+    parts = np.concatenate([phasors.real, phasors.imag], axis=1)
+    loss = np.abs(phasors) @ phase**2 / 2.0
+    loss = np.where(loss > 0, loss, np.nan)[:, None]  # a wave of nothing has no extreme to be found
+    highest, lowest = np.zeros(len(parts)), np.zeros(len(parts))
     rows = max(1, BLOCK_VALUES // number)
+    near: list[tuple[IntArray, IntArray]] = []
     with np.errstate(all="ignore"):
-        for start in range(0, len(phasors), rows):
-            block = phasors[start : start + rows]
-            value = np.concatenate([block.real, block.imag], axis=1) @ wave
-            highest[start : start + rows] = _highest(block, harmonics, value, angle)
-            lowest[start : start + rows] = -_highest(-block, harmonics, np.negative(value, out=value), angle)
-    return highest, lowest
+        for start in range(0, len(parts), rows):
+            part = slice(start, start + rows)
+            value = parts[part] @ wave
+            high = value >= value.max(axis=1, keepdims=True) - loss[part]
+            low = value <= value.min(axis=1, keepdims=True) + loss[part]
+            near.append((np.flatnonzero(high) + start * number, np.flatnonzero(low) + start * number))
+            if part.stop < len(parts) and sum(len(high) + len(low) for high, low in near) < MOST_CELLS:
+                continue
+            for extreme, sign, places in zip((highest, lowest), (1.0, -1.0), zip(*near, strict=True), strict=True):
+                row, place = np.divmod(np.concatenate(places), number)
+                _raise(extreme, row, _polynomials(sign * parts[row].T, wave[:, place], phase))
+            near = []
+    return highest, -lowest
 
 
-def _highest(phasors: ComplexArray, harmonics: np.ndarray, value: FloatArray, angle: FloatArray) -> FloatArray:
-    """(rows,) the largest value on and between the samples `value` (rows, samples + one more at each end).
+def _polynomials(parts: FloatArray, wave: FloatArray, phase: FloatArray) -> FloatArray:
+    """(powers, cells): the sum of all harmonics in each cell, which is -1..1.
 
-    Parabolas through three samples tell which maxima may be the highest; Newton's method on the slope of the sum
-    finds each of these.
+    parts: (2 harmonics, cells) N m, real and imaginary; wave: (2 harmonics, cells), cosine and negative sine at the
+    sample; phase: (harmonics,) rad in half a step.
     """
-    middle, bound = value[:, 1:-1], np.abs(phasors).sum(axis=1)
-    near = middle >= (middle.max(axis=1) - SAMPLING_LOSS * bound)[:, None]
-    row, place = np.divmod(np.flatnonzero(near), middle.shape[1])
-    before, at, after = (value[row, place + k] for k in range(3))
-    top = (at >= before) & (at >= after)
-    row, place, before, at, after = (array[top] for array in (row, place, before, at, after))
-    bend = before + after - 2.0 * at
-    shift = np.where(bend < 0, (before - after) / (2.0 * bend), 0.0)
-    vertex = at + np.where(bend < 0, (after - before) * shift / 4.0, 0.0)
-    best = np.full(len(value), -np.inf)
-    np.maximum.at(best, row, vertex)
-    keep = vertex >= best[row] - SECOND * bound[row]
-    row, sampled = row[keep], at[keep]
-    step = angle[1] - angle[0]
-    t = angle[place[keep] + 1] + shift[keep] * step
-    for _ in range(NEWTON_STEPS):
-        turned = phasors[row] * np.exp(1j * np.outer(t, harmonics))
-        slope, curve = -(turned.imag @ harmonics), -(turned.real @ harmonics**2)
-        t = t + np.clip(np.where(curve < 0, -slope / curve, 0.0), -step, step)
-    refined = (phasors[row] * np.exp(1j * np.outer(t, harmonics))).real.sum(axis=1)
-    best[:] = 0.0
-    np.maximum.at(best, row, np.fmax(sampled, refined))
-    return best
+    real, imaginary = np.split(parts, 2)
+    cosine, sine = np.split(wave, 2)
+    power = np.arange(DEGREE + 1)[:, None]
+    factor = (-1.0) ** (power // 2) * phase**power / [[math.factorial(m)] for m in range(DEGREE + 1)]
+    made = np.empty((DEGREE + 1, wave.shape[1]))
+    made[::2] = factor[::2] @ (real * cosine + imaginary * sine)
+    made[1::2] = factor[1::2] @ (real * sine - imaginary * cosine)
+    return made
+
+
+def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
+    """Raise `best` (rows,) to the largest value of the polynomials (powers, cells), each of the row (cells,) named.
+
+    A cell whose polynomial rises or falls throughout has no maximum inside. One whose second derivative is negative
+    and varies little has one at most, which Newton's method finds. Any other is halved until it is of either sort, or
+    until nothing in it can exceed what is found.
+    """
+    power = np.arange(len(polynomial))[:, None]
+    while row.size:
+        np.fmax.at(best, row, polynomial[0])
+        size = np.abs(polynomial)
+        turns = size[1] <= (power * size)[2:].sum(axis=0)
+        bends = (power * (power - 1) * size)[3:].sum(axis=0) <= -2.0 * BEND_VARIES * polynomial[2]
+        single = polynomial[:, turns & bends]
+        slope, bend = polyder(single), polyder(single, 2)
+        x = np.zeros(single.shape[1])
+        for _ in range(NEWTON_STEPS):
+            x = np.clip(x - polyval(x, slope, tensor=False) / polyval(x, bend, tensor=False), -1.0, 1.0)
+        np.fmax.at(best, row[turns & bends], polyval(x, single, tensor=False))
+        unclear = turns & ~bends & (polynomial[0] + size[1:].sum(axis=0) > best[row] * (1.0 + SAME_VALUE))
+        polynomial, row = np.hstack([half @ polynomial[:, unclear] for half in HALVES]), np.tile(row[unclear], 2)

@@ -9,7 +9,7 @@ from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, Scale, rpm, scale
-from torsion.report.reading import largest, orders_together, synthesis, unreliable
+from torsion.report.reading import NO_VALUE, largest, orders_together, synthesis, unreliable
 
 
 def chapter(findings: Findings) -> list[Block]:
@@ -68,7 +68,7 @@ def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -
 def _worst(findings: Findings, values: FloatArray, unit: Scale) -> tuple[str, str]:
     at = largest(values)
     if at is None or findings.get(Response) is None:
-        return NONE, NONE
+        return NO_VALUE, NONE
     return unit.text(float(values[at])), rpm(float(findings.need(Response).speed[at]))
 
 
@@ -89,7 +89,7 @@ def _peak(findings: Findings, element: Element, unit: Scale) -> str:
         return NONE
     peak = np.where(unreliable(findings), np.nan, made.peak[:, list(element.spans)].max(axis=1))
     at = largest(peak)
-    return NONE if at is None else unit.text(float(peak[at]))
+    return NO_VALUE if at is None else unit.text(float(peak[at]))
 
 
 def _heat(findings: Findings, element: Element) -> FloatArray:

@@ -49,7 +49,7 @@ def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -
     for mesh, values in torque.items():
         at, mean = largest(values), _mean(findings, mesh)
         if at is None:
-            rows.append((mesh.name, NO_VALUE, *[NONE] * 5))
+            rows.append((mesh.name, NO_VALUE, *[NONE] * 4, "not known"))
             marks.append("")
             continue
         share = np.full(len(values), np.nan) if mean is None else _share(values, mean)

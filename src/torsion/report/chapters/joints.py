@@ -10,8 +10,8 @@ from torsion.findings import Findings
 from torsion.report import joint_figures, joint_tables
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table
 from torsion.report.chapters import verdict
-from torsion.report.numbers import number, order, rpm
-from torsion.report.reading import joint_model, largest
+from torsion.report.numbers import NONE, number, order, rpm
+from torsion.report.reading import NO_VALUE, joint_model, largest
 from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
@@ -99,8 +99,12 @@ def _answers(findings: Findings, joint: "JointFound") -> list[tuple[str, ...]]:
     for place, line in enumerate(response.lines):
         size = np.abs(response.torque[:, place, spans]).max(axis=1)
         at = largest(np.where(response.status[:, place] == 0, size, np.nan))
-        if line.order == wanted and at is not None:
+        if line.order != wanted:
+            continue
+        name = joint.name, f"order {order(wanted)}"
+        if at is None:
+            rows.append((*name, NO_VALUE, NONE, NONE))
+        else:
             error = number(100 * float(response.joint_error[at, place]), 2)
-            rows.append((joint.name, f"order {order(wanted)}", number(float(size[at])), rpm(float(response.speed[at])),
-                         error))  # fmt: skip
+            rows.append((*name, number(float(size[at])), rpm(float(response.speed[at])), error))
     return rows

@@ -87,16 +87,16 @@ def _orders(findings: Findings, response: Response) -> str:
 
 
 def _status(findings: Findings, response: Response) -> Paragraph:
-    worst = np.nanmax(response.residual) if np.any(np.isfinite(response.residual)) else np.nan
-    bad = int(np.any(response.status != Status.OK, axis=1).sum())
-    text = f"Largest relative equilibrium residual of the solution: {number(float(worst), 2)}."
+    reliable = response.residual[(response.status == Status.OK) & np.isfinite(response.residual)]
+    bad = int(unreliable(findings).sum())
+    text = f"Largest relative equilibrium residual of the solution: {number(float(reliable.max(initial=0.0)), 2)}."
     text = f"{text} {joint_model(findings)}".strip()
     if bad == 0:
         return Paragraph(text)
     text += (
-        f" At {bad} speeds a line is near-singular or singular: no finite amplitude can be stated there. These "
-        "speeds are "
-        "hatched in the figures and left out of the tables of peaks."
+        f" At {counted(bad, 'speed')} a line is near-singular or singular: no amplitude can be stated there, and none "
+        "as the largest over the range, since it grows without limit towards an undamped resonance. These speeds are "
+        "hatched in the figures and left out of the table of peaks."
     )
     return Paragraph(text, "note")
 

@@ -37,7 +37,7 @@ def chapter(findings: Findings) -> list[Block]:
         blocks.append(_unsolved(found))
     blocks.append(_figure(findings, found))
     if findings.get(StabilityMap) is not None:
-        blocks += _map(findings, findings.get(StabilityMap))
+        blocks += _map(findings, findings.need(StabilityMap))
     return blocks
 
 

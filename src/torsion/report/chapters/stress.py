@@ -106,7 +106,7 @@ def _utilisation(curve: Curves) -> tuple[str, str]:
     if curve.continuous is None:
         return NONE, NONE
     share = curve.stress / curve.continuous
-    at = largest(share)
+    at = largest(np.where(np.isnan(curve.continuous), -np.inf, share))
     return (NONE, NONE) if at is None else (number(float(share[at]), 4), rpm(float(curve.speed[at])))
 
 

@@ -9,7 +9,7 @@ from torsion.kernels.response import Status
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import elements
 from torsion.report.numbers import NONE, degrees, number, scale
-from torsion.report.reading import largest
+from torsion.report.reading import NO_VALUE, largest
 
 MOST_LINES = 10
 
@@ -33,6 +33,7 @@ def chapter(findings: Findings) -> list[Block]:
     blocks: list[Block] = [
         Heading("Response over the frequency range"),
         Paragraph("The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."),
+        *_unknown(sweep.frequency[bad]),
     ]
     if found:
         blocks += [
@@ -45,6 +46,18 @@ def chapter(findings: Findings) -> list[Block]:
         Figure("sweep-angle", "Angular amplitude over the frequency", "frequency",
                {**common, "lines": _lines(stations, np.degrees(angle)), "quantity": "angular amplitude, deg"}),
     ]  # fmt: skip
+
+
+def _unknown(frequency: np.ndarray) -> list[Block]:
+    """That no amplitude is stated at the frequencies without a reliable one; nothing where there is none."""
+    if frequency.size == 0:
+        return []
+    text = (
+        f"At {', '.join(dict.fromkeys(number(f, 5) for f in frequency.tolist()))} Hz the response has no reliable "
+        "finite value (undamped resonance). No amplitude is stated there, nor a largest one of the range; give the "
+        "damping of the train."
+    )
+    return [Paragraph(text, "note")]
 
 
 def _lines(names: list[str], values: np.ndarray) -> list[tuple[str, np.ndarray]]:
@@ -63,7 +76,7 @@ def _table(caption: str, what: str, names: list[str], values: np.ndarray, unit: 
     for name, row in zip(names, values, strict=True):
         at = largest(row)
         if at is None:
-            rows.append((name, *[NONE] * (len(columns) - 1)))
+            rows.append((name, NO_VALUE, *[NONE] * (len(columns) - 2)))
             continue
         more = [degrees(float(row[at]))] if in_degrees else []
         rows.append((name, number(float(row[at])), *more, number(float(frequency[at]))))

@@ -46,7 +46,7 @@ def conclusion(findings: Findings) -> list[Block]:
     """The conclusion, that of the comparison of models, and the restrictions of speed, in plain sentences."""
     blocks: list[Block] = [_overall(findings)]
     if findings.get(Compared) is not None:
-        blocks.append(compared_models(findings.get(Compared)))
+        blocks.append(compared_models(findings.need(Compared)))
     if findings.get(PeriodicResponse) is not None:
         blocks.extend(_first_order(findings))
     restrictions = _restrictions(findings)
@@ -126,7 +126,7 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
         speeds = response.speed[bad] * RPM
         found.append(
             f"At {_listed(speeds)} the response has no reliable finite value (undamped resonance). "
-            "No amplitude is stated there; give the damping of the train."
+            "No amplitude is stated there, nor a largest one of the range; give the damping of the train."
         )
     if not found and response is not None and findings.need(Checks).lines and not failed(findings):
         found.append("No restriction of speed follows from the checks asked.")

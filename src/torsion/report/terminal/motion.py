@@ -17,7 +17,7 @@ def largest_by_both(findings: Findings) -> Grid | None:
         return None
     from torsion.report.motion import compared, flagged, signed
 
-    exact, bad, rows = findings.get(PeriodicResponse), flagged(findings), compared(findings)
+    exact, bad, rows = findings.need(PeriodicResponse), flagged(findings), compared(findings)
     together = [row for row in rows if row.order is None] or list(rows)
     made = grid("Exact periodic response, largest torque", ("element", "<"), ("order", ">"), ("first order, N m", ">"),
                 ("exact, N m", ">"), ("at rpm", ">"), ("%", ">"), ("", "<"))  # fmt: skip

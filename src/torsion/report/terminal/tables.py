@@ -43,13 +43,13 @@ def show(findings: Findings, folder: Path | None = None, console: Console | None
 def tables(findings: Findings) -> list[RenderableType]:
     """Everything that is printed, narrow enough for 80 columns; the verdict last, where the eye is."""
     shown: list[RenderableType] = [Text(findings.study.name, style="bold")]
-    joints = None if findings.get(Joints) is None else lines_as_one(findings.get(Joints))
-    bent = None if findings.get(Lateral) is None else bending_speeds(findings.get(Lateral), speed_range(findings))
+    joints = None if findings.get(Joints) is None else lines_as_one(findings.need(Joints))
+    bent = None if findings.get(Lateral) is None else bending_speeds(findings.need(Lateral), speed_range(findings))
     moved = largest_by_both(findings), unstable_ranges(findings)
     found = (_frequencies(findings), _critical_speeds(findings), _torques(findings), *moved, joints, bent)
     shown += [made for made in (*found, verdicts(findings)) if made is not None and made.row_count]
     if findings.get(Compared) is not None and findings.need(Compared).exact is not None:
-        shown.append(largest_errors(findings.get(Compared)))
+        shown.append(largest_errors(findings.need(Compared)))
     return [*shown, *(printed(block) for block in verdict.conclusion(findings))]
 
 

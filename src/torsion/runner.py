@@ -6,6 +6,7 @@ from torsion import rules
 from torsion.analyses import ANALYSES, ordered
 from torsion.errors import InputError
 from torsion.findings import Findings, Progress, Work, silent
+from torsion.rules import speeds
 from torsion.rules.check import Checks
 from torsion.schema.read import located
 from torsion.study import Study
@@ -16,7 +17,7 @@ def run(study: Study, *, only: Collection[str] = (), progress: Progress = silent
 
     Raises InputError (located in the study's file) and SolveError.
     """
-    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=rules)
+    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=speeds)
     try:
         for name in ordered({key: ANALYSES[key] for key in _with_needs(only)} if only else ANALYSES):
             analysis = ANALYSES[name]
