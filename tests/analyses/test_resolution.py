@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import torsion
+from torsion.analyses.modes import Modes
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.assembly import lumped
 
@@ -63,7 +64,7 @@ def test_python_and_the_command_give_the_same_frequencies(model):
     asked = f"\nanalyses: {{model: {model}, modes: {{count: 7}}}}\n"
     of_command = torsion.run(torsion.parse(STEPPED + asked))
     found = torsion.modes(assembled(STEPPED, model), count=7)
-    np.testing.assert_array_equal(found.frequency, of_command.modes.frequency)
+    np.testing.assert_array_equal(found.frequency, of_command.need(Modes).frequency)
     assert found.system.segments == of_command.system.segments
 
 
