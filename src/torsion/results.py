@@ -26,6 +26,7 @@ import numpy as np
 
 Value = TypeVar("Value")
 Axes = tuple[str, ...]
+BY_UNIT = "*"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ class Quantity:
     axes: Axes  # what each axis of the array in memory runs over
     meaning: str
     name: str = ""
-    key: str | None = None  # its name in every output: the name with the unit, unless declared; "" stands for the whole
+    key: str = BY_UNIT  # its name in every output, by itself that with its unit; "" stands for the whole result
     printed: Axes = ()  # axes of the outputs, in their order; a span may be reduced to the element that it belongs to
     is_total: bool = False  # over a group of segments it adds up; else the value at the end of the group stands for it
     known_by: str = ""  # the statuses, over the first axes of the array, that are 0 where its values are known
@@ -45,7 +46,7 @@ class Quantity:
     def named(self, name: str) -> "Quantity":
         """As a field or property of that name declares it."""
         suffix = _spelled(self.unit)
-        key = self.key if self.key is not None else f"{name}_{suffix}" if suffix else name
+        key = self.key if self.key != BY_UNIT else f"{name}_{suffix}" if suffix else name
         return dataclasses.replace(self, name=name, key=key, printed=self.printed or self.axes)
 
 

@@ -12,11 +12,11 @@ from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.rules.base_rule import Rule
 from torsion.rules.check import Check
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import parts_of_kind, rule_path, spans_of, vibration, vibration_faults
 from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
-from torsion.rules.rule import Rule
 from torsion.study import Study
 
 if TYPE_CHECKING:

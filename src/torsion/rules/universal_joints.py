@@ -10,10 +10,10 @@ from torsion.analyses.lateral.bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
+from torsion.rules.base_rule import Rule
 from torsion.rules.check import TO_BE_VERIFIED, Check, Standing, verdict_of
 from torsion.rules.evidence import parts_of_kind, rule_path
 from torsion.rules.joint_tubes import Tube, tubes
-from torsion.rules.rule import Rule
 from torsion.study import Study
 
 RULE = "universal-joints"
