@@ -146,15 +146,16 @@ def drawn(number: int, seed: int, only: str) -> list[Mutant]:
     return found[:number]
 
 
-def survives(mutant: Mutant) -> bool:
-    """The tests of its part pass."""
+def passes(part: str, mutant: Mutant | None = None) -> bool:
+    """The tests of a part pass, with the mutant or without any."""
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "src"
         shutil.copytree(ROOT / "src", source, ignore=shutil.ignore_patterns("__pycache__"))
-        file = source / "torsion" / mutant.path
-        file.write_bytes(mutant.applied(file.read_bytes()))
+        if mutant is not None:
+            file = source / "torsion" / mutant.path
+            file.write_bytes(mutant.applied(file.read_bytes()))
         there = {**os.environ, "PYTHONPATH": str(source), "PYTHONDONTWRITEBYTECODE": "1"}
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-n", "0", *PARTS[mutant.part]]
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-n", "0", *PARTS[part]]
         try:
             done = subprocess.run(command, cwd=ROOT, env=there, capture_output=True, timeout=SECONDS, check=False)
         except subprocess.TimeoutExpired:
@@ -177,7 +178,11 @@ def main() -> None:
         return
     survived = 0
     with ThreadPoolExecutor(asked.workers) as pool:
-        for mutant, lives in zip(found, pool.map(survives, found), strict=True):
+        parts = sorted({mutant.part for mutant in found})
+        failing = [part for part, sound in zip(parts, pool.map(passes, parts), strict=True) if not sound]
+        if failing:
+            sys.exit(f"the tests of {', '.join(failing)} fail without any mutant")
+        for mutant, lives in zip(found, pool.map(lambda one: passes(one.part, one), found), strict=True):
             survived += lives
             print(f"{'SURVIVED' if lives else 'killed  '} {mutant}", flush=True)
     print(f"{survived} of {len(found)} survived")
