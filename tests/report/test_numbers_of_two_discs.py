@@ -14,9 +14,9 @@ from rich.console import Console
 
 import torsion
 from torsion.findings import Findings
+from torsion.output.results_json import results
 from torsion.report.blocks import Table
 from torsion.report.chapters import chapters
-from torsion.output.results_json import results
 from torsion.report.terminal.tables import show
 
 J1, J2, STIFFNESS, VISCOUS = 2.0, 3.0, 120.0, 0.8
