@@ -187,7 +187,7 @@ def test_shares_of_energy_and_rigid_motion_of_a_distributed_train(model):
     lumped = torsion.assemble(train, "lumped", frequency=40000.0)
     other = torsion.modes(lumped, 8)
     own = len(train.stations)
-    shaped = torsion.assemble(train, model, frequency=1500.0)
+    shaped = found.system
     sign = np.sign((found.shape[:own] * other.shape[:own]).sum(axis=0))
     np.testing.assert_allclose(found.shape[:own] * sign, other.shape[:own], atol=2e-4)
     for part in range(len(train.parts)):

@@ -73,7 +73,7 @@ def evidence() -> Callable[..., Results]:
         response = Response(
             speed, np.ones(len(speed), dtype=bool), (line,), order[:, None],
             np.zeros((len(speed), 1, len(system.stations)), dtype=complex), torque[:, None, :], steady,
-            np.zeros((len(speed), 1)), flags, np.zeros((len(speed), 1)),
+            np.zeros((len(speed), 1)), flags, np.zeros((len(speed), 1)), system,
         )  # fmt: skip
         size = np.abs(torque)
         together = Synthesis(size, np.abs(steady) + size, size / math.sqrt(2), size, Fraction(1))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from torsion.analyses.modes import modes, span_torques
+from torsion.analyses.modes import modes_as_discretised, span_torques
 from torsion.analyses.requests import modes_settings
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
@@ -50,7 +50,7 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
     ground[folded.node] = own * system.speed_ratio**2
     start = None
     if folded.tree.size > LARGEST_FOR_ALL:
-        start = 2.0 * math.pi * modes(system, count).frequency
+        start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
     found = damped_modes(
         folded.tree, ground_damping=ground, viscous=folded.viscous, loss_factor=folded.loss_factor, start=start
     )

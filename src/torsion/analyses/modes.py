@@ -9,7 +9,9 @@ import numpy as np
 from pydantic import Field
 
 from torsion.analyses.shares import lumped_elastic, lumped_kinetic, nodes, shares
+from torsion.assembly import demand_resolution, is_as_fine, rediscretised
 from torsion.assembly.folding import Folded
+from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.fields import Declared, given
 from torsion.kernels.tree import FloatArray, IntArray, Tree
@@ -18,6 +20,11 @@ from torsion.results import derived, reported, result
 if TYPE_CHECKING:
     from torsion.kernels.bars.modes import BarModes
     from torsion.kernels.modes import TreeModes
+
+
+ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
+REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
+Progress = Callable[[int, int], None]  # (modes found, of how many)
 
 
 class ModesSettings(Declared):
@@ -83,11 +90,83 @@ class Modes:
         return np.stack([self.lower, self.upper], axis=1)
 
 
-def modes(system: System, count: int | None = 6, *, progress: Callable[[int, int], None] | None = None) -> Modes:
-    """The lowest `count` elastic modes (None: all). Raises SolveError for a frequency that cannot be proven.
+def modes(
+    system: System, count: int | None = 6, *, refine: bool = True, progress: Progress | None = None
+) -> Modes:  # fmt: skip
+    """The lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
 
-    progress: told how many of how many modes are done, where they are found one by one (few of a long row of stations).
+    Where the shafts of `system` do not resolve the last mode they are refined, and `Modes.system` is the system of
+    the results. Raises SolveError where they cannot be, where that is needed and `refine` is False, and for a frequency
+    that cannot be proven. progress: called where modes are found one by one (few of a long row of stations).
     """
+    if not refine or (system.bars is None and math.isinf(system.resolved_to)):
+        found = modes_as_discretised(system, count, progress=progress)
+    else:
+        if count is None:
+            count = modes_as_discretised(system, None).frequency.size
+        found = _refined(system, count, progress)
+    if count is not None and found.frequency.size < count:
+        demand_resolution(found.system, math.inf)
+    demand_resolution(found.system, float(found.frequency.max(initial=0.0)))
+    return found
+
+
+def _refined(system: System, count: int, progress: Progress | None) -> Modes:
+    """The lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
+    highest = system.requested.frequency
+    system = _in_reach(system, highest, count)
+    found = _with_all(modes_as_discretised(system, count, progress=progress), count)
+    for _ in range(ROUNDS):
+        system = found.system
+        top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
+        finer = rediscretised(system, top)
+        if _division(finer) == _division(system):
+            return found if system.bars is None else replace(found, system=finer)
+        if system.bars is not None and is_as_fine(system, finer):
+            break
+        found = modes_as_discretised(finer, count, progress=progress)
+    return found
+
+
+def _with_all(found: Modes, count: int) -> Modes:
+    """Lumped shafts in more segments until the train has `count` modes, as far as the settings allow."""
+    frequency, system = 0.0, found.system
+    half_waves = [math.pi / phase(bar, 1.0) for bar in system.train.bars if bar.density > 0 and bar.segments is None]
+    while system.bars is None and found.frequency.size < count and half_waves:
+        frequency = max(2.0 * frequency, min(half_waves))
+        finer = rediscretised(system, frequency)
+        if _division(finer) != _division(system):
+            system, found = finer, modes_as_discretised(finer, count)
+        elif finer.resolved_to < frequency:
+            break
+    return found
+
+
+def _in_reach(system: System, highest: float, count: int) -> System:
+    """The train discretised for the last of `count` modes, which counts find beforehand, as far as settings allow."""
+    for _ in range(REACHING):
+        bars = system.folded_bars
+        if bars is None or not math.isfinite(bars.limit):
+            break
+        from torsion.analyses.bars import above_mode, reach
+
+        tree = undamped_tree(system.folded)
+        known = reach(tree, bars)
+        if known.count >= count:
+            return rediscretised(system, max(highest, above_mode(tree, bars, count) / (2.0 * math.pi)))
+        finer = rediscretised(system, known.frequency / (2.0 * math.pi))
+        if _division(finer) == _division(system):
+            break
+        system = finer
+    return system
+
+
+def _division(system: System) -> tuple[dict[str, int], int]:
+    return system.segments, 0 if system.bars is None else system.bars.degree
+
+
+def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
+    """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.bars is not None and system.folded_bars is not None:
         from torsion.analyses.bars import referred_modes
 
@@ -99,9 +178,7 @@ def modes(system: System, count: int | None = 6, *, progress: Callable[[int, int
     return _modes(system, found, span_torques(system, found.torque, closing, found.loop_torque))
 
 
-def _referred_modes(
-    system: System, closing: IntArray, count: int | None, progress: Callable[[int, int], None] | None
-) -> "TreeModes":
+def _referred_modes(system: System, closing: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
     """The modes on the folded tree, with the spans `closing` that close its loops."""
     tree = undamped_tree(system.folded)
     if not closing.size:

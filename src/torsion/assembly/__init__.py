@@ -1,9 +1,11 @@
 """Primitives to a system: one model a file, imported when it is asked for."""
 
+import math
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 from torsion.assembly.section.resolved import resolved
+from torsion.errors import SolveError
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System
@@ -14,6 +16,7 @@ MODELS = {
     "fem": "torsion.assembly.fem:assemble_fem",
     "exact": "torsion.assembly.exact:assemble_exact",
 }
+ROUNDING = 1e-9  # relative, of a frequency that was itself computed
 
 
 def assemble(
@@ -24,12 +27,53 @@ def assemble(
     degree: int | None = None,
     elements: int | None = None,
 ) -> "System":
-    """The system of a train; shafts are divided finely enough for a highest frequency (Hz).
+    """The system of a train; shafts are discretised finely enough for a highest frequency (Hz).
 
-    degree, elements: of every shaft, of the model `fem` alone; None: what the frequency needs. Raises KeyError for an
-    unknown model, SolveError where a model cannot take the train.
+    degree, elements: of every shaft, of the model `fem` alone; None: what the frequency needs. The system's
+    `resolved_to` is the frequency up to which it keeps the error of its model (lumped 1e-3, fem 1e-6); infinite in the
+    exact model, and where nothing is left to choose: no shaft has inertia, or its segments or elements are stated.
+    Raises KeyError for an unknown model, SolveError where a model cannot take the train.
     """
     module, name = MODELS[model].split(":")
     finite = {"degree": degree, "elements": elements} if model == "fem" else {}
     system: System = getattr(import_module(module), name)(resolved(train), frequency=frequency, **finite)
     return system
+
+
+def rediscretised(system: "System", frequency: float) -> "System":
+    """The same train in the same model, its shafts discretised for another highest frequency (Hz)."""
+    asked = system.requested
+    return assemble(system.train, system.model, frequency=frequency, degree=asked.degree, elements=asked.elements)
+
+
+def is_as_fine(system: "System", other: "System") -> bool:
+    """No shaft of the `other` system has more pieces, nor elements of a higher degree."""
+    degree, least = (0 if one.bars is None else one.bars.degree for one in (system, other))
+    return degree >= least and all(system.segments[name] >= number for name, number in other.segments.items())
+
+
+def resolving(system: "System", frequency: float, *, refine: bool = True) -> "System":
+    """The system itself, or the same train discretised finely enough for a highest frequency (Hz).
+
+    Raises SolveError where it does not resolve that frequency and must not be refined.
+    """
+    if not refine:
+        demand_resolution(system, frequency)
+        return system
+    if frequency <= system.requested.frequency * (1.0 + ROUNDING):
+        return system
+    finer = rediscretised(system, frequency)
+    if is_as_fine(system, finer):
+        return system
+    demand_resolution(finer, frequency)
+    return finer
+
+
+def demand_resolution(system: "System", frequency: float) -> None:
+    """Raise SolveError where the shafts of a system do not resolve a frequency (Hz)."""
+    if frequency > system.resolved_to * (1.0 + ROUNDING):
+        needed = f"up to {frequency:.6g} Hz" if math.isfinite(frequency) else "for so many modes"
+        raise SolveError(
+            f"the shafts of this {system.model} system are resolved up to {system.resolved_to:.6g} Hz, not {needed}; "
+            "assemble with a higher `frequency`, let it refine, or use the exact model"
+        )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from torsion.assembly.spans import Row, Runs, Span
-from torsion.assembly.system import BarSpans, System
+from torsion.assembly.system import BarSpans, Discretisation, System
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar, Station
 from torsion.train import Train
@@ -79,8 +79,11 @@ class Collected:
         self.inner_inertia.append(lumps[1:-1])
         self.row_flexibility.append(flexibility)
 
-    def system(self, model: str, segments: dict[str, int], bars: BarSpans | None = None) -> System:
-        """The system of all that was collected."""
+    def system(
+        self, model: str, segments: dict[str, int], requested: Discretisation, resolved_to: float,
+        bars: BarSpans | None = None,
+    ) -> System:  # fmt: skip
+        """The system of all that was collected; resolved_to: Hz."""
         rows = self.rows
         loss = [np.full(row.number, row.bar.loss_factor) for row in rows]
         return System(
@@ -90,5 +93,5 @@ class Collected:
             np.concatenate([self.inertia, *self.inner_inertia]),
             np.concatenate([self.flexibility, *self.row_flexibility]),
             np.concatenate([self.viscous, *map(np.zeros_like, loss)]), np.concatenate([self.loss_factor, *loss]),
-            self.train.dampers, segments, bars, tuple(rows),
+            self.train.dampers, segments, bars, tuple(rows), requested, resolved_to,
         )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 from torsion.assembly.collected import Collected
 from torsion.assembly.shafts import bar_segments, is_uniform
 from torsion.assembly.spans import Span
-from torsion.assembly.system import BarSpans, Piece, System
+from torsion.assembly.system import BarSpans, Discretisation, Piece, System
 from torsion.errors import SolveError
 from torsion.primitives import Bar
 from torsion.train import Train
@@ -52,9 +52,12 @@ def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, B
     return found, BarSpans(where, np.array(lumped), halves, tuple(pieces[k] for k in order)), numbers
 
 
-def made(found: Collected, model: str, numbers: dict[str, int], bars: BarSpans | None) -> System:
+def made(
+    found: Collected, model: str, numbers: dict[str, int], requested: Discretisation, resolved_to: float,
+    bars: BarSpans | None,
+) -> System:  # fmt: skip
     """The system of all that was collected; raises SolveError for distributed shafts in a train with closed loops."""
-    system = found.system(model, numbers, bars)
+    system = found.system(model, numbers, requested, resolved_to, bars)
     if bars is not None and system.folded.extra.size:
         why = "no closed loops, and no train that rigid spans hold at several points"
         raise SolveError(f"the model {model} takes {why}; use the lumped model")

@@ -5,7 +5,7 @@ import math
 from torsion.assembly.divided import collect, made, pieces_for_steepness
 from torsion.assembly.lumped import MOST
 from torsion.assembly.shafts import phase
-from torsion.assembly.system import System
+from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -25,4 +25,4 @@ def assemble_exact(train: Train, *, frequency: float = 0.0) -> System:
     Raises SolveError for a train with closed loops.
     """
     found, bars, pieces = collect(train, lambda bar: pieces_for(bar, frequency))
-    return made(found, "exact", pieces, bars)
+    return made(found, "exact", pieces, Discretisation(frequency), math.inf, bars)

@@ -7,7 +7,7 @@ from torsion.assembly.divided import collect, made
 from torsion.assembly.element_error import element_error, phase_error, section_error
 from torsion.assembly.lumped import MOST
 from torsion.assembly.shafts import phase
-from torsion.assembly.system import System
+from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -17,9 +17,14 @@ LARGEST_PHASE = 2.5  # rad along an element: the inner unknowns alone swing at p
 FEWEST = 4  # elements of a shaft, for the picture of its shape
 
 
+def accurate_phase(degree: int) -> float:
+    """Phase (rad) along one element at which the error is SHARE_OF_ERROR."""
+    return float((SHARE_OF_ERROR / phase_error(degree, 1.0)) ** (0.5 / degree))
+
+
 def longest_phase(degree: int) -> float:
-    """Phase (rad) along one element that keeps the error below SHARE_OF_ERROR."""
-    return float(min((SHARE_OF_ERROR / phase_error(degree, 1.0)) ** (0.5 / degree), LARGEST_PHASE))
+    """Phase (rad) along one element that keeps the error below SHARE_OF_ERROR, and counts in reach."""
+    return min(accurate_phase(degree), LARGEST_PHASE)
 
 
 def elements_for(bar: Bar, frequency: float, degree: int) -> int:
@@ -50,6 +55,7 @@ def assemble_fem(
     degree, elements (of every shaft): where not given, what keeps the error below SHARE_OF_ERROR. Raises SolveError
     for a train with closed loops.
     """
+    requested = Discretisation(frequency, degree, elements)
     if degree is None:
         degree = DEGREE if elements is None else degree_for(train, frequency, elements)
     order = degree
@@ -62,7 +68,13 @@ def assemble_fem(
         shafts = {piece.bar.name: piece.bar for piece in bars.pieces}.values()
         error = max(element_error(bar, numbers[bar.name], order, frequency) for bar in shafts)
         bars = replace(bars, degree=order, error=error)
-    return made(found, "fem", numbers, bars)
+    stated = elements is not None and (requested.degree is not None or order == HIGHEST_DEGREE)
+    longest = longest_phase(order) if elements is None else accurate_phase(order)
+    resolved = (
+        numbers[bar.name] * longest / phase(bar, 1.0)
+        for bar in train.bars if bar.density > 0 and not stated
+    )  # fmt: skip
+    return made(found, "fem", numbers, requested, min(resolved, default=math.inf), bars)
 
 
 def _number(bar: Bar, elements: int) -> int:

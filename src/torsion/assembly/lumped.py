@@ -4,11 +4,12 @@ import math
 
 from torsion.assembly.collected import Collected
 from torsion.assembly.shafts import bar_segments, is_uniform, phase
-from torsion.assembly.system import System
+from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
 from torsion.train import Train
 
 SHARE_OF_ERROR = 1e-3  # a frequency of a lumped shaft is right to this share
+LARGEST_PHASE = math.sqrt(24.0 * SHARE_OF_ERROR)  # rad along a segment of a uniform shaft
 FEWEST, MOST = 1, 20_000
 
 
@@ -22,8 +23,13 @@ def segments_for(bar: Bar, frequency: float) -> int:
         return bar.segments
     if bar.density == 0:
         return 1
-    number = math.ceil(phase(bar, frequency) / math.sqrt(24.0 * SHARE_OF_ERROR))
-    return min(max(number * (1 if is_uniform(bar) else 2), FEWEST), MOST)
+    number = math.ceil(phase(bar, frequency) / LARGEST_PHASE)
+    return min(max(number * _excess(bar), FEWEST), MOST)
+
+
+def _excess(bar: Bar) -> int:
+    """How many times more segments a shaft is given than a uniform one."""
+    return 1 if is_uniform(bar) else 2
 
 
 def assemble_lumped(train: Train, *, frequency: float = 0.0) -> System:
@@ -33,4 +39,8 @@ def assemble_lumped(train: Train, *, frequency: float = 0.0) -> System:
     for bar in train.bars:
         segments[bar.name] = number = segments_for(bar, frequency)
         found.row(bar, *bar_segments(bar, number))
-    return found.system("lumped", segments)
+    resolved = (
+        segments[bar.name] / _excess(bar) * LARGEST_PHASE / phase(bar, 1.0)
+        for bar in train.bars if bar.density > 0 and bar.segments is None
+    )  # fmt: skip
+    return found.system("lumped", segments, Discretisation(frequency), min(resolved, default=math.inf))

@@ -1,5 +1,6 @@
 """The system kept in factors: stations, spans and their data, and the tree that the sweeps run over."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -71,6 +72,15 @@ class BarSpans:
 
 
 @dataclass(frozen=True)
+class Discretisation:
+    """What was requested of the shafts: a highest frequency and, of the model `fem`, degree and number of elements."""
+
+    frequency: float = 0.0  # Hz
+    degree: int | None = None  # None: what the frequency needs
+    elements: int | None = None  # of every shaft; None: what the frequency needs
+
+
+@dataclass(frozen=True)
 class System:
     """A train assembled. Twist of a span = driving angle - driven angle / its ratio; its torque is positive when the
     driving side pushes the driven one, and is told at the driving station's speed."""
@@ -87,6 +97,8 @@ class System:
     segments: dict[str, int]  # of every bar, by name: segments, elements or pieces
     bars: BarSpans | None = None  # of the models `fem` and `exact`, where a shaft has inertia
     rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
+    requested: Discretisation = Discretisation()
+    resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
 
     @property
     def own_stations(self) -> int:

@@ -19,9 +19,8 @@ def _response(orders: list, torque: np.ndarray, mean: np.ndarray | None = None) 
     blank = np.zeros((1, len(lines)))
     torque = np.asarray(torque, dtype=complex)[None]
     mean = np.zeros((1, torque.shape[2])) if mean is None else mean[None]
-    return Response(
-        np.array([1.0]), np.array([True]), lines, blank, torque, torque, mean, blank, blank.astype(np.uint8), blank
-    )
+    answered = blank.astype(np.uint8)
+    return Response(np.array([1.0]), np.array([True]), lines, blank, torque, torque, mean, blank, answered, blank, None)
 
 
 @pytest.mark.parametrize("seed", range(6))

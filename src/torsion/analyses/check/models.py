@@ -10,8 +10,8 @@ from pydantic import model_validator
 
 from torsion.analyses.check.shapes import shape_errors, shape_weights
 from torsion.analyses.check.torques import Torques, TorquesCompared, compared_torques, end_torques, operating_speeds
-from torsion.analyses.division import assembled, divided_modes, told_division
-from torsion.analyses.modes import Modes, undamped_tree
+from torsion.analyses.division import assembled, told_division
+from torsion.analyses.modes import Modes, modes, undamped_tree
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, Quantity, given, refuse
@@ -146,13 +146,13 @@ class _Solved:
 def _solved(study: Study, model: Model, count: int, speed: FloatArray | None) -> _Solved:
     """The modes and torques of one model, its shafts divided as a study of that model alone would have it."""
     own = replace(study, model=model)
-    coarse = divided_modes(own, assembled(own), 0.0, 1)[0]  # imports what the model needs, which is no time of its own
+    coarse = modes(assembled(own), 1).system  # imports what the model needs, which is no time of its own
     top = 0.0 if speed is None else _highest(study, coarse, speed)
     start = time.perf_counter()
-    system, modes = divided_modes(own, assembled(own, top), top, count + 1)
-    middle = time.perf_counter()
+    found = modes(assembled(own, top), count + 1)
+    system, middle = found.system, time.perf_counter()
     torques = None if speed is None else end_torques(study, system, speed)
-    return _Solved(system, modes, torques, middle - start, 0.0 if speed is None else time.perf_counter() - middle)
+    return _Solved(system, found, torques, middle - start, 0.0 if speed is None else time.perf_counter() - middle)
 
 
 def _highest(study: Study, system: System, speed: FloatArray) -> float:

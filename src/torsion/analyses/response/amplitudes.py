@@ -1,12 +1,13 @@
 """Complex amplitudes of a forced response, and what all lines together make of them."""
 
-from dataclasses import replace
+from dataclasses import field, replace
 from fractions import Fraction
 from typing import Any, TypeVar
 
 import numpy as np
 
 from torsion.analyses.response.excitation import Line
+from torsion.assembly.system import System
 from torsion.kernels.response import Status
 from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.results import derived, reported, result, words
@@ -41,6 +42,7 @@ class Response:
     joint_error: FloatArray = result(
         "1", ("speed", "line"), "estimated relative error of the first-order joint model; 0 without joints"
     )
+    system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
     remark: str = result("", (), "what the refinement of speeds left out", default="")
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
 
@@ -94,6 +96,7 @@ class FrequencyResponse:
     )  # fmt: skip
     residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
     status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
+    system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies left out", default="")
 
     @derived("", ("frequency",), "ok, near-singular or singular", key="status")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes, modes, undamped_tree
+from torsion.analyses.modes import Modes, modes_as_discretised, undamped_tree
 from torsion.analyses.steady import SAME_SPEED
 from torsion.assembly.system import System
 from torsion.kernels.counts import count_below
@@ -36,7 +36,7 @@ class Resonances:
 
 
 def resonances(system: System, highest: float, known: Modes | None, damped: DampedModes | None) -> Resonances:
-    """All modes up to a highest frequency (rad/s); `known` modes are used as far as they go.
+    """All modes up to a highest frequency (rad/s); `known` modes of this very system are used as far as they go.
 
     Damping ratios are those of first order: power lost / (4 pi energy) of the undamped shape. The `damped` modes that
     heavy damping has moved from every undamped one by more than SHIFT of their width are added.
@@ -56,17 +56,18 @@ def resonances(system: System, highest: float, known: Modes | None, damped: Damp
 
 def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     """Modes whose frequency does not exceed the highest (rad/s), and perhaps more."""
-    if known is not None and known.frequency.size and 2.0 * math.pi * known.frequency[-1] > highest:
-        return known
+    found = known if known is not None and known.system is system else None
+    if found is not None and found.frequency.size and 2.0 * math.pi * found.frequency[-1] > highest:
+        return found
     folded = system.folded
     if system.folded_bars is not None:
         from torsion.analyses.bars import reach
 
-        return modes(system, max(reach(undamped_tree(folded), system.folded_bars, highest).count, 1))
+        return modes_as_discretised(system, max(reach(undamped_tree(folded), system.folded_bars, highest).count, 1))
     if folded.extra.size or np.isinf(folded.tree.flexibility).any():
-        return modes(system, None)
+        return modes_as_discretised(system, None)
     below = int(count_below(folded.tree, np.array([highest * (1.0 + 1e-9)]))[0])
-    return modes(system, max(below, 1))
+    return modes_as_discretised(system, max(below, 1))
 
 
 def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ from torsion.analyses.response.amplitudes import FrequencyResponse, merged
 from torsion.analyses.response.excitation import Sources, sources, sweeping
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
@@ -28,13 +29,15 @@ def frequency_response(
     modes: Modes | None = None,
     frequencies: FloatArray | None = None,
     speed: float | None = None,
+    refine: bool = True,
 ) -> FrequencyResponse:
     """The response over `frequencies` (Hz), else over those of the analysis, to torques without order and frequency.
 
     Damping and mean torque are those at `speed` (rad/s), else at the rated, else at the highest speed. Raises
-    InputError where nothing acts at every frequency, or frequencies lack.
+    InputError where nothing acts at every frequency, or frequencies lack. The system is refined as by `response`.
     """
     asked = _asked_frequencies(study, frequencies)
+    system = resolving(system, float(asked[-1]), refine=refine)
     excitation = sweeping(system)
     if not excitation.torques:
         hint = "give an excitation neither `order` nor `frequency`"
@@ -52,7 +55,7 @@ def frequency_response(
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources
         return FrequencyResponse(
-            hertz, flags, names, float(at[0]), found.angle, found.torque, found.residual, found.status
+            hertz, flags, names, float(at[0]), found.angle, found.torque, found.residual, found.status, system
         )
 
     known = grid.resonances(system, 2.0 * math.pi * float(asked[-1]), modes, damped)

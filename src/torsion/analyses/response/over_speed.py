@@ -17,6 +17,7 @@ from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Sy
 from torsion.analyses.response.excitation import Excitation, Line, excitations, excited_orders, lines, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
@@ -58,19 +59,24 @@ def response(
     speeds: FloatArray | None = None,
     also: FloatArray | None = None,
     all_orders: bool = False,
+    refine: bool = True,
     progress: Progress | None = None,
 ) -> Response:
     """The response over `speeds` (rad/s of the reference station), else over the operation's speed range.
 
     `modes` and `damped` spare work and sharpen the grid where they were computed already. Speeds are added around
     every resonance, wherever a peak shows between two of them, and those of `also` (rad/s) that lie in the range.
-    `all_orders`: of every order, whatever the settings name. Raises InputError where speeds, or a mean torque that an
-    excitation or a damping follows, are not given, or an order is named that nothing excites.
+    `all_orders`: of every order, whatever the settings name. Where the shafts of `system` do not resolve the highest
+    frequency they are refined (`Response.system` is what was solved). Raises SolveError where they cannot be, or where
+    that is needed and `refine` is False; InputError where speeds, or a mean torque that an excitation or a damping
+    follows, are not given, or an order is named that nothing excites.
     """
     asked = _asked_speeds(study, speeds)
     orders = asked_orders(study)
     found = excitations(system, None if all_orders else orders)
-    scene = _Scene(study, system, found, progress or (silent))
+    highest = max((float(_frequencies(one.line, asked[-1:])[0]) for one in found), default=0.0)
+    system = resolving(system, highest / (2.0 * math.pi), refine=refine)
+    scene = _Scene(study, system, found, progress or silent)
     further = np.empty(0) if also is None else also[(also > asked[0]) & (also < asked[-1])]
     points = np.union1d(asked, grid.apart(asked, further))
     speed, remark = _refined_speeds(scene, points, damped, modes)
@@ -174,7 +180,9 @@ def _solve(scene: _Scene, speed: FloatArray) -> Response:
     steady_torque = np.zeros((len(speed), len(system.spans))) if mean is None else mean.torque.T
     each = tuple(one.line for one in scene.found)
     asked = np.zeros(len(speed), dtype=bool)
-    return Response(speed, asked, each, frequency, angle, torque, steady_torque, residual, status, joint_error)
+    return Response(
+        speed, asked, each, frequency, angle, torque, steady_torque, residual, status, joint_error, system
+    )  # fmt: skip
 
 
 def _frequencies(line: Line, speed: FloatArray) -> FloatArray:

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from torsion.analyses.division import assembled, divided_modes
-from torsion.analyses.modes import Modes, modes, undamped_tree
+from torsion.analyses.division import assembled
+from torsion.analyses.modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.analyses.study.timing import Effort
 from torsion.assembly import assemble
 from torsion.assembly.section.resolved import resolved
@@ -90,9 +90,9 @@ def reference(study: Study, highest: float, count: int | None) -> Reference:
     system = assembled(study, highest)
     if count is None:
         count = _count_up_to(system, highest)
-    system, found = divided_modes(study, system, highest, count)
-    finer = ready(divided(study.train, {name: 2 * n for name, n in system.segments.items()}), "exact")
-    return Reference(system, finer, found, modes(finer, count))
+    found = modes(system, count)
+    finer = ready(divided(study.train, {name: 2 * n for name, n in found.system.segments.items()}), "exact")
+    return Reference(found.system, finer, found, modes_as_discretised(finer, count))
 
 
 def _count_up_to(system: System, highest: float) -> int:

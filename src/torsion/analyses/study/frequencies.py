@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from torsion.analyses.modes import Modes, modes
+from torsion.analyses.modes import Modes, modes_as_discretised
 from torsion.analyses.study.division import divisions, reference
 from torsion.analyses.study.rows import TimedQuantity
 from torsion.analyses.study.timing import Effort, Method, timed
@@ -26,7 +26,7 @@ def timed_frequencies(
     top = max(highest, float(wanted[-1]))
     half = (exact.finer_found.upper - exact.finer_found.lower) / (2.0 * wanted)
     bound = max(float(half.max()), float(np.abs(exact.found.frequency / wanted - 1.0).max()), EPS)
-    solve = partial(modes, count=len(wanted))
+    solve = partial(modes_as_discretised, count=len(wanted))
     curves = [
         [Method(curve, words, size, assemble, solve, partial(_errors, wanted)) for curve, words, size, assemble in one]
         for one in divisions(study.train, top, effort, effort.degrees)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.modes import Modes, modes
+from torsion.analyses.modes import Modes, modes_as_discretised
 from torsion.analyses.study.loads import Load, Loaded, statically
 from torsion.kernels.tree import ComplexArray, FloatArray
 
@@ -32,7 +32,7 @@ def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArr
     line that joints excite has no answer (NaN): the modes alone do not add up to a twist that is imposed. Shafts of the
     system are exact: their torques at both ends are those of spans.
     """
-    found = modes(given.system, count)
+    found = modes_as_discretised(given.system, count)
     damped = _damped(given, found)
     still = statically(given, SLOW * damped.w[0]) if corrected else [None] * len(given.loads)
     return [_of_line(given, damped, load, torque) for load, torque in zip(given.loads, still, strict=True)]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.division import divided_modes
+from torsion.analyses.modes import modes
 from torsion.analyses.response.solver import Answer, answer
 from torsion.analyses.study.dense import dense, solved
 from torsion.analyses.study.division import divided, divisions, has_shafts, ready, reference
@@ -142,7 +142,8 @@ def _superpositions(case: _Case, effort: Effort) -> list[list[Method]]:
     curves: list[list[Method]] = [[], []]
     system = ready(case.study.train, case.study.model, frequency=case.top)
     for count in (2**k for k in range(effort.modes.bit_length())):
-        system, found = divided_modes(case.study, system, case.top, count)
+        found = modes(system, count)
+        system = found.system
         if len(found.frequency) < count:
             break
         top = max(case.top, float(found.frequency[-1]))
