@@ -14,6 +14,7 @@ from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.plan import Log, Plan, versions
 from torsion.steps import motion
+from torsion.steps.bending import BENDING
 from torsion.steps.bending import bending as bend
 from torsion.steps.response import Known, over_speed
 from torsion.steps.sections import sections
@@ -64,11 +65,19 @@ class Findings:
         models = () if self.check is None else self.check.failed
         return bool(models) or any(check.verdict == "fail" for check in self.checks)
 
+    @property
+    def is_empty(self) -> bool:
+        """No analysis has an answer."""
+        linear = (self.modes, self.damped, self.response, self.sweep)
+        moved = (self.joints, self.lateral, self.stability, self.stability_map)
+        return all(one is None for one in (*linear, *moved, self.check))
+
 
 def run(study: Study, *, progress: Progress | None = None, bending: bool = True) -> Findings:
     """Compute everything that the study asks. Raises InputError (located in the study's file) and SolveError.
 
-    bending False leaves out the bending of the shafts, though the study asks it.
+    An analysis without an answer is told in the plan (`plan.unanswered`) and takes no other with it; its error is
+    raised where a rule of the file reads it, or nothing else has an answer. bending False leaves out the bending of the shafts, though the study asks it.
     """
     try:
         return _run(study, progress or _silent, bending)
@@ -83,24 +92,29 @@ def _silent(what: str, share: float) -> None:
 
 
 def _run(study: Study, progress: Progress, bending: bool) -> Findings:
-    log = Log()
+    log = Log(study)
     sections(study, log)
     system, found = _system_and_modes(study, log, progress)
-    damped = _damped(study, system, log)
-    steady = _steady(study, system, log)
-    response, synthesis = over_speed(study, system, Known(found, damped, steady), log, progress)
+    damped = log.attempt("modes.damped", "damped modes", _damped, study, system, log)
+    steady = log.attempt("steady", "mean torque", _steady, study, system, log)
+    known = Known(found, damped, steady)
+    both = log.attempt("response", "response over speed", over_speed, study, system, known, log, progress)
+    response, synthesis = both or (None, None)
     moved = motion.exact(study, system, response, log, progress)
-    sweep = _sweep(study, system, found, damped, log)
+    sweep = log.attempt("response.frequencies", "response over frequency", _sweep, study, system, found, damped, log)
     critical = _critical(study, system, found, log)
-    joints = _joints(study, steady, log)
-    bent, held = bend(study, log, progress) if bending and study.bends else (None, ())
+    joints = log.attempt("joints", "universal joints", _joints, study, steady, log)
+    bends = bending and study.bends
+    bent, held = (log.attempt("lateral", BENDING, bend, study, log, progress) if bends else None) or (None, ())
     checks = (*moved.checks, *held, *_checks(study, system, (found, steady, response, synthesis, joints), log))
-    compared = compared_models(study, log, progress)
-    plan = Plan(tuple(log.lines), tuple(log.left_out), versions(system, bent is not None))
-    return Findings(
-        study, system, plan, found, damped, steady, critical, response, synthesis, sweep, joints, bent, checks,
+    compared = log.attempt("check", "comparison of the models", compared_models, study, log, progress)
+    all_found = Findings(
+        study, system, log.plan(versions(system, bent is not None)), found, damped, steady, critical, response, synthesis, sweep, joints, bent, checks,
         compared, moved.periodic, moved.stability, moved.stability_map,
     )  # fmt: skip
+    if all_found.is_empty and log.errors:
+        raise log.errors[0]
+    return all_found
 
 
 def _system_and_modes(study: Study, log: Log, progress: Progress) -> tuple[System, Modes | None]:
@@ -119,10 +133,16 @@ def _system_and_modes(study: Study, log: Log, progress: Progress) -> tuple[Syste
     if asked is None:
         log.without("natural frequencies", "`analyses` does not name modes")
         return system, None
+    answer = log.attempt("modes", "natural frequencies", _modes, study, system, asked.count, log, progress)
+    return answer or (system, None)
+
+
+def _modes(study: Study, system: System, count: int | None, log: Log, progress: Progress) -> tuple[System, Modes]:
     with log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
         system, found = divided_modes(
-            study, system, highest, asked.count, progress=lambda done, of: progress("natural frequencies", done / of)
-        )
+            study, system, highest_excited(study, system), count,
+            progress=lambda done, of: progress("natural frequencies", done / of),
+        )  # fmt: skip
         step.method = told_method(system, found)
         step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
     return system, found

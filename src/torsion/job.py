@@ -97,14 +97,15 @@ def check(file: str | Path, *, progress: Callable[[str, float], None] | None = N
     """
     from torsion.analyses.division import assembled
 
-    study, log = read(file), Log()
+    study = read(file)
+    log = Log(study)
     system = assembled(study)
     try:
         compared = compared_models(study, log, progress or (lambda what, share: None), always=True)
     except InputError as error:
         raise located(error, study) from None
     log.without("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
-    return Findings(study, system, Plan(tuple(log.lines), tuple(log.left_out), versions(system)), check=compared)
+    return Findings(study, system, log.plan(versions(system)), check=compared)
 
 
 def write_check(findings: Findings, folder: Path) -> list[Path]:

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from torsion.rules.check import Check
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
+BENDING = "bending of the shafts"
 
 
 def bending(study: Study, log: Log, progress: Progress) -> "tuple[Lateral, tuple[Check, ...]]":
@@ -19,7 +20,7 @@ def bending(study: Study, log: Log, progress: Progress) -> "tuple[Lateral, tuple
     from torsion.rules.bending import bending_checks
 
     asked = study.analyses.get("lateral")
-    with log.step("bending of the shafts", "a shaft has a `support`" if asked is None else "asked") as step:
+    with log.step(BENDING, "a shaft has a `support`" if asked is None else "asked") as step:
         settings = asked if isinstance(asked, Asked) else None
         found = lateral(study.train, study.operation, settings, progress=progress)
         step.method, step.size = found.method, found.size

@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.assembly.system import System
-from torsion.errors import SolveError
 from torsion.plan import Log
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.motion.asked import Asked
     from torsion.analyses.motion.map import StabilityMap
     from torsion.analyses.motion.periodic import PeriodicResponse
     from torsion.analyses.motion.stability import Stability
@@ -36,10 +34,11 @@ class ExactMotion:
 
 def exact(study: Study, system: System, first_order: "Response | None", log: Log, progress: Progress) -> ExactMotion:
     """All of it that the study asks for or needs."""
-    found = periodic(study, system, first_order, log, progress)
-    stable, mapped = stability(study, system, log, progress)
+    found = log.attempt("response.method", PERIODIC, periodic, study, system, first_order, log, progress)
+    stable = log.attempt("stability", "stability", stability, study, system, log, progress)
+    mapped = log.attempt("stability.map", "stability map", stability_map, study, system, log, progress)
     if stable is None:
-        return ExactMotion(found, None, None, ())
+        return ExactMotion(found, None, mapped, ())
     from torsion.rules.stability import stability_check
 
     return ExactMotion(found, stable, mapped, (stability_check(stable, study.operation),))
@@ -65,36 +64,30 @@ def periodic(
         log.without(PERIODIC, SMALL)
         return None
     why = "asked" if asked else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
-    return _periodic(study, system, first_order, why, (log, progress), must=asked)
+    return _periodic(study, system, first_order, why, (log, progress), patient=asked)
 
 
 def _periodic(
-    study: Study, system: System, first_order: "Response", why: str, tell: tuple[Log, Progress], *, must: bool
+    study: Study, system: System, first_order: "Response", why: str, tell: tuple[Log, Progress], *, patient: bool
 ) -> "PeriodicResponse | None":
-    """must: there is no answer without it."""
+    """patient: it may take long."""
     from torsion.analyses.motion.faults import motion_faults
     from torsion.analyses.motion.periodic import Found
     from torsion.analyses.motion.speeds import periodic_over_speed, too_long
 
     log, progress = tell
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
-    if not refused and not must:
+    if not refused and not patient:
         refused = too_long(study, system)
     if refused:
         log.without(PERIODIC, refused)
         return None
-    try:
-        with log.step(PERIODIC, why) as step:
-            found = periodic_over_speed(study, system, first_order, progress=progress)
-            step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
-            harmonics = int(found.harmonics.max(initial=0))
-            kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
-            step.size = f"{found.speed.size} speeds, {kept}"
-    except SolveError as fault:
-        if must:
-            raise
-        log.without(PERIODIC, str(fault))
-        return None
+    with log.step(PERIODIC, why) as step:
+        found = periodic_over_speed(study, system, first_order, progress=progress)
+        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
+        harmonics = int(found.harmonics.max(initial=0))
+        kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
+        step.size = f"{found.speed.size} speeds, {kept}"
     nothing = found.status == Found.NONE
     if nothing.any():
         reasons = "; ".join(dict.fromkeys(one for one in found.why if one))
@@ -112,13 +105,11 @@ def exciting_joints(system: System) -> bool:
     return any(span.error and parts[span.part].component.keyword == "joint" for span in system.spans)
 
 
-def stability(
-    study: Study, system: System, log: Log, progress: Progress
-) -> "tuple[Stability | None, StabilityMap | None]":
-    """Stability over speed and its map, where they are asked for."""
+def stability(study: Study, system: System, log: Log, progress: Progress) -> "Stability | None":
+    """Stability over speed, where it is asked for. Raises SolveError where the joints' own common period is too long."""
     settings = study.analyses.get("stability")
     if settings is None:
-        return None, None
+        return None
     from torsion.analyses.motion.asked import Asked
     from torsion.analyses.motion.loading import scene
     from torsion.analyses.motion.periodic import harmonics_at_least
@@ -128,8 +119,8 @@ def stability(
     speeds = asked.speeds or study.operation.speeds
     if not exciting_joints(system) or speeds is None:
         log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
-        return None, None
-    harmonics_at_least(scene(study, system))  # refused before anything is computed
+        return None
+    harmonics_at_least(scene(study, system, vibratory=False))  # refused before anything is computed
     with log.step("stability", "asked") as step:
         found = stability_asked(study, system, asked, speeds.values(), progress=progress)
         step.method = _METHODS[asked.method]
@@ -141,7 +132,7 @@ def stability(
         number = found.unsolved.size
         log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
     log.without("vibratory torques, in the stability", "joints and mean torque alone make the periodic motion there")
-    return found, _map(study, system, asked, log, progress)
+    return found
 
 
 _METHODS = {
@@ -150,14 +141,24 @@ _METHODS = {
 }
 
 
-def _map(study: Study, system: System, asked: "Asked", log: Log, progress: Progress) -> "StabilityMap | None":
+def stability_map(study: Study, system: System, log: Log, progress: Progress) -> "StabilityMap | None":
+    """Growth over speed and one more quantity, where it is asked for. Raises SolveError as `stability` does."""
+    settings = study.analyses.get("stability")
+    if getattr(settings, "map", None) is None or not exciting_joints(system):
+        return None
+    from torsion.analyses.motion.asked import Asked
+
+    asked = settings if isinstance(settings, Asked) else Asked()
     speeds = asked.speeds or study.operation.speeds
     if asked.map is None or speeds is None:
         return None
-    from torsion.analyses.motion.map import stability_map
+    from torsion.analyses.motion import map as mapping
+    from torsion.analyses.motion.loading import scene
+    from torsion.analyses.motion.periodic import harmonics_at_least
 
+    harmonics_at_least(scene(study, system, vibratory=False))
     with log.step("stability map", "asked") as step:
-        found = stability_map(
+        found = mapping.stability_map(
             study, system, speeds.values(), asked.map.over, asked.map.values(), modes=asked.map.modes, progress=progress
         )
         step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes, all values of a speed together"

@@ -154,6 +154,13 @@ VERDICT = {
     "plan.done[].why": "reason",
     "plan.left_out[].what": "what was left out",
     "plan.left_out[].why": "reason",
+    "plan.unanswered[].analysis": "an analysis that was tried and has no answer; each stands in `left_out` too",
+    "plan.unanswered[].what": "the same in words",
+    "plan.unanswered[].why": "cause",
+    "plan.unanswered[].remedy": "what to change; empty where the cause says it",
+    "plan.unanswered[].line": "line of the file, from 1; null where there is none",
+    "plan.unanswered[].named": "the file names the analysis; the exit status is then 3",
+    "plan.unanswered[].input_fault": "the input is at fault; the exit status is then 2",
     "plan.versions": "versions of the libraries",
 }
 KEYS = {**SCENE, **MODES, **RESPONSE, **MOTION, **JOINTS, **LATERAL, **CHECK, **VERDICT}

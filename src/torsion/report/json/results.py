@@ -224,5 +224,10 @@ def _plan(findings: Findings) -> dict[str, Any]:
             {"what": s.what, "method": s.method, "size": s.size, "seconds": s.seconds, "why": s.why} for s in plan.done
         ],
         "left_out": [{"what": what, "why": why} for what, why in plan.left_out],
+        "unanswered": [
+            {"analysis": one.analysis, "what": one.what, "why": one.why, "remedy": one.remedy, "line": one.line,
+             "named": one.is_named, "input_fault": one.is_input}
+            for one in plan.unanswered
+        ],
         "versions": dict(plan.versions),
     }
