@@ -77,7 +77,8 @@ def run(study: Study, *, progress: Progress | None = None, bending: bool = True)
     """Compute everything that the study asks. Raises InputError (located in the study's file) and SolveError.
 
     An analysis without an answer is told in the plan (`plan.unanswered`) and takes no other with it; its error is
-    raised where a rule of the file reads it, or nothing else has an answer. bending False leaves out the bending of the shafts, though the study asks it.
+    raised where a rule of the file reads it, or nothing else has an answer.
+    bending False leaves out the bending of the shafts, though the study asks it.
     """
     try:
         return _run(study, progress or _silent, bending)
@@ -108,13 +109,14 @@ def _run(study: Study, progress: Progress, bending: bool) -> Findings:
     bent, held = (log.attempt("lateral", BENDING, bend, study, log, progress) if bends else None) or (None, ())
     checks = (*moved.checks, *held, *_checks(study, system, (found, steady, response, synthesis, joints), log))
     compared = log.attempt("check", "comparison of the models", compared_models, study, log, progress)
-    all_found = Findings(
-        study, system, log.plan(versions(system, bent is not None)), found, damped, steady, critical, response, synthesis, sweep, joints, bent, checks,
+    plan = log.plan(versions(system, bent is not None))
+    findings = Findings(
+        study, system, plan, found, damped, steady, critical, response, synthesis, sweep, joints, bent, checks,
         compared, moved.periodic, moved.stability, moved.stability_map,
     )  # fmt: skip
-    if all_found.is_empty and log.errors:
+    if findings.is_empty and log.errors:
         raise log.errors[0]
-    return all_found
+    return findings
 
 
 def _system_and_modes(study: Study, log: Log, progress: Progress) -> tuple[System, Modes | None]:
@@ -137,7 +139,7 @@ def _system_and_modes(study: Study, log: Log, progress: Progress) -> tuple[Syste
     return answer or (system, None)
 
 
-def _modes(study: Study, system: System, count: int | None, log: Log, progress: Progress) -> tuple[System, Modes]:
+def _modes(study: Study, system: System, count: int, log: Log, progress: Progress) -> tuple[System, Modes]:
     with log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
         system, found = divided_modes(
             study, system, highest_excited(study, system), count,

@@ -144,7 +144,9 @@ def _unanswered(study: Study, analysis: str, what: str, error: InputError | Solv
     else:
         named = ("analyses", *analysis.split(".")) if is_named and study.analyses and analysis not in ALWAYS else ()
         faults = [Fault(error.path or named, error.message, error.hint)]
-    known = located(InputError(faults), study) if all(fault.path for fault in faults) else InputError(faults, str(error))
+    known = InputError(faults, str(error))
+    if all(fault.path for fault in faults):
+        known = located(known, study)
     why = "; ".join(fault.message for fault in known.faults)
     remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
     line = next((fault.line for fault in known.faults), None)

@@ -218,8 +218,10 @@ analyses: {{{analyses}}}
 
 @pytest.mark.parametrize(
     ("teeth", "words"),
-    [("17, 23", "only every 11.5 revolutions of the reference shaft, which takes 138 harmonics"),
-     ("97, 101", "only every 50.5 revolutions")],
+    [
+        ("17, 23", "only every 11.5 revolutions of the reference shaft, which takes 138 harmonics"),
+        ("97, 101", "only every 50.5 revolutions"),
+    ],
 )
 def test_joints_that_repeat_together_only_after_many_turns_are_left_out_unasked(teeth, words):
     found = torsion.run(torsion.parse(GEARED.format(teeth=teeth, analyses="response: ")))

@@ -106,7 +106,7 @@ def exciting_joints(system: System) -> bool:
 
 
 def stability(study: Study, system: System, log: Log, progress: Progress) -> "Stability | None":
-    """Stability over speed, where it is asked for. Raises SolveError where the joints' own common period is too long."""
+    """Stability over speed where it is asked for; raises SolveError where the joints' own common period is too long."""
     settings = study.analyses.get("stability")
     if settings is None:
         return None

@@ -12,7 +12,7 @@ from math import inf
 
 from torsion.analyses.motion.layout import common_order
 from torsion.errors import SolveError
-from torsion.primitives import Constraint
+from torsion.primitives import Bar, Constraint, Spring
 from torsion.train import Train
 
 NEAR = 0.02  # relative: a ratio farther from the file's own is another gear and no remedy
@@ -87,9 +87,9 @@ def _needed(sources: Sequence[Source], ratios: Sequence[Fraction], rank: int) ->
 
 def _beyond(train: Train, mesh: Constraint) -> set[int]:
     """Stations on the driven side of a gear of a train without closed loops."""
-    ends = [(one.driving, one.driven) for one in (*train.springs, *train.bars, *train.constraints) if one is not mesh]
+    pieces: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
     near: dict[int, list[int]] = {}
-    for a, b in ends:
+    for a, b in ((one.driving, one.driven) for one in pieces if one is not mesh):
         near.setdefault(a, []).append(b)
         near.setdefault(b, []).append(a)
     met, ahead = {mesh.driven}, [mesh.driven]

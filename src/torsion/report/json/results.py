@@ -225,8 +225,15 @@ def _plan(findings: Findings) -> dict[str, Any]:
         ],
         "left_out": [{"what": what, "why": why} for what, why in plan.left_out],
         "unanswered": [
-            {"analysis": one.analysis, "what": one.what, "why": one.why, "remedy": one.remedy, "line": one.line,
-             "named": one.is_named, "input_fault": one.is_input}
+            {
+                "analysis": one.analysis,
+                "what": one.what,
+                "why": one.why,
+                "remedy": one.remedy,
+                "line": one.line,
+                "named": one.is_named,
+                "input_fault": one.is_input,
+            }
             for one in plan.unanswered
         ],
         "versions": dict(plan.versions),
