@@ -88,9 +88,10 @@ def test_command_writes_the_report_says_it_last_and_tells_by_its_status(
 
 
 def test_remedy_that_is_offered_gives_the_answer():
-    (one,) = torsion.run(scene(GEAR, "stability: ")).plan.unanswered
+    few = GEAR.replace("from: 30 rad/s, to: 90 rad/s, steps: 4", "from: 60 rad/s, to: 60.1 rad/s, steps: 2")
+    (one,) = torsion.run(scene(few, "stability: ")).plan.unanswered
     teeth = re.search(r"`(teeth: \[\d+, \d+\])`", one.remedy).group(1)
-    found = torsion.run(scene(GEAR.replace("teeth: [37, 211]", teeth), "stability: "))
+    found = torsion.run(scene(few.replace("teeth: [37, 211]", teeth), "stability: "))
     assert found.plan.unanswered == ()
     assert (found.stability.growth < 0).all()
 

@@ -26,7 +26,7 @@ LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked fo
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
 BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
 CHECKED = 3  # speeds at which the other method checks the growth rate
-MOST_CHECKED = 1200  # rows of Hill's matrix for that: beyond, its eigenvalues take minutes
+MOST_CHECKED = 600  # rows of Hill's matrix for that: beyond, its eigenvalues take far longer than the growth rate
 
 
 @dataclass(frozen=True)
