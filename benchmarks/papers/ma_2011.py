@@ -115,7 +115,11 @@ def _middle() -> Picture:
     x, last = _over(55)
     first = SPEED * at(55).joints[0].speed_ratio
     peak = output(55).greatest
-    mark = (float(np.degrees(peak[1])), SPEED * peak[0], f"{SPEED * peak[0]:.4f} deg/s at {np.degrees(peak[1]):.4f}°")
+    mark = (
+        float(np.degrees(peak.at)),
+        SPEED * peak.speed_ratio,
+        f"{SPEED * peak.speed_ratio:.4f} deg/s at {np.degrees(peak.at):.4f}°",
+    )
     lines = [("intermediate shaft", first), ("output shaft", last)]
     svg = curves("ma_2011_fig_3", x, ALONG, [Panel("speed, deg/s", lines, [mark])], height=2.8)
     return Picture("ma_2011_fig_3", "Figure 3: speeds of intermediate and output shaft, phi = 55°.", svg)

@@ -43,7 +43,7 @@ def solve(
     """Solve a scene, print its tables and write its report.
 
     Exit status: 0 solved and no check fails, 1 solved and a check fails or a limit is not kept, 2 the input is at
-    fault, 3 no answer to the promised accuracy.
+    fault, 3 no answer to the promised accuracy. Where only some analyses have no answer, the report holds all others.
     """
     _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
     try:
@@ -52,7 +52,7 @@ def solve(
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
+    raise typer.Exit(_status(findings))
 
 
 def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool) -> "Findings":
@@ -94,7 +94,7 @@ def joint(
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
+    raise typer.Exit(_status(findings))
 
 
 def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) -> "Findings":
@@ -132,7 +132,7 @@ def check(
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
+    raise typer.Exit(_status(findings))
 
 
 def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
@@ -219,6 +219,18 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
     except OSError as error:
         _stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
     typer.echo(f"{file} written; solve it with: torsion solve {file}")
+
+
+def _status(findings: "Findings") -> int:
+    """The exit status of a report that is written; what has no answer is said on the error stream, last."""
+    unanswered = findings.plan.unanswered
+    for one in unanswered:
+        typer.echo(f"no answer: {one.what}\n{one.text}", err=True)
+    if any(one.is_input for one in unanswered):
+        return BAD_INPUT
+    if any(one.is_named for one in unanswered):
+        return REFUSED
+    return FAILED_CHECK if findings.failed else SOLVED
 
 
 def _alone(json: bool, writing: dict[str, object]) -> None:

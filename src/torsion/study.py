@@ -129,10 +129,12 @@ class Study:
         """A shaft has a `section` by mesh."""
         return any(bar.section is not None for bar in self.train.bars)
 
-    @property
-    def sweeps_frequency(self) -> bool:
-        """The file names frequencies of `response`."""
-        return getattr(self.analyses.get("response"), "frequencies", None) is not None
+    def setting(self, *place: str) -> Any:
+        """What the file says at a place of `operation` or `analyses`; None where it says nothing."""
+        found: Any = self
+        for key in place:
+            found = found.get(key) if isinstance(found, Mapping) else getattr(found, key, None)
+        return found
 
     @property
     def excites(self) -> bool:

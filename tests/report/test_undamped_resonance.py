@@ -7,7 +7,7 @@ import pytest
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.rules.check import Checks
+from torsion.analyses.response.synthesis import synthesis
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.output.results_json import results
@@ -15,6 +15,7 @@ from torsion.plots.style import hatch, page
 from torsion.report.blocks import Paragraph, Table
 from torsion.report.document import document
 from torsion.report.reading import NO_VALUE, unreliable
+from torsion.rules.check import Checks
 
 SCENE = """
 name: undamped
@@ -89,7 +90,8 @@ def test_sum_of_all_lines_is_not_finite_where_a_line_is_not_ok(geared: Findings)
 def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
     status = geared.need(Response).status.copy()
     status[0, 1], status[1, 0] = Status.NEAR_SINGULAR, Status.SINGULAR
-    flagged = geared.having(response=replace(geared.need(Response), status=status))
+    flags = replace(geared.need(Response), status=status)
+    flagged = geared.having(response=flags, synthesis=synthesis(geared.system, flags))
     found = results(flagged)
     assert found["response"]["lines"][1]["status"][0] == "near-singular"
     for line in found["response"]["lines"]:

@@ -13,7 +13,6 @@ import torsion
 from torsion.analyses.motion.map import StabilityMap
 from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.motion.stability import Stability
-from torsion.errors import SolveError
 from torsion.findings import Findings
 from torsion.rules.check import Checks
 
@@ -223,7 +222,10 @@ analyses: {{{analyses}}}
 
 @pytest.mark.parametrize(
     ("teeth", "words"),
-    [("17, 23", "a common period of 23 turns only, which takes 138 harmonics"), ("97, 101", "only every 101 turns")],
+    [
+        ("17, 23", "only every 11.5 revolutions of the reference shaft, which takes 138 harmonics"),
+        ("97, 101", "only every 50.5 revolutions"),
+    ],
 )
 def test_joints_that_repeat_together_only_after_many_turns_are_left_out_unasked(teeth, words):
     found = torsion.run(torsion.parse(GEARED.format(teeth=teeth, analyses="response: ")))
@@ -231,7 +233,17 @@ def test_joints_that_repeat_together_only_after_many_turns_are_left_out_unasked(
     assert words in dict(found.plan.left_out)["exact periodic response"]
 
 
-def test_joints_that_never_repeat_within_reach_are_refused_where_they_are_asked():
-    for asked in ("response: {method: harmonic-balance}", "stability: "):
-        with pytest.raises(SolveError, match="every 101 turns, which takes about 606 harmonics"):
-            torsion.run(torsion.parse(GEARED.format(teeth="97, 101", analyses=asked)))
+@pytest.mark.parametrize("asked", ["response: {method: harmonic-balance}", "stability: "])
+def test_joints_that_never_repeat_within_reach_leave_out_what_needs_it_and_nothing_else(asked):
+    text = GEARED.format(teeth="97, 101", analyses=f"modes: , {asked}")
+    found, plain = torsion.run(torsion.parse(text)), torsion.run(torsion.parse(text.replace(f", {asked}", "")))
+    assert found.periodic is None
+    assert found.stability is None
+    assert found.modes.frequency.tolist() == plain.modes.frequency.tolist()
+    assert found.joints.angle.tolist() == plain.joints.angle.tolist()
+    (one,) = found.plan.unanswered
+    assert one.is_named
+    assert "every 50.5 revolutions of the reference shaft, which takes about 606 harmonics" in one.why
+    assert "'gear-1' (teeth 97/101)" in one.why
+    assert text.splitlines()[one.line - 1].strip().startswith("- gear")
+    assert dict(found.plan.left_out)[one.what] == one.words

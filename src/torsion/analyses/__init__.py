@@ -91,14 +91,17 @@ ANALYSES: dict[str, Analysis] = {
     "stability": Analysis(
         "stability", "torsion.analyses.motion.requested_motion", "run_stability",
         settings="torsion.analyses.motion.asked:StabilitySettings", needs=("modes",),
-        results={
-            "stability": "torsion.analyses.motion.stability:Stability",
-            "stability_map": "torsion.analyses.motion.map:StabilityMap",
-        },
+        results={"stability": "torsion.analyses.motion.stability:Stability"},
+    ),
+    "stability map": Analysis(
+        "stability map", "torsion.analyses.motion.requested_motion", "run_map", needs=("modes",),
+        results={"stability_map": "torsion.analyses.motion.map:StabilityMap"},
+        wanted=lambda study: study.setting("analyses", "stability", "map") is not None,
+        place=("analyses", "stability", "map"),
     ),
     "frequency response": Analysis(
         "response over frequency", "torsion.analyses.response.over_frequency", needs=("damped", "steady"),
-        results={"frequency_response": "FrequencyResponse"}, wanted=lambda study: study.sweeps_frequency,
+        results={"frequency_response": "FrequencyResponse"}, wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
         place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(

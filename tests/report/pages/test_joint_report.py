@@ -184,7 +184,7 @@ def test_every_json_key_is_documented_and_numbers_are_finite(scene: str, solve: 
     np.testing.assert_array_equal(joints["joints"][1]["error_rad"], solve(scene).need(Joints).joints[1].error)
 
     def paths(value: object, at: str) -> set[str]:
-        if at in JOINTS:
+        if at in JOINT_KEYS:
             return {at}
         if isinstance(value, dict):
             return set().union(*(paths(v, f"{at}.{k}") for k, v in value.items()))

@@ -158,11 +158,15 @@ def _beside(known: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.qr(np.column_stack([unit, np.eye(len(unit))]))[0][:, 1 : len(unit)])
 
 
-def by_hill(around: Variation, count: int) -> Multipliers:
-    """Exponents by the eigenvalues of Hill's matrix with harmonics up to `count` of the common period."""
+def by_hill(around: Variation, count: int, most: int = MOST_HILL) -> Multipliers:
+    """Exponents by the eigenvalues of Hill's matrix with harmonics up to `count` of the common period.
+
+    Raises SolveError where it has more than `most` rows.
+    """
     size = around.size
-    if 2 * size * (2 * count + 1) > MOST_HILL:
-        raise SolveError(f"Hill's matrix of {size} coordinates and {count} harmonics is too large; use the monodromy")
+    if 2 * size * (2 * count + 1) > most:
+        message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
+        raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
     entries = couplings_of(around.mass, around.damping, around.stiffness)
     found = hill_exponents(entries, around.w0, count, size, _harmonics(around.repeated[:, :size], count))
     value = found.exponent

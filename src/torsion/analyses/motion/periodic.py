@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from torsion.analyses.motion.common_period import harmonics_needed, too_long
 from torsion.analyses.motion.equations import damper_twists, linearised
 from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_motion, scene
 from torsion.analyses.motion.torques import course
@@ -13,6 +14,7 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
 from torsion.kernels.periodic.harmonic_balance import (
+    MOST_UNKNOWNS,
     Balance,
     Linearised,
     Motion,
@@ -187,14 +189,10 @@ def harmonics_at_least(at: Scene) -> int:
     """
     uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
     rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
-    highest = max((order for order, _ in at.torques), default=Fraction(0))
-    joint = max(at.layout.orders, default=at.order)
-    first = max(int(rank * max(joint / at.order, Fraction(1))), int(highest / at.order) + 2)
-    if first > MOST and at.order < 1:
-        raise SolveError(
-            f"the joints and torques repeat together only every {at.order.denominator} turns, which takes about "
-            f"{first} harmonics, and {MOST} are the most; a gear ratio of smaller whole numbers repeats sooner"
-        )
+    first = harmonics_needed(rank, at.layout.orders, [order for order, _ in at.torques])
+    most = min(MOST, (MOST_UNKNOWNS // max(1, at.layout.free) - 1) // 2)
+    if first > most and at.order < 1:
+        raise too_long(at.system.train, rank, most, vibratory=bool(at.torques))
     return int(min(max(FEWEST, first), MOST))
 
 

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from torsion.analyses.motion.asked import MapSettings, StabilitySettings
+from torsion.analyses.motion.asked import StabilitySettings
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
-from torsion.errors import SolveError
 from torsion.findings import Work
-from torsion.study import SpeedRange
 
 PERIODIC = "exact periodic response"
 SMALL = "no joint is bent by more than 10 degrees, and the first order estimates its error below 1 %"
@@ -32,34 +30,28 @@ def run_periodic(work: Work) -> None:
         log.without(PERIODIC, SMALL)
         return
     why = "asked" if asked else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
-    _periodic(work, first_order, why, must=asked)
+    _periodic(work, first_order, why, patient=asked)
 
 
-def _periodic(work: Work, first_order: Response, why: str, *, must: bool) -> None:
-    """must: there is no answer without it."""
+def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> None:
+    """patient: it may take long."""
     from torsion.analyses.motion.faults import motion_faults
     from torsion.analyses.motion.periodic import Found
     from torsion.analyses.motion.speeds import periodic_over_speed, too_long
 
     study, system, log = work.study, work.system, work.log
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
-    if not refused and not must:
+    if not refused and not patient:
         refused = too_long(study, system)
     if refused:
         log.without(PERIODIC, refused)
         return
-    try:
-        with log.step(PERIODIC, why) as step:
-            found = periodic_over_speed(study, system, first_order, progress=work.progress)
-            step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
-            harmonics = int(found.harmonics.max(initial=0))
-            kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
-            step.size = f"{found.speed.size} speeds, {kept}"
-    except SolveError as fault:
-        if must:
-            raise
-        log.without(PERIODIC, str(fault))
-        return
+    with log.step(PERIODIC, why) as step:
+        found = periodic_over_speed(study, system, first_order, progress=work.progress)
+        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
+        harmonics = int(found.harmonics.max(initial=0))
+        kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
+        step.size = f"{found.speed.size} speeds, {kept}"
     nothing = found.status == Found.NONE
     if nothing.any():
         reasons = "; ".join(dict.fromkeys(one for one in found.why if one))
@@ -89,7 +81,7 @@ def run_stability(work: Work) -> None:
     if not exciting_joints(system) or speeds is None:
         log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
         return
-    harmonics_at_least(scene(study, system))  # refused before anything is computed
+    harmonics_at_least(scene(study, system, vibratory=False))  # refused before anything is computed
     with log.step("stability", "asked") as step:
         found = stability_asked(study, system, settings, speeds.values(), progress=work.progress)
         step.method = _METHODS[settings.method]
@@ -102,8 +94,6 @@ def run_stability(work: Work) -> None:
         log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
     log.without("vibratory torques, in the stability", "joints and mean torque alone make the periodic motion there")
     work.put(stability=found)
-    if settings.map is not None:
-        _map(work, settings.map, speeds)
 
 
 _METHODS = {
@@ -112,9 +102,17 @@ _METHODS = {
 }
 
 
-def _map(work: Work, settings: MapSettings, speeds: SpeedRange) -> None:
+def run_map(work: Work) -> None:
+    """Growth over speed and one more quantity, where it is requested."""
+    stability = work.settings("stability", StabilitySettings)
+    settings, speeds = stability.map, stability.speeds or work.study.operation.speeds
+    if settings is None or speeds is None or not exciting_joints(work.system):
+        return
+    from torsion.analyses.motion.loading import scene
     from torsion.analyses.motion.map import stability_map
+    from torsion.analyses.motion.periodic import harmonics_at_least
 
+    harmonics_at_least(scene(work.study, work.system, vibratory=False))
     with work.log.step("stability map", "asked") as step:
         found = stability_map(
             work.study, work.system, speeds.values(), settings.over, settings.values(), modes=settings.modes,

@@ -50,10 +50,9 @@ def too_long(study: Study, system: System) -> str:
         return str(fault)
     if harmonics <= PATIENCE:
         return ""
-    turns = at.order.denominator
     return (
-        f"the joints share a common period of {turns} turns only, which takes {harmonics} harmonics or more; "
-        "ask for it with `response: {method: harmonic-balance}`"
+        f"joints and torques repeat together only every {float(1 / at.order):.6g} revolutions of the reference shaft, "
+        f"which takes {harmonics} harmonics or more; ask for it with `response: {{method: harmonic-balance}}`"
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from torsion.analyses.motion.asked import Method
-from torsion.analyses.motion.floquet import Multipliers, by_hill, by_monodromy, hill_count, variation
+from torsion.analyses.motion.floquet import MOST_HILL, Multipliers, by_hill, by_monodromy, hill_count, variation
 from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.losses import viscous
 from torsion.analyses.motion.modes import Basis, basis, reduced
@@ -25,6 +25,7 @@ LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked fo
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
 BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
 CHECKED = 3  # speeds at which the other method checks the growth rate
+MOST_CHECKED = 600  # rows of Hill's matrix for that: beyond, its eigenvalues take far longer than the growth rate
 
 
 @reported
@@ -84,14 +85,14 @@ class Search:
             self.known[speed] = None if orbit is None else (orbit, self.exponents(orbit, self.method))
         return self.known[speed]
 
-    def exponents(self, orbit: Orbit, method: Method) -> Multipliers:
-        """By one of the methods."""
+    def exponents(self, orbit: Orbit, method: Method, most: int = MOST_HILL) -> Multipliers:
+        """By one of the methods; raises SolveError where Hill's matrix has more than `most` rows."""
         around = variation(self.at, orbit)
         highest = self.shapes.highest
         if self.reduced is not None:
             around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
         if method == "hill":
-            return by_hill(around, hill_count(around, highest, orbit.found.count))
+            return by_hill(around, hill_count(around, highest, orbit.found.count), most)
         return by_monodromy(around, highest)
 
     def growth(self, speed: float) -> float:
@@ -195,7 +196,7 @@ def _check(ask: Search, asked: FloatArray) -> float:
     for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
         found = known[place]
         try:
-            apart = abs(ask.exponents(found[0], other).growth - found[1].growth)
+            apart = abs(ask.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
         except SolveError:
             continue
         worst = apart if np.isnan(worst) else max(worst, apart)

@@ -27,17 +27,17 @@ SMALL = 1e-5  # 1/s: less is the error of few modes and of rounding
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where stability was not asked for."""
-    found = findings.get(Stability)
+    found, mapped = findings.get(Stability), findings.get(StabilityMap)
     if found is None:
-        return []
+        return [] if mapped is None else [Heading("Stability"), *_map(findings, mapped)]
     blocks: list[Block] = [Heading("Stability"), _introduction(findings, found), _verdict(findings, found)]
     if found.ranges:
         blocks.append(_ranges(findings, found))
     if found.unsolved.size:
         blocks.append(_unsolved(found))
     blocks.append(_figure(findings, found))
-    if findings.get(StabilityMap) is not None:
-        blocks += _map(findings, findings.need(StabilityMap))
+    if mapped is not None:
+        blocks += _map(findings, mapped)
     return blocks
 
 

@@ -45,6 +45,8 @@ def chapter(findings: Findings) -> list[Block]:
 def conclusion(findings: Findings) -> list[Block]:
     """The conclusion, that of the comparison of models, and the restrictions of speed, in plain sentences."""
     blocks: list[Block] = [_overall(findings)]
+    for one in findings.plan.unanswered:
+        blocks.append(Paragraph(f"No answer: {one.what}, because {one.words}.", "fail"))
     if findings.get(Compared) is not None:
         blocks.append(compared_models(findings.need(Compared)))
     if findings.get(PeriodicResponse) is not None:
