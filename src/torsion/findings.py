@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.division import assembled, divided_modes, told_division, told_method, told_model
-from torsion.analyses.modes import Modes
+from torsion.analyses.modes import Modes, condensed_modes
 from torsion.asked import has_inertia, highest_excited, modes_asked, operating_speed
+from torsion.assembly.segment_groups import MOST_GROUPS, condensed
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.plan import Log, Plan, versions
@@ -85,8 +86,12 @@ def _silent(what: str, share: float) -> None:
 def _run(study: Study, progress: Progress, bending: bool) -> Findings:
     log = Log()
     sections(study, log)
-    system, found = _system_and_modes(study, log, progress)
-    damped = _damped(study, system, log)
+    whole, found = _system_and_modes(study, log, progress)
+    damped = _damped(study, whole, log)
+    system = condensed(whole)
+    if system.groups is not None:
+        log.without("torques inside segment groups", f"of shafts of more than {MOST_GROUPS} segments")
+        found, damped = found and condensed_modes(found, system), damped and damped.condensed(system.groups)
     steady = _steady(study, system, log)
     response, synthesis = over_speed(study, system, Known(found, damped, steady), log, progress)
     moved = motion.exact(study, system, response, log, progress)
@@ -146,16 +151,18 @@ def _damped(study: Study, system: System, log: Log) -> "DampedModes | None":
         why = "the train has closed loops, or rigid spans hold it at several points"
         log.without("damped modes", f"{why}; its response is damped all the same")
         return None
+    from torsion.analyses.damped import damped, too_many_stations
     from torsion.analyses.steady import has_mean_torque, steady
 
+    if why := too_many_stations(system):
+        log.without("damped modes", why)
+        return None
     speed = operating_speed(study.operation)
     needs_speed = any(damper.torque_factor or damper.speed_factor for damper in system.dampers)
     needs_torque = any(damper.torque_factor for damper in system.dampers)
     if (needs_speed and speed is None) or (needs_torque and not has_mean_torque(study.operation)):
         log.without("damped modes", "the damping depends on speed and mean torque; give `operation: rated`")
         return None
-    from torsion.analyses.damped import damped
-
     mean = None
     if needs_torque and speed is not None:
         mean = steady(study.train, system, study.operation, np.array([speed]))

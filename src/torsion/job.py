@@ -184,7 +184,7 @@ def write_matrices(findings: Findings, file: Path) -> str:
     from torsion.analyses.operating_matrices import operating_matrices
 
     try:
-        found = operating_matrices(findings.study, findings.system)
+        found = operating_matrices(findings.study, findings.system.whole)
     except InputError as error:
         raise located(error, findings.study) from None
     arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(found.view).items()}

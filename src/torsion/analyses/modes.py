@@ -73,6 +73,8 @@ def modes(system: System, count: int | None = 6, *, progress: Callable[[int, int
 
     progress: told how many of how many modes are done, where they are found one by one (few of a long row of stations).
     """
+    if system.groups is not None:
+        return condensed_modes(modes(system.groups.system, count, progress=progress), system)
     if system.bars is not None and system.folded_bars is not None:
         from torsion.analyses.bars import referred_modes
 
@@ -82,6 +84,20 @@ def modes(system: System, count: int | None = 6, *, progress: Callable[[int, int
     closing = closing_spans(system)
     found = _referred_modes(system, closing, count, progress)
     return _modes(system, found, span_torques(system, found.torque, closing, found.loop_torque))
+
+
+def condensed_modes(whole: Modes, system: System) -> Modes:
+    """The modes of a whole system at the stations and spans of it condensed; shares of energy are sums over groups."""
+    groups = system.groups
+    if groups is None:
+        return whole
+    found = replace(whole, shape=whole.shape[groups.stations], torque=whole.torque[groups.spans], system=system)
+    shared = {
+        "kinetic": groups.over_stations(whole.kinetic), "elastic": groups.over_spans(whole.elastic),
+        "nodes": whole.nodes,
+    }  # fmt: skip
+    vars(found).update(shared)
+    return found
 
 
 def _referred_modes(

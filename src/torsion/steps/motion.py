@@ -36,8 +36,10 @@ class ExactMotion:
 
 def exact(study: Study, system: System, first_order: "Response | None", log: Log, progress: Progress) -> ExactMotion:
     """All of it that the study asks for or needs."""
-    found = periodic(study, system, first_order, log, progress)
-    stable, mapped = stability(study, system, log, progress)
+    found = periodic(study, system.whole, first_order, log, progress)
+    if found is not None and system.groups is not None:
+        found = found.condensed(system.groups)
+    stable, mapped = stability(study, system.whole, log, progress)
     if stable is None:
         return ExactMotion(found, None, None, ())
     from torsion.rules.stability import stability_check

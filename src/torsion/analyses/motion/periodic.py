@@ -10,6 +10,7 @@ import numpy as np
 from torsion.analyses.motion.equations import damper_twists, linearised
 from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_motion, scene
 from torsion.analyses.motion.torques import course
+from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import (
@@ -79,6 +80,13 @@ class PeriodicResponse:
     orbits: tuple[Orbit | None, ...]  # (speeds,)
     growth: FloatArray | None = None  # (speeds,) 1/s of small deviations from it; None where it was not computed
     others: "PeriodicResponse | None" = None  # further motions at some of the speeds, in the same orders
+
+    def condensed(self, groups: SegmentGroups) -> "PeriodicResponse":
+        """The same at the stations and spans that stand for segment groups."""
+        return replace(
+            self, angle=self.angle[..., groups.stations], torque=self.torque[..., groups.spans],
+            mean=self.mean[..., groups.spans], others=self.others and self.others.condensed(groups),
+        )  # fmt: skip
 
     @property
     def is_unstable(self) -> BoolArray:

@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.assembly.segment_groups import MOST_GROUPS, segment_groups
 from torsion.assembly.system import System
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.report.elements import elements
 from torsion.report.json.numbers import exact, finite, numbers, pairs, statuses
-from torsion.report.told import told
-
-MOST_SEGMENTS = 2000  # of a shaft that are told each by itself; of more, stretches of them
 
 
 def told_stations(system: System) -> list[int]:
@@ -45,7 +43,7 @@ def response(findings: Findings) -> dict[str, Any] | None:
         "speed_rad_per_s": numbers(found.speed),
         "is_asked": numbers(found.asked),
         "station": stations,
-        "span": told(system, MOST_SEGMENTS).place(spans),
+        "span": segment_groups(system, MOST_GROUPS).place(spans),
         "mean_torque_Nm": numbers(found.mean[:, spans]),
         "lines": [
             {
@@ -99,7 +97,7 @@ def frequency_response(findings: Findings) -> dict[str, Any] | None:
         "is_asked": numbers(found.asked),
         "sources": list(found.sources),
         "station": stations,
-        "span": told(system, MOST_SEGMENTS).place(spans),
+        "span": segment_groups(system, MOST_GROUPS).place(spans),
         "angle_rad": pairs(_known(found.angle[:, stations], found.status)),
         "torque_Nm": pairs(_known(found.torque[:, spans], found.status)),
         "residual": numbers(found.residual),

@@ -9,14 +9,14 @@ import json
 from typing import Any
 
 import torsion
+from torsion.assembly.segment_groups import MOST_GROUPS, segment_groups
 from torsion.findings import Findings
 from torsion.report.json.check import check as model_check
 from torsion.report.json.joints import joints
 from torsion.report.json.lateral import lateral
 from torsion.report.json.motion import periodic, stability, stability_map
 from torsion.report.json.numbers import exact, finite, numbers
-from torsion.report.json.response import MOST_SEGMENTS, frequency_response, response, synthesis
-from torsion.report.told import told
+from torsion.report.json.response import frequency_response, response, synthesis
 
 FORMAT = 1
 LEGEND = {
@@ -26,7 +26,7 @@ LEGEND = {
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
     "reference": "orders and speeds count from the component `scene.reference`",
     "status": "ok, near-singular or singular: how far a line can be trusted; where singular, amplitudes are null",
-    "long_shafts": f"of a shaft of more than {MOST_SEGMENTS} segments stretches are told, as `name [first..last]`: "
+    "long_shafts": f"of a shaft of more than {MOST_GROUPS} segments stretches are told, as `name [first..last]`: "
     "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
     "null": "no value, not a number, or infinite (a held station's inertia)",
 }
@@ -99,7 +99,7 @@ def _scene(findings: Findings) -> dict[str, Any]:
 
 def _stations(findings: Findings) -> list[dict[str, Any]]:
     system, parts = findings.system, findings.system.train.parts
-    every = told(system, MOST_SEGMENTS)
+    every = segment_groups(system, MOST_GROUPS)
     inertia = every.over_stations(system.inertia)
     return [
         {
@@ -119,7 +119,7 @@ def _stations(findings: Findings) -> list[dict[str, Any]]:
 
 def _spans(findings: Findings) -> list[dict[str, Any]]:
     system, parts = findings.system, findings.system.train.parts
-    every = told(system, MOST_SEGMENTS)
+    every = segment_groups(system, MOST_GROUPS)
     names, ends, flexibility = every.names(), every.ends.tolist(), every.over_spans(system.flexibility)
     return [
         {
@@ -143,7 +143,7 @@ def _modes(findings: Findings) -> dict[str, Any] | None:
     modes = findings.modes
     if modes is None:
         return None
-    every = told(findings.system, MOST_SEGMENTS)
+    every = segment_groups(findings.system, MOST_GROUPS)
     return {
         "rigid_motions": modes.rigid,
         "is_certified": modes.certified,
@@ -187,7 +187,7 @@ def _steady(findings: Findings) -> dict[str, Any] | None:
     steady = findings.steady
     if steady is None:
         return None
-    every = told(findings.system, MOST_SEGMENTS)
+    every = segment_groups(findings.system, MOST_GROUPS)
     return {
         "speed_rad_per_s": numbers(steady.speed),
         "torque_Nm": numbers(steady.torque[every.spans]),
