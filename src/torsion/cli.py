@@ -60,11 +60,13 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
 
     if as_json:
         from torsion.findings import run
-        from torsion.report.json.results import text
+        from torsion.report.json.results import text_pieces
         from torsion.schema.read import read
 
         findings = run(read(file))
-        typer.echo(text(findings))
+        for piece in text_pieces(findings):
+            typer.echo(piece, nl=False)
+        typer.echo()
     else:
         from torsion.report.terminal.tables import progress, show
 

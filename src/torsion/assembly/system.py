@@ -158,7 +158,7 @@ class System:
 
     @cached_property
     def folded_bars(self) -> "Bars | None":
-        """The spans with distributed inertia, and segment groups, on the tree; None in the lumped model without groups."""
+        """The spans with distributed inertia and the segment groups, on the tree; None where there are none."""
         if self.groups is not None:
             return self._folded_groups(self.groups)
         if self.bars is None:

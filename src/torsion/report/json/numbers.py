@@ -1,10 +1,14 @@
-"""Numbers as JSON has them: finite or null, complex ones as pairs, exact ones as text."""
+"""Numbers as JSON has them: finite or null, complex ones as pairs, exact ones as text.
+
+Arrays stay arrays here; `torsion.report.json.writing` makes lists of them where they are written.
+"""
 
 import math
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsion.kernels.response import Status
 
@@ -16,14 +20,9 @@ def finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def numbers(values: Any) -> Any:
-    """An array as nested lists; what is not finite is None."""
-    array: Any = np.asarray(values)
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        known = np.isfinite(array)
-        array = array.astype(object)
-        array[~known] = None
-    return array.tolist()
+def numbers(values: Any) -> NDArray[Any]:
+    """An array; what is not finite in it is null in JSON."""
+    return np.asarray(values)
 
 
 def exact(value: Fraction | None) -> str | None:
@@ -31,13 +30,13 @@ def exact(value: Fraction | None) -> str | None:
     return None if value is None else str(value)
 
 
-def pairs(values: Any) -> Any:
-    """A complex array as nested lists of [real, imaginary]."""
-    array = np.asarray(values)
-    return numbers(np.stack([array.real, array.imag], axis=-1))
+def pairs(values: Any) -> NDArray[Any]:
+    """A complex array with [real, imaginary] as its last axis."""
+    array = np.ascontiguousarray(values, dtype=np.complex128)
+    return array.view(np.float64).reshape(*np.shape(values), 2)
 
 
-def statuses(values: Any) -> Any:
+def statuses(values: Any) -> NDArray[Any]:
     """An array of statuses as words."""
-    table = np.array([WORDS[status] for status in Status], dtype=object)
-    return table[np.asarray(values, dtype=np.int64)].tolist()
+    table = np.array([WORDS[status] for status in Status])
+    return np.asarray(table[np.asarray(values, dtype=np.int64)])

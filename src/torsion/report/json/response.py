@@ -29,6 +29,8 @@ def told_spans(system: System) -> list[int]:
 
 def _known(values: NDArray[Any], status: NDArray[Any]) -> NDArray[Any]:
     """Values (speeds, ...) with NaN where the status (speeds,) says that not a digit is known."""
+    if not (status == Status.SINGULAR).any():
+        return values
     nothing = complex(np.nan, np.nan) if np.iscomplexobj(values) else np.nan
     return np.where(np.expand_dims(status == Status.SINGULAR, tuple(range(1, values.ndim))), nothing, values)
 

@@ -1,11 +1,12 @@
 """The results as JSON: documented, stable, every number finite or null.
 
-`results` builds plain lists and dicts; `KEYS` in json_keys.py says what stands where. Format 1 may gain keys; a key
+`results` builds plain lists and dicts; `KEYS` in keys.py says what stands where. Format 1 may gain keys; a key
 that is there keeps its meaning. Complex amplitudes are pairs [real, imaginary]; orders and ratios are texts "a/b".
 """
 
 import hashlib
-import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import torsion
@@ -17,6 +18,7 @@ from torsion.report.json.lateral import lateral
 from torsion.report.json.motion import periodic, stability, stability_map
 from torsion.report.json.numbers import exact, finite, numbers
 from torsion.report.json.response import frequency_response, response, synthesis
+from torsion.report.json.writing import MOST_NUMBERS, SERIES, lines, plain, write_json
 
 FORMAT = 1
 LEGEND = {
@@ -28,57 +30,71 @@ LEGEND = {
     "status": "ok, near-singular or singular: how far a line can be trusted; where singular, amplitudes are null",
     "long_shafts": f"of a shaft of more than {MOST_GROUPS} segments stretches are told, as `name [first..last]`: "
     "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
+    "series": f"an array of more than {MOST_NUMBERS} numbers stands in {SERIES} beside this file, and here instead "
+    "{file, array, shape}: the file, the name of the array in it and its shape; null is NaN there, words are texts",
     "null": "no value, not a number, or infinite (a held station's inertia)",
 }
 
 
 def results(findings: Findings) -> dict[str, Any]:
-    """Everything that was found; what was not asked is null or an empty list."""
-    return {
-        "format": FORMAT,
-        "program": {"name": "torsion", "version": torsion.__version__},
-        "legend": LEGEND,
-        "scene": _scene(findings),
-        "stations": _stations(findings),
-        "spans": _spans(findings),
-        "modes": _modes(findings),
-        "damped_modes": _damped(findings),
-        "critical_speeds": [_critical(c) for c in findings.critical],
-        "mean": _steady(findings),
-        "response": response(findings),
-        "synthesis": synthesis(findings),
-        "periodic": periodic(findings),
-        "stability": stability(findings),
-        "stability_map": stability_map(findings),
-        "frequency_response": frequency_response(findings),
-        "joints": joints(findings.joints),
-        "lateral": lateral(findings.lateral),
-        "check": model_check(findings.check),
-        "checks": [_check(check) for check in findings.checks],
-        "plan": _plan(findings),
-    }
+    """Everything that was found, in nested lists; what was not asked is null or an empty list."""
+    return {key: plain(make()) for key, make in _parts(findings).items()}
 
 
 def text(findings: Findings) -> str:
     """The results as JSON text, one line for each top-level key."""
-    return _lines(results(findings))
+    return "".join(text_pieces(findings))
+
+
+def text_pieces(findings: Findings) -> Iterator[str]:
+    """The same text, piece by piece, as it is made."""
+    return lines(_parts(findings))
+
+
+def write_results(findings: Findings, file: Path) -> list[Path]:
+    """Write the text into a file, and very long arrays into another beside it; the paths of all."""
+    return write_json(_parts(findings), file)
 
 
 def joint_text(findings: Findings) -> str:
     """The joints alone as JSON text, under the keys that they have among the results."""
-    alone = ("format", "program", "legend", "scene", "joints", "checks", "plan")
-    return _lines({key: value for key, value in results(findings).items() if key in alone})
+    return _text_of(findings, ("format", "program", "legend", "scene", "joints", "checks", "plan"))
 
 
 def check_text(findings: Findings) -> str:
     """The comparison of the models alone as JSON text, under the keys that it has among the results."""
-    alone = ("format", "program", "legend", "scene", "check", "plan")
-    return _lines({key: value for key, value in results(findings).items() if key in alone})
+    return _text_of(findings, ("format", "program", "legend", "scene", "check", "plan"))
 
 
-def _lines(values: dict[str, Any]) -> str:
-    rows = [f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}" for key, value in values.items()]
-    return "{\n" + ",\n".join(rows) + "\n}\n"
+def _text_of(findings: Findings, keys: tuple[str, ...]) -> str:
+    return "".join(lines({key: make for key, make in _parts(findings).items() if key in keys}))
+
+
+def _parts(findings: Findings) -> dict[str, Callable[[], Any]]:
+    """What makes the value of every top-level key, with arrays in it."""
+    return {
+        "format": lambda: FORMAT,
+        "program": lambda: {"name": "torsion", "version": torsion.__version__},
+        "legend": lambda: LEGEND,
+        "scene": lambda: _scene(findings),
+        "stations": lambda: _stations(findings),
+        "spans": lambda: _spans(findings),
+        "modes": lambda: _modes(findings),
+        "damped_modes": lambda: _damped(findings),
+        "critical_speeds": lambda: [_critical(c) for c in findings.critical],
+        "mean": lambda: _steady(findings),
+        "response": lambda: response(findings),
+        "synthesis": lambda: synthesis(findings),
+        "periodic": lambda: periodic(findings),
+        "stability": lambda: stability(findings),
+        "stability_map": lambda: stability_map(findings),
+        "frequency_response": lambda: frequency_response(findings),
+        "joints": lambda: joints(findings.joints),
+        "lateral": lambda: lateral(findings.lateral),
+        "check": lambda: model_check(findings.check),
+        "checks": lambda: [_check(check) for check in findings.checks],
+        "plan": lambda: _plan(findings),
+    }
 
 
 def _scene(findings: Findings) -> dict[str, Any]:
