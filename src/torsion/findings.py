@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,7 @@ from torsion.steps import motion
 from torsion.steps.bending import bending as bend
 from torsion.steps.response import Known, over_speed
 from torsion.steps.sections import sections
-from torsion.study import Study
+from torsion.study import Study, bytes_of
 
 if TYPE_CHECKING:
     from torsion.analyses.check.models import Compared
@@ -66,11 +66,16 @@ class Findings:
         return bool(models) or any(check.verdict == "fail" for check in self.checks)
 
 
-def run(study: Study, *, progress: Progress | None = None, bending: bool = True) -> Findings:
+def run(
+    study: Study, *, progress: Progress | None = None, bending: bool = True, memory: str | float | None = None
+) -> Findings:
     """Compute everything that the study asks. Raises InputError (located in the study's file) and SolveError.
 
-    bending False leaves out the bending of the shafts, though the study asks it.
+    bending False leaves out the bending of the shafts, though the study asks it. memory: what a response may need, in
+    bytes or as text such as "4 GB", in place of the study's own limit; a larger one is refused beforehand.
     """
+    if memory is not None:
+        study = replace(study, memory=bytes_of(memory))
     try:
         return _run(study, progress or _silent, bending)
     except InputError as error:

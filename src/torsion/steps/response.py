@@ -1,8 +1,10 @@
 """Step: the response over speed with its synthesis, at the speeds and of the orders that the rules need."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from torsion.asked import no_response, rules_need
 from torsion.assembly.system import System
@@ -66,14 +68,32 @@ def _found(study: Study, system: System, known: Known, log: Log, progress: Progr
 
 
 def _synthesis(system: System, found: "Response", log: Log) -> "Synthesis":
-    from torsion.analyses.response.synthesis import synthesis
-
     lines = "the orders asked for" if found.left_out else "all orders"
     with log.step("synthesis", f"rules and readers judge {lines} together") as step:
-        total = synthesis(system, found)
+        total = _in_blocks(system, found)
         step.method = "sum over the common cycle, true to phase"
         step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
     return total
+
+
+def _in_blocks(system: System, found: "Response") -> "Synthesis":
+    """The synthesis, of large trains some speeds at a time, so that what it needs on the way stays small."""
+    from torsion.analyses.response.amplitudes import part_of
+    from torsion.analyses.response.size import SMALL_BLOCK, blocks
+    from torsion.analyses.response.synthesis import synthesis
+
+    parts = list(blocks(len(found.speed), system, SMALL_BLOCK))
+    if len(parts) == 1:
+        return synthesis(system, found)
+    none = synthesis(system, part_of(found, slice(0, 0)))
+    rows: dict[str, Any] = {
+        key: np.empty_like(found.mean) for key, value in vars(none).items() if isinstance(value, np.ndarray)
+    }
+    for part in parts:
+        one = synthesis(system, part_of(found, part))
+        for key, all_rows in rows.items():
+            all_rows[part] = getattr(one, key)
+    return replace(none, **rows)
 
 
 def _judged(

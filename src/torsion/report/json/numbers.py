@@ -32,7 +32,9 @@ def exact(value: Fraction | None) -> str | None:
 
 def pairs(values: Any) -> NDArray[Any]:
     """A complex array with [real, imaginary] as its last axis."""
-    array = np.ascontiguousarray(values, dtype=np.complex128)
+    array = np.asarray(values, dtype=np.complex128)
+    if array.ndim == 0 or array.strides[-1] != array.itemsize:
+        array = np.ascontiguousarray(array)
     return array.view(np.float64).reshape(*np.shape(values), 2)
 
 

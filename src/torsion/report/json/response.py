@@ -27,6 +27,11 @@ def told_spans(system: System) -> list[int]:
     return sorted({span for element in elements(system) for span in (element.spans[0], element.spans[-1])})
 
 
+def _chosen(values: NDArray[Any], places: list[int]) -> NDArray[Any]:
+    """Values at some places of the last axis; a view where these are all of the first ones."""
+    return values[..., : len(places)] if places == list(range(len(places))) else values[..., places]
+
+
 def _known(values: NDArray[Any], status: NDArray[Any]) -> NDArray[Any]:
     """Values (speeds, ...) with NaN where the status (speeds,) says that not a digit is known."""
     if not (status == Status.SINGULAR).any():
@@ -46,15 +51,15 @@ def response(findings: Findings) -> dict[str, Any] | None:
         "is_asked": numbers(found.asked),
         "station": stations,
         "span": segment_groups(system, MOST_GROUPS).place(spans),
-        "mean_torque_Nm": numbers(found.mean[:, spans]),
+        "mean_torque_Nm": numbers(_chosen(found.mean, spans)),
         "lines": [
             {
                 "order": exact(line.order),
                 "fixed_frequency_Hz": finite(line.frequency),
                 "sources": list(line.sources),
                 "frequency_Hz": numbers(found.frequency[:, k]),
-                "angle_rad": pairs(_known(found.angle[:, k, stations], found.status[:, k])),
-                "torque_Nm": pairs(_known(found.torque[:, k, spans], found.status[:, k])),
+                "angle_rad": pairs(_known(_chosen(found.angle[:, k], stations), found.status[:, k])),
+                "torque_Nm": pairs(_known(_chosen(found.torque[:, k], spans), found.status[:, k])),
                 "residual": numbers(found.residual[:, k]),
                 "status": statuses(found.status[:, k]),
                 "joint_error": numbers(found.joint_error[:, k]),
@@ -100,8 +105,8 @@ def frequency_response(findings: Findings) -> dict[str, Any] | None:
         "sources": list(found.sources),
         "station": stations,
         "span": segment_groups(system, MOST_GROUPS).place(spans),
-        "angle_rad": pairs(_known(found.angle[:, stations], found.status)),
-        "torque_Nm": pairs(_known(found.torque[:, spans], found.status)),
+        "angle_rad": pairs(_known(_chosen(found.angle, stations), found.status)),
+        "torque_Nm": pairs(_known(_chosen(found.torque, spans), found.status)),
         "residual": numbers(found.residual),
         "status": statuses(found.status),
         "remark": found.remark,

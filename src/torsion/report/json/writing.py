@@ -62,7 +62,7 @@ def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = M
 
     def store(name: str, array: NDArray[Any]) -> dict[str, Any]:
         with zipfile.ZipFile(beside, "a") as archive, archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-            np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+            np.lib.format.write_array(member, array, allow_pickle=False)
         return {"file": SERIES, "array": name, "shape": list(array.shape)}
 
     with file.open("w", encoding="utf-8", newline="\n") as target:
