@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import solve_banded
 
 import torsion
-from torsion.analyses.response.over_speed import response
+from torsion.analyses.response.over_speed import response, response_at
 from torsion.assembly import assemble
 from torsion.assembly.segment_groups import condensed
 from torsion.assembly.system import System
@@ -91,3 +91,17 @@ def test_a_train_without_long_shafts_stays_as_it_is():
     whole = assemble(_study(UNIFORM, COUPLING).train)
     assert condensed(whole, SEGMENTS) is whole
     assert whole.whole is whole
+
+
+def test_a_cone_that_is_swept_against_its_drive_is_condensed_from_its_other_end():
+    scene = SCENE.format(first=CONICAL, second=COUPLING).replace("name: c, inertia: 2.0", "name: c, held: true")
+    study = torsion.parse(scene.replace(", {at: c, torque: 30, order: 3, phase: 20 deg}", ""))
+    whole = assemble(study.train)
+    small = condensed(whole, GROUPS)
+    groups = small.groups
+    assert groups is not None
+    assert (small.folded.sign[groups.last_span > groups.first_span] < 0).all()
+    found = response(study, small)
+    there = response_at(study, whole, found, found.speed).angle[..., groups.stations]
+    size = np.abs(there).max(axis=(1, 2), keepdims=True)
+    np.testing.assert_allclose(found.angle / size, there / size, atol=1e-9)
