@@ -2,6 +2,8 @@
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -39,6 +41,9 @@ def solve(
     vtu: Annotated[
         bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
     ] = False,
+    memory: Annotated[
+        str | None, typer.Option("--memory", help="What a response may need, as 4GB (default: 2GB).")
+    ] = None,
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
@@ -46,30 +51,30 @@ def solve(
     fault, 3 no answer to the promised accuracy. Where only some analyses have no answer, the report holds all others.
     """
     _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
-    try:
-        findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices, vtu=vtu)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
+    with _refusals(file):
+        findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices, vtu=vtu, memory=memory)
     raise typer.Exit(_status(findings))
 
 
-def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool) -> "Findings":
+def _solve(
+    file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool, memory: str | None
+) -> "Findings":
     from torsion import commands
 
     if as_json:
-        from torsion.output.results_json import text
+        from torsion.output.results_json import text_pieces
         from torsion.runner import run
         from torsion.schema.read import read
 
-        findings = run(read(file))
-        typer.echo(text(findings))
+        findings = run(read(file), memory=memory)
+        for piece in text_pieces(findings):
+            typer.echo(piece, nl=False)
+        typer.echo()
     else:
         from torsion.report.terminal.tables import progress, show
 
         with progress() as report_progress:
-            findings = commands.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
+            findings = commands.solve(file, out, pdf=pdf, vtu=vtu, memory=memory, progress=report_progress)
         show(findings, commands.folder_of(file, out))
     if matrices is not None:
         typer.echo(commands.write_matrices(findings, matrices))
@@ -88,12 +93,8 @@ def joint(
     A scene of joints alone is enough: no inertia, speed or torque is needed. Exit status as of `solve`.
     """
     _alone(json, {"-o": out})
-    try:
+    with _refusals(file):
         findings = _joint(file, out, as_json=json, turns=turns)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
     raise typer.Exit(_status(findings))
 
 
@@ -126,12 +127,8 @@ def check(
     tolerance (0.1 % unless the file says it), 1 a model is not, 2 and 3 as of `solve`.
     """
     _alone(json, {"-o": out})
-    try:
+    with _refusals(file):
         findings = _check(file, out, as_json=json)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
     raise typer.Exit(_status(findings))
 
 
@@ -170,12 +167,8 @@ def study(
     Exit status: 0 done, 2 and 3 as of `solve`.
     """
     _alone(json, {"-o": out})
-    try:
+    with _refusals(file):
         _study(file, out, as_json=json, tolerance=tolerance, quick=quick)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
 
 
 def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick: bool) -> None:
@@ -231,6 +224,22 @@ def _status(findings: "Findings") -> int:
     if any(one.is_named for one in unanswered):
         return REFUSED
     return FAILED_CHECK if findings.failed else SOLVED
+
+
+@contextmanager
+def _refusals(file: Path) -> Iterator[None]:
+    """End with a message and its exit status where there is no answer."""
+    try:
+        yield
+    except InputError as error:
+        _stop(str(error), BAD_INPUT)
+    except SolveError as error:
+        _stop(f"{file}: {error}", REFUSED)
+    except MemoryError as error:
+        change = "ask for fewer speeds, orders, modes or segments"
+        _stop(
+            f"{file}: this machine has too little memory for it{f' ({error})' if str(error) else ''}; {change}", REFUSED
+        )
 
 
 def _alone(json: bool, writing: dict[str, object]) -> None:

@@ -27,14 +27,15 @@ def solve(
     *,
     pdf: bool = False,
     vtu: bool = False,
+    memory: str | float | None = None,
     progress: Progress = silent,
 ) -> Findings:
     """Read, solve and judge a scene; write its report into `out` (default: reports/<scene>/ beside where you stand).
 
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
-    report stays whole then. With `vtu` the mode shapes are written too, as a surface, and pictured.
+    report stays whole then. memory: as of `run`. With `vtu` the mode shapes are written and pictured as a surface.
     """
-    findings = run(read(file), progress=progress)
+    findings = run(read(file), progress=progress, memory=memory)
     write(findings, folder_of(file, out), pdf=pdf, vtu=vtu)
     return findings
 
@@ -181,7 +182,7 @@ def write_matrices(findings: Findings, file: Path) -> str:
     from torsion.analyses.operating_matrices import operating_matrices
 
     try:
-        found = operating_matrices(findings.study, findings.system)
+        found = operating_matrices(findings.study, findings.system.whole)
     except InputError as error:
         raise located(error, findings.study) from None
     arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(found.view).items()}

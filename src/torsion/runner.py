@@ -1,6 +1,7 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
 from collections.abc import Collection
+from dataclasses import replace
 
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
@@ -10,22 +11,27 @@ from torsion.plan import Unanswered
 from torsion.rules import speeds
 from torsion.rules.check import Checks
 from torsion.schema.read import located
-from torsion.study import Study
+from torsion.study import Study, bytes_of
 
 ESSENTIAL = ("sections", "assembly")  # without which nothing else stands
 DEFAULT = ("modes", "response")  # analyses of a file that names none
 ANSWERS = (  # results of which one at least makes a report
-    "modes", "damped_modes", "response", "frequency_response", "joints", "lateral", "stability", "stability_map", "check",
+    "modes", "damped_modes", "response", "frequency_response", "joints", "lateral", "stability", "stability_map",
+    "check",
 )  # fmt: skip
 
 
-def run(study: Study, *, only: Collection[str] = (), progress: Progress = silent) -> Findings:
+def run(
+    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
+) -> Findings:
     """Compute everything that the study requests, or of it `only` those analyses and what they need.
 
     An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
     raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
-    file) and SolveError.
+    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB).
     """
+    if memory is not None:
+        study = replace(study, memory=bytes_of(memory))
     work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=speeds)
     errors = []
     try:
@@ -50,8 +56,8 @@ def run(study: Study, *, only: Collection[str] = (), progress: Progress = silent
 def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError | SolveError) -> Unanswered:
     """The error, located in the file where it says its place or the file names the analysis."""
     place = analysis.place or ("analyses", name)
-    by_default = not study.analyses and name in DEFAULT
-    named = by_default or (name != "steady" and study.setting(*place) is not None) or name == "steady"
+    by_default = name == "steady" or (not study.analyses and name in DEFAULT)
+    named = by_default or study.setting(*place) is not None
     if isinstance(error, InputError):
         faults = list(error.faults)
     else:
@@ -62,7 +68,7 @@ def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError |
     why = "; ".join(fault.message for fault in known.faults)
     remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
     line = next((fault.line for fault in known.faults), None)
-    return Unanswered(name, analysis.title, why, remedy, line, bool(named), isinstance(error, InputError), str(known))
+    return Unanswered(name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known))
 
 
 def _with_needs(only: Collection[str]) -> list[str]:

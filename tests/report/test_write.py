@@ -27,7 +27,7 @@ def test_a_failed_run_leaves_the_earlier_report_whole(
     def fail(*args: object) -> str:
         raise RuntimeError("in the middle")
 
-    monkeypatch.setattr(module, "html" if module is html else "text", fail)
+    monkeypatch.setattr(module, "html" if module is html else "write_results", fail)
     with pytest.raises(RuntimeError, match="in the middle"):
         write(bare, tmp_path)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
@@ -37,3 +37,9 @@ def test_a_pdf_is_written_when_asked(undamped: Findings, tmp_path: Path) -> None
     found = write(undamped, tmp_path, pdf=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "report.pdf", "results.json"]
     assert found[2].read_bytes().startswith(b"%PDF-")
+
+
+def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(bare: Findings, tmp_path: Path) -> None:
+    (tmp_path / "series.npz").write_bytes(b"earlier")
+    written = write(bare, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {path.name for path in written}

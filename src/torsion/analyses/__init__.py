@@ -74,13 +74,16 @@ ANALYSES: dict[str, Analysis] = {
         "damped modes", "torsion.analyses.damped", needs=("modes",), results={"damped_modes": "DampedModes"},
         wanted=always, place=("analyses", "modes", "damped"),
     ),
+    "segment groups": Analysis(
+        "segment groups", "torsion.analyses.division", "run_groups", needs=("damped",), wanted=always,
+    ),
     "steady": Analysis(
-        "mean torque", "torsion.analyses.steady", needs=("modes",), results={"mean": "Steady"}, wanted=always,
+        "mean torque", "torsion.analyses.steady", needs=("segment groups",), results={"mean": "Steady"}, wanted=always,
         place=("operation",),
     ),
     "response": Analysis(
         "response over speed", "torsion.analyses.response.requested_response",
-        settings="torsion.analyses.response.over_speed:ResponseSettings", needs=("damped", "steady"),
+        settings="torsion.analyses.response.over_speed:ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
     ),
     "periodic": Analysis(
@@ -100,8 +103,9 @@ ANALYSES: dict[str, Analysis] = {
         place=("analyses", "stability", "map"),
     ),
     "frequency response": Analysis(
-        "response over frequency", "torsion.analyses.response.over_frequency", needs=("damped", "steady"),
-        results={"frequency_response": "FrequencyResponse"}, wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
+        "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
+        results={"frequency_response": "FrequencyResponse"},
+        wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
         place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(

@@ -1,6 +1,7 @@
 """Damped natural frequencies and damping ratios."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,12 +9,14 @@ from torsion.analyses.modes import modes_as_discretised, span_torques
 from torsion.analyses.requests import modes_settings
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
+from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.results import reported, result
 
+MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to the accuracy asked of them
 LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
 
 
@@ -29,12 +32,16 @@ class DampedModes:
     overdamped: FloatArray = result("1/s", ("root",), "real roots, which are no frequencies")
     speed: float = result("rad/s", (), "reference speed at which damping was taken")
 
+    def condensed(self, groups: SegmentGroups) -> "DampedModes":
+        """The same at the stations and spans that stand for segment groups."""
+        return replace(self, shape=self.shape[groups.stations], torque=self.torque[groups.spans])
+
 
 def damped(system: System, *, speed: float, steady: Steady | None = None, count: int | None = 6) -> DampedModes:
     """The lowest `count` oscillating modes (None: all) at a reference speed (rad/s); `steady` holds that speed.
 
-    Raises SolveError for a train with closed loops or shafts of distributed inertia, InputError where a damping needs a
-    mean torque that is not known.
+    Raises SolveError for a train with closed loops, shafts of distributed inertia or more than MOST_STATIONS stations,
+    InputError where a damping needs a mean torque that is not known.
     """
     from torsion.kernels.damping.modes import damped_modes
 
@@ -45,6 +52,8 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
     if folded.extra.size:
         message = "damped modes of a train with closed loops, or held behind rigid spans at several points"
         raise SolveError(f"{message}, are not built; ask for `modes: {{damped: false}}`, the response is right")
+    if folded.tree.size > MOST_STATIONS:
+        raise SolveError(too_many_stations(system))
     own = ground_damping(system, np.array([speed]), steady)[:, 0]
     ground = np.zeros(folded.tree.size)
     ground[folded.node] = own * system.speed_ratio**2
@@ -83,6 +92,9 @@ def run(work: Work) -> None:
         why = "the train has closed loops, or rigid spans hold it at several points"
         log.without("damped modes", f"{why}; its response is damped all the same")
         return
+    if why := too_many_stations(system):
+        log.without("damped modes", why)
+        return
     speed = study.operation.speed
     needs_speed = any(damper.torque_factor or damper.speed_factor for damper in system.dampers)
     needs_torque = any(damper.torque_factor for damper in system.dampers)
@@ -97,3 +109,13 @@ def run(work: Work) -> None:
         step.method = "Newton with two-sided vectors on the quadratic problem"
         step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")
     work.put(damped_modes=found)
+
+
+def too_many_stations(system: System) -> str:
+    """Why the roots would not settle, and what to change; empty where they do."""
+    size = system.folded.tree.size
+    if size <= MOST_STATIONS:
+        return ""
+    most = max(system.segments, key=lambda name: system.segments[name], default="")
+    change = f"; give `{most}` fewer segments" if most else ""
+    return f"{size} stations, and rounding along more than {MOST_STATIONS} keeps the roots from settling{change}"

@@ -1,8 +1,10 @@
 """The discretisation of a study: its system for a highest frequency, and what the plan says of it."""
 
-from torsion.analyses.modes import Modes, modes
+from torsion.analyses.damped import DampedModes
+from torsion.analyses.modes import Modes, condensed_modes, modes
 from torsion.analyses.requests import has_inertia, highest_excited, modes_settings
 from torsion.assembly import assemble
+from torsion.assembly.segment_groups import MOST_GROUPS, condensed
 from torsion.assembly.system import System
 from torsion.findings import Work
 from torsion.study import Study
@@ -74,6 +76,20 @@ def run_modes(work: Work) -> None:
         step.method = told_method(system, found)
         step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
     work.put(system=system, modes=found)
+
+
+def run_groups(work: Work) -> None:
+    """Segment groups in place of the segments of very long shafts, for all that follows."""
+    system = condensed(work.system)
+    if system.groups is None:
+        return
+    work.log.without("torques inside segment groups", f"of shafts of more than {MOST_GROUPS} segments")
+    modes, damped = work.get(Modes), work.get(DampedModes)
+    work.put(system=system)
+    if modes is not None:
+        work.put(modes=condensed_modes(modes, system))
+    if damped is not None:
+        work.put(damped_modes=damped.condensed(system.groups))
 
 
 def _size(system: System) -> str:

@@ -167,6 +167,8 @@ def _division(system: System) -> tuple[dict[str, int], int]:
 
 def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
+    if system.groups is not None:
+        return condensed_modes(modes_as_discretised(system.groups.system, count, progress=progress), system)
     if system.bars is not None and system.folded_bars is not None:
         from torsion.analyses.bars import referred_modes
 
@@ -176,6 +178,20 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
     closing = closing_spans(system)
     found = _referred_modes(system, closing, count, progress)
     return _modes(system, found, span_torques(system, found.torque, closing, found.loop_torque))
+
+
+def condensed_modes(whole: Modes, system: System) -> Modes:
+    """The modes of a whole system at the stations and spans of it condensed; shares of energy are sums over groups."""
+    groups = system.groups
+    if groups is None:
+        return whole
+    found = replace(whole, shape=whole.shape[groups.stations], torque=whole.torque[groups.spans], system=system)
+    shared = {
+        "kinetic": groups.over_stations(whole.kinetic), "elastic": groups.over_spans(whole.elastic),
+        "nodes": whole.nodes,
+    }  # fmt: skip
+    vars(found).update(shared)
+    return found
 
 
 def _referred_modes(system: System, closing: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":

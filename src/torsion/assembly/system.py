@@ -16,6 +16,7 @@ from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
+    from torsion.assembly.segment_groups import SegmentGroups
     from torsion.kernels.bars.spans import Bars
 
 
@@ -99,6 +100,12 @@ class System:
     rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
     requested: Discretisation = Discretisation()
     resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
+    groups: "SegmentGroups | None" = None  # of a condensed system: the segments that its spans stand for
+
+    @property
+    def whole(self) -> "System":
+        """The system of all segments, of which this one is condensed; itself where it is not."""
+        return self if self.groups is None else self.groups.system
 
     @property
     def own_stations(self) -> int:
@@ -157,17 +164,28 @@ class System:
     @cached_property
     def lumped_inertia(self) -> FloatArray:
         """(stations,) kg m2 at own speed, without that of spans with distributed inertia; infinite where held."""
+        if self.groups is not None:
+            return self.groups.system.inertia[self.groups.stations]
         return self.inertia if self.bars is None else self.bars.lumped
 
     @cached_property
     def folded_bars(self) -> "Bars | None":
-        """The spans with distributed inertia, on the tree; None in the lumped model."""
+        """The spans with distributed inertia and the segment groups, on the tree; None where there are none."""
+        if self.groups is not None:
+            return self._folded_groups(self.groups)
         if self.bars is None:
             return None
         from torsion.assembly.bar_laws import folded_bars
 
         span, folded = self.bars.span, self.folded
         return folded_bars(self.bars, folded.span[span], self.span_ratio[span], folded.sign[span] < 0)
+
+    def _folded_groups(self, groups: "SegmentGroups") -> "Bars":
+        from torsion.kernels.bars.spans import Bars
+
+        span, folded = np.flatnonzero(groups.last_span > groups.first_span), self.folded
+        law = groups.chains(span, self.span_ratio[span])
+        return Bars(folded.span[span], (law.turned(folded.sign[span] < 0),))
 
     @cached_property
     def damps(self) -> bool:

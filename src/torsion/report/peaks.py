@@ -56,14 +56,15 @@ def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
     """The peaks as a table; where there are too many, the largest referred to one speed."""
     response = findings.need(Response)
     found = found_peaks(findings, elements)
-    kept = sorted(found, key=lambda peak: -peak.torque * peak.element.ratio)[:MOST_ROWS]
+    size = [-peak.torque * peak.element.ratio for peak in found]
+    kept = sorted(sorted(range(len(found)), key=size.__getitem__)[:MOST_ROWS])
     columns = (
         Column("Element", align="left"), Column("Line"), Column("Torque amplitude", unit.unit),
         Column("At speed", "rpm"),
         Column("Frequency", "Hz"), Column("Mode"), Column("Sources", align="left"),
     )  # fmt: skip
     rows = []
-    for peak in (peak for peak in found if peak in kept):
+    for peak in (found[place] for place in kept):
         line, frequency = response.lines[peak.line], float(response.frequency[peak.at, peak.line])
         name = f"order {order(line.order)}" if line.order is not None else "fixed"
         rows.append((

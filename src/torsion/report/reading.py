@@ -114,7 +114,9 @@ def rounding(findings: Findings) -> FloatArray:
     response, ratio = findings.get(Response), findings.system.span_ratio
     if response is None or not response.lines:
         return np.zeros(len(ratio))
-    size = np.where((response.status == Status.OK)[:, :, None], np.abs(response.torque), 0.0).max(axis=(0, 1))
+    size = np.zeros(len(ratio))
+    for torque, status in zip(response.torque, response.status, strict=True):
+        np.maximum(size, np.abs(torque[status == Status.OK]).max(axis=0, initial=0.0), out=size)
     size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
     return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
 

@@ -16,16 +16,20 @@ def write(
 ) -> list[Path]:
     """Write results.json, report.html and, if asked, report.pdf and modes.vtu into the folder; the paths of all.
 
+    Very long series go into series.npz beside results.json.
+
     Every file is finished in a temporary folder beside the target before the first is put in its place. Raises
     OSError where the folder cannot be written, InputError where `vtu` is asked and there is no mode to draw.
     """
-    from torsion.output.results_json import text
+    from torsion.output.json_text import SERIES
+    from torsion.output.results_json import write_results
     from torsion.report.document import document
     from torsion.report.html import html
 
     target, made = Path(folder), document(findings, today or date.today(), also=("twisted_shaft",) if vtu else ())
     with _workshop(target) as workshop:
-        finished = [_file(workshop / "results.json", text(findings)), _file(workshop / "report.html", html(made))]
+        finished = [*map(_kept, write_results(findings, workshop / "results.json"))]
+        finished.append(_file(workshop / "report.html", html(made)))
         if pdf:
             from torsion.report.pdf import write_pdf
 
@@ -34,7 +38,10 @@ def write(
             from torsion.report.surface.vtu import write_vtu
 
             finished.append(write_vtu(findings, workshop))
-        return [_placed(path, target / path.name) for path in finished]
+        placed = [_placed(path, target / path.name) for path in finished]
+        if not any(path.name == SERIES for path in placed):
+            (target / SERIES).unlink(missing_ok=True)  # of an earlier report
+        return placed
 
 
 def write_texts(texts: Mapping[str, str], folder: str | Path) -> list[Path]:
@@ -59,7 +66,12 @@ def _workshop(target: Path) -> Iterator[Path]:
 def _file(path: Path, content: str) -> Path:
     with path.open("w", encoding="utf-8", newline="\n") as file:
         file.write(content)
-        file.flush()
+    return _kept(path)
+
+
+def _kept(path: Path) -> Path:
+    """The file, after all of it is on the disk."""
+    with path.open("rb+") as file:
         os.fsync(file.fileno())
     return path
 

@@ -10,6 +10,7 @@ from torsion.analyses.motion.common_period import harmonics_needed, too_long
 from torsion.analyses.motion.equations import damper_twists, linearised
 from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_motion, scene
 from torsion.analyses.motion.torques import course
+from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
@@ -96,6 +97,13 @@ class PeriodicResponse:
     others: "PeriodicResponse | None" = result(
         "", (), "further motions at the highest peaks, in the same orders; null for none", default=None
     )
+
+    def condensed(self, groups: SegmentGroups) -> "PeriodicResponse":
+        """The same at the stations and spans that stand for segment groups."""
+        return replace(
+            self, angle=self.angle[..., groups.stations], torque=self.torque[..., groups.spans],
+            mean=self.mean[..., groups.spans], others=self.others and self.others.condensed(groups),
+        )  # fmt: skip
 
     @derived("", ("speed",), "ok, coarse (harmonics left out above 1e-10) or none (no motion found)", key="status")
     def status_words(self) -> np.ndarray:

@@ -39,7 +39,7 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
     from torsion.analyses.motion.periodic import Found
     from torsion.analyses.motion.speeds import periodic_over_speed, too_long
 
-    study, system, log = work.study, work.system, work.log
+    study, system, log = work.study, work.system.whole, work.log
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
     if not refused and not patient:
         refused = too_long(study, system)
@@ -60,7 +60,8 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
         log.without(f"{PERIODIC}, in part", "at some speeds the harmonics left out exceed 1e-10 of the largest")
     if any(line.order is None for line in first_order.lines):
         log.without(f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints")
-    work.put(periodic=found)
+    groups = work.system.groups
+    work.put(periodic=found if groups is None else found.condensed(groups))
 
 
 def exciting_joints(system: System) -> bool:
@@ -75,7 +76,7 @@ def run_stability(work: Work) -> None:
     from torsion.analyses.motion.periodic import harmonics_at_least
     from torsion.analyses.motion.reduced import stability_asked
 
-    study, system, log = work.study, work.system, work.log
+    study, system, log = work.study, work.system.whole, work.log
     settings = work.settings("stability", StabilitySettings)
     speeds = settings.speeds or study.operation.speeds
     if not exciting_joints(system) or speeds is None:
@@ -112,10 +113,10 @@ def run_map(work: Work) -> None:
     from torsion.analyses.motion.map import stability_map
     from torsion.analyses.motion.periodic import harmonics_at_least
 
-    harmonics_at_least(scene(work.study, work.system, vibratory=False))
+    harmonics_at_least(scene(work.study, work.system.whole, vibratory=False))
     with work.log.step("stability map", "asked") as step:
         found = stability_map(
-            work.study, work.system, speeds.values(), settings.over, settings.values(), modes=settings.modes,
+            work.study, work.system.whole, speeds.values(), settings.over, settings.values(), modes=settings.modes,
             progress=work.progress,
         )  # fmt: skip
         step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes, all values of a speed together"

@@ -105,28 +105,36 @@ class FrequencyResponse:
         return words(self.status, Status)
 
 
+def part_of(found: Response, part: slice) -> Response:
+    """A view of some speeds."""
+    rows: dict[str, Any] = {key: value[part] for key, value in vars(found).items() if isinstance(value, np.ndarray)}
+    return replace(found, **rows)
+
+
 Result = TypeVar("Result", Response, FrequencyResponse)
 
 
 def merged(first: Result, second: Result) -> Result:
     """Both results in one, by ascending speed or frequency."""
     axis = "speed" if isinstance(first, Response) else "frequency"
-    along = np.concatenate([getattr(first, axis), getattr(second, axis)])
-    place = np.unique(along, return_index=True)[1]
-    both: dict[str, Any] = {}
-    for key, value in vars(first).items():
-        if isinstance(value, np.ndarray):
-            both[key] = np.concatenate([value, getattr(second, key)])[place]
-    return replace(first, **both)
+    return replace(first, **_by_ascending(getattr(first, axis), getattr(second, axis), first, second))
 
 
 def joined(first: tuple[Response, Synthesis], second: tuple[Response, Synthesis]) -> tuple[Response, Synthesis]:
     """Two responses of the same lines with their syntheses in one, by ascending speed."""
     response = merged(first[0], second[0])
-    place = np.unique(np.concatenate([first[0].speed, second[0].speed]), return_index=True)[1]
-    both: dict[str, Any] = {
-        key: np.concatenate([value, getattr(second[1], key)])[place]
-        for key, value in vars(first[1]).items()
-        if isinstance(value, np.ndarray)
-    }
-    return response, replace(first[1], **both)
+    return response, replace(first[1], **_by_ascending(first[0].speed, second[0].speed, first[1], second[1]))
+
+
+def _by_ascending(along: FloatArray, others: FloatArray, first: object, second: object) -> dict[str, Any]:
+    """The arrays of two results in one each, by ascending place, where both have one that of the first."""
+    place = np.unique(np.concatenate([along, others]), return_index=True)[1]
+    mine = place < len(along)
+    kept = slice(None) if np.count_nonzero(mine) == len(along) else place[mine]  # `along` ascends
+    both: dict[str, Any] = {}
+    for key, value in vars(first).items():
+        if isinstance(value, np.ndarray):
+            both[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
+            both[key][mine] = value[kept]
+            both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
+    return both

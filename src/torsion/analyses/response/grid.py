@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes, modes_as_discretised, undamped_tree
+from torsion.analyses.modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
 from torsion.analyses.steady import SAME_SPEED
 from torsion.assembly.system import System
 from torsion.kernels.counts import count_below
@@ -59,6 +59,8 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     found = known if known is not None and known.system is system else None
     if found is not None and found.frequency.size and 2.0 * math.pi * found.frequency[-1] > highest:
         return found
+    if system.groups is not None:
+        return condensed_modes(_modes_up_to(system.whole, highest, None), system)
     folded = system.folded
     if system.folded_bars is not None:
         from torsion.analyses.bars import reach

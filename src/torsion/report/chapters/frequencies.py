@@ -6,6 +6,7 @@ import numpy as np
 
 from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes
+from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
@@ -14,7 +15,6 @@ from torsion.report.elements import elements
 from torsion.report.layout import Layout, layout
 from torsion.report.numbers import number, rpm
 from torsion.report.reading import per_minute
-from torsion.report.told import told
 
 MOST_NAMES = 14  # components on the main line up to which links are named under a mode plot
 MOST_MODES = 12  # of which plots and tables are printed
@@ -140,7 +140,7 @@ def _ticks(findings: Findings, place: Layout) -> list[tuple[float, str]]:
 
 def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:
     system, place = findings.system, layout(findings.system)
-    drawn = told(system, MOST_SEGMENTS)
+    drawn = segment_groups(system, MOST_SEGMENTS)
     angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
     torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]
     largest = angle[np.argmax(np.abs(angle))]
@@ -155,5 +155,6 @@ def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:
         f"Mode {mode + 1}, {f} Hz: angle and torque referred to the reference speed, relative to their largest value"
     )
     if not drawn.is_whole:
-        caption += f"; of long shafts every {drawn.longest}th segment is drawn"
+        longest = drawn.longest * (1 if system.groups is None else system.groups.longest)
+        caption += f"; of long shafts every {longest}th segment is drawn"
     return Figure(f"mode-{mode + 1}", caption, "mode", values)

@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
@@ -47,7 +49,9 @@ def _label(findings: Findings, position: int, part: Part) -> str:
 def _points(findings: Findings) -> list[dict[str, Any]]:
     """Everything that the sketch draws as a disc."""
     system, place = findings.system, layout(findings.system)
-    finite = [j for j in system.inertia.tolist() if 0 < j < math.inf]
+    finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
+    extent = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
+    rings = _rings(findings)
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
     found = []
     for position, part in enumerate(system.train.parts):
@@ -55,29 +59,32 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
             continue
         here = part.stations[0]
         inertia = float(system.inertia[here])
+        ring = rings.get((position, here))
         found.append({
-            "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, finite),
+            "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, extent),
             "label": _label(findings, position, part), "kind": part.component.keyword,
             "is_held": math.isinf(inertia), "is_grounded": here in grounds,
-            "ring": _ring(findings, position, here, finite),
+            "ring": 0.0 if ring is None else max(_size(float(system.inertia[ring]), extent), 0.1),
         })  # fmt: skip
     return found
 
 
-def _size(inertia: float, finite: list[float]) -> float:
+def _size(inertia: float, extent: tuple[float, float]) -> float:
     """0 for the smallest inertia of the train (or three decades below the largest), 1 for the largest."""
     if not 0 < inertia < math.inf:
         return 0.0
-    top, low = math.log10(max(finite)), max(math.log10(min(finite)), math.log10(max(finite)) - 3.0)
+    top = math.log10(extent[1])
+    low = max(math.log10(extent[0]), top - 3.0)
     return 0.5 if top == low else min(max((math.log10(inertia) - low) / (top - low), 0.0), 1.0)
 
 
-def _ring(findings: Findings, part: int, here: int, finite: list[float]) -> float:
-    """Size of the ring that hangs on a damper's housing; 0 where there is none."""
+def _rings(findings: Findings) -> dict[tuple[int, int], int]:
+    """The station of the ring that hangs on a damper's housing, by the damper and the station of its housing."""
+    found: dict[tuple[int, int], int] = {}
     for span in findings.system.own_spans:
-        if span.part == part and span.driving == here and not findings.system.stations[span.driven].is_ground:
-            return max(_size(float(findings.system.inertia[span.driven]), finite), 0.1)
-    return 0.0
+        if not findings.system.stations[span.driven].is_ground:
+            found.setdefault((span.part, span.driving), span.driven)
+    return found
 
 
 def _links(findings: Findings) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Very long shafts in a report: stretches of segments stand for them."""
+"""Very long shafts in a report: segment groups stand for their segments."""
 
 import json
 from datetime import date
@@ -9,13 +9,13 @@ import pytest
 
 import torsion
 from torsion.analyses.modes import Modes
+from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
 from torsion.output.results_json import text
 from torsion.report.blocks import Figure, Table
 from torsion.report.chapters.frequencies import MOST_SEGMENTS, chapter
 from torsion.report.document import document
 from torsion.report.html import html
-from torsion.report.told import told
 
 SCENE = """
 name: two long shafts
@@ -44,20 +44,25 @@ def results(long: Findings) -> dict[str, Any]:
 
 def test_the_results_of_a_long_shaft_are_few_and_sum_to_the_same(long, results):
     system, modes = long.system, long.need(Modes)
+    system, modes = long.system, long.need(Modes)
+    whole = system.whole
+    assert (len(system.stations), len(whole.stations)) == (1673, 5007)
     assert len(results["stations"]) < 2100
     assert len(results["spans"]) < 2100
     inertia = [station["inertia_kg_m2"] for station in results["stations"]]
-    assert sum(inertia) == pytest.approx(system.inertia.sum(), rel=1e-13)
+    assert sum(inertia) == pytest.approx(whole.inertia.sum(), rel=1e-13)
     flexibility = [span["flexibility_rad_per_Nm"] for span in results["spans"]]
-    assert sum(flexibility) == pytest.approx(system.flexibility.sum(), rel=1e-13)
+    assert sum(flexibility) == pytest.approx(whole.flexibility.sum(), rel=1e-13)
     for key, number in (("kinetic_share", inertia), ("elastic_share", flexibility)):
         share = np.array(results["modes"][key])
         assert share.shape == (3, len(number))
         np.testing.assert_allclose(share.sum(axis=1), 1.0, rtol=1e-13)
     assert np.array(results["mean"]["torque_Nm"]).shape[0] == len(flexibility)
-    by_name = {station.name: k for k, station in enumerate(system.stations)}
+    by_name = {station.name: k for k, station in enumerate(whole.stations)}
     place = [by_name[station["name"]] for station in results["stations"]]
-    np.testing.assert_array_equal(results["modes"]["shape_rad"], modes.shape[place].T)
+    alone = torsion.modes(whole, 3)
+    np.testing.assert_array_equal(results["modes"]["shape_rad"], alone.shape[place].T)
+    np.testing.assert_array_equal(modes.shape, alone.shape[place])
 
 
 def test_stretches_follow_one_another_from_the_driving_to_the_driven_station(long, results):
@@ -74,7 +79,7 @@ def test_stretches_follow_one_another_from_the_driving_to_the_driven_station(lon
 
 
 def test_a_train_without_long_shafts_is_told_whole(long):
-    every = told(long.system, 6000)
+    every = segment_groups(long.system, 6000)
     assert every.is_whole
     np.testing.assert_array_equal(every.stations, np.arange(len(long.system.stations)))
     np.testing.assert_array_equal(every.ends, np.column_stack([long.system.driving, long.system.driven]))
@@ -86,7 +91,7 @@ def test_a_mode_of_a_long_shaft_is_drawn_in_stretches_and_the_caption_says_so(lo
     values = figure.values
     assert len(values["x"]) == len(values["angle"]) <= MOST_SEGMENTS + 20
     assert len(values["ends"]) == len(values["torque"]) <= MOST_SEGMENTS + 20
-    assert "every 11th segment is drawn" in figure.caption
+    assert "every 12th segment is drawn" in figure.caption
     assert np.abs(values["angle"]).max() == pytest.approx(1.0, rel=1e-3)
 
 
@@ -112,7 +117,7 @@ def test_a_train_of_one_station_and_no_span_has_a_report(inertia):
     excited = "" if "held" in inertia else ", ripple: [{order: 1, torque: 3}, {order: 2, torque: 1}]"
     speeds = "operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 3}}\n"
     found = torsion.run(torsion.parse(f"name: x\n{speeds}train: [motor: {{{inertia}{excited}}}]\n"))
-    every = told(found.system, MOST_SEGMENTS)
+    every = segment_groups(found.system, MOST_SEGMENTS)
     assert (every.names(), every.ends.shape, every.spans.size) == ([], (0, 2), 0)
     assert [station["name"] for station in json.loads(text(found))["stations"]] == ["motor-1"]
     assert "motor-1" in html(document(found, date(2026, 1, 1)))
