@@ -67,7 +67,7 @@ def test_scene_is_valid_against_the_json_schema(scene: str, validator) -> None:
 
 @every_scene
 def test_every_frequency_is_certified_and_inside_its_bounds(scene: str, solved) -> None:
-    modes = solved(scene).need(Modes)
+    modes = solved(scene).get(Modes)
     if modes is None:
         assert not np.any(solved(scene).system.inertia > 0), "joints alone"
         return
@@ -170,7 +170,7 @@ def order_two(second_joint: str) -> np.ndarray:
     answer = torsion.response(study, system, speeds=asked)
     line = [one.order for one in answer.lines].index(Fraction(2))
     assert set(answer.lines[line].sources) == {"joint-1", "joint-2"}
-    return answer.torque[answer.asked, line][:, system.flexibility > 0]
+    return answer.torque[answer.asked, line][:, answer.system.flexibility > 0]
 
 
 def test_yokes_in_line_cancel_and_crossed_yokes_add() -> None:

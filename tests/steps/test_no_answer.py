@@ -5,12 +5,12 @@ import re
 from pathlib import Path
 
 import pytest
-from torsion.report.json.results import results
 from typer.testing import CliRunner
 
 import torsion
 from torsion.cli import app
 from torsion.errors import Fault, InputError, SolveError
+from torsion.output.results_json import results
 from torsion.plan import Log
 from torsion.study import Study
 

@@ -88,7 +88,8 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
-        results={"periodic": "torsion.analyses.motion.periodic:PeriodicResponse"}, wanted=always,
+        results={"periodic": "torsion.analyses.motion.periodic:PeriodicResponse"},
+        wanted=lambda study: study.has_joints or study.setting("analyses", "response", "method") is not None,
         place=("analyses", "response", "method"),
     ),
     "stability": Analysis(

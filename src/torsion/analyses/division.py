@@ -56,6 +56,7 @@ def run_assembly(work: Work) -> None:
             system = assembled(work.study, highest)
         step.method = told_model(system)
         step.size = _size(system)
+    _ = system.folded  # raises where the train as a whole is at fault: a loop of rigid links
     work.put(system=system)
     if system.bars is not None and system.bars.degree:
         work.log.libraries["scikit-fem"] = None

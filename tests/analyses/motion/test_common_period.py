@@ -13,6 +13,7 @@ import torsion
 from torsion.analyses.motion.common_period import too_long
 from torsion.analyses.motion.loading import scene
 from torsion.analyses.motion.periodic import harmonics_at_least
+from torsion.analyses.motion.stability import Stability
 from torsion.assembly import assemble
 from torsion.errors import SolveError
 from torsion.study import Study
@@ -93,7 +94,7 @@ def floquet(speed: float) -> np.ndarray:
 @pytest.mark.parametrize("method", ["monodromy", "hill"])
 def test_joint_behind_a_gear_of_37_and_211_teeth_has_the_growth_of_its_equations_written_out(method):
     mode = np.sqrt(STIFFNESS * (RATIO**2 / MOTOR + 1.0 / SCREW)) / RATIO  # principal zone: order 2 at twice the mode
-    found = torsion.run(read(0.97 * mode, mode, 2, method)).stability
+    found = torsion.run(read(0.97 * mode, mode, 2, method)).need(Stability)
     for speed in (0.97 * mode, mode):
         at = int(np.argmin(np.abs(found.speed - speed)))
         assert found.growth[at] == pytest.approx(floquet(speed)[0], rel=1e-5)

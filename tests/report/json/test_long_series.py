@@ -5,8 +5,11 @@ from itertools import repeat
 
 import numpy as np
 import pytest
-from torsion.report.json.numbers import pairs, statuses
-from torsion.report.json.writing import SERIES, lines, pieces, plain, write_json
+
+from torsion.kernels.response import Status
+from torsion.output.json_text import SERIES, lines, listed, pieces, write_json
+from torsion.output.plain import numbers
+from torsion.results import words
 
 
 def _data() -> dict:
@@ -15,18 +18,20 @@ def _data() -> dict:
     values[1, 5] = np.nan
     return {
         "few": {"number": 1.5, "word": 'x"y', "none": None, "list": [1, [2.0, "z"]], "empty": np.empty((0, 3))},
-        "long": [{"torque": values, "complex": pairs(values[0] + 1j), "at": np.arange(23_456), "flag": values[0] > 0}],
-        "status": statuses(np.array([0, 2, 1])),
+        "long": [
+            {"torque": values, "complex": numbers(values[0] + 1j), "at": np.arange(23_456), "flag": values[0] > 0}
+        ],
+        "status": words(np.array([0, 2, 1]), Status),
     }
 
 
 def test_text_in_pieces_is_that_of_the_lists():
     data = _data()
-    assert "".join(pieces(data)) == json.dumps(plain(data), allow_nan=False)
-    listed = plain(data)
-    assert listed["long"][0]["torque"][1][5] is None
-    assert listed["status"] == ["ok", "singular", "near-singular"]
-    assert np.shape(listed["long"][0]["complex"]) == (7001, 2)
+    assert "".join(pieces(data)) == json.dumps(listed(data), allow_nan=False)
+    back = listed(data)
+    assert back["long"][0]["torque"][1][5] is None
+    assert back["status"] == ["ok", "singular", "near-singular"]
+    assert np.shape(back["long"][0]["complex"]) == (7001, 2)
 
 
 def test_no_piece_of_a_long_array_is_long():
@@ -40,7 +45,7 @@ def test_long_arrays_stand_in_a_file_of_their_own_under_their_keys(tmp_path):
     written = write_json(parts, tmp_path / "results.json", most=10_000)
     assert [path.name for path in written] == ["results.json", SERIES]
     back = json.loads(written[0].read_text())
-    assert back["few"] == plain(data["few"])
+    assert back["few"] == listed(data["few"])
     with np.load(written[1]) as series:
         assert sorted(series) == ["long[0].at", "long[0].complex", "long[0].torque"]
         for name, place in back["long"][0].items():
