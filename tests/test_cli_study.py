@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from torsion.analyses.study import times as study_times
-from torsion.analyses.study.timing import Effort
+from torsion.analyses.compare import run_times as study_times
+from torsion.analyses.compare.timing import Effort
 from torsion.cli import app
 
 SHORT = Effort(rounds=2, longest=5.0, segments=8, unknowns=4, degrees=(1, 2), modes=4, dense=2, speeds=5)

@@ -20,7 +20,7 @@ from torsion.steps.sections import sections
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.check.models import Compared
+    from torsion.analyses.compare.side_by_side import Compared
     from torsion.analyses.critical import CriticalSpeed
     from torsion.analyses.damped import DampedModes
     from torsion.analyses.joints.joints import Joints
@@ -236,7 +236,7 @@ def compared_models(study: Study, log: Log, progress: Progress, *, always: bool 
     asked = study.analyses.get("check")
     if asked is None and not always:
         return None
-    from torsion.analyses.check.models import Asked, check
+    from torsion.analyses.compare.side_by_side import Asked, check
 
     with log.step("comparison of the models", "asked") as step:
         found = check(study, asked if isinstance(asked, Asked) else None, progress=progress)

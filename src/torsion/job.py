@@ -13,7 +13,7 @@ from torsion.plan import Log, Plan, versions
 from torsion.schema.read import located, read
 
 if TYPE_CHECKING:
-    from torsion.analyses.study.rows import Timings
+    from torsion.analyses.compare.frontier import Timings
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -129,8 +129,8 @@ def study(
     tolerance: relative, or text such as "0.1 %". Raises InputError, also where there is nothing to compare, and
     SolveError.
     """
+    from torsion.analyses.compare.run_times import TOLERANCE, study_times
     from torsion.analyses.division import assembled
-    from torsion.analyses.study.times import TOLERANCE, study_times
     from torsion.asked import highest_excited, no_response
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)

@@ -6,7 +6,7 @@ ANALYSES = {  # name: class of its settings
     "joints": "torsion.analyses.joints.joints:Asked",
     "stability": "torsion.analyses.motion.asked:Asked",
     "lateral": "torsion.analyses.lateral.bending:Asked",
-    "check": "torsion.analyses.check.models:Asked",
+    "check": "torsion.analyses.compare.side_by_side:Asked",
 }
 UNBUILT = ("transient", "sweep")  # of the format, but not built yet
 MODELS = ("lumped", "fem", "exact")

@@ -25,6 +25,12 @@ class Line:
     frequency: float | None  # Hz
     sources: tuple[str, ...]  # names of what excites it
 
+    def circular_frequency(self, speed: FloatArray) -> FloatArray:
+        """(speeds,) rad/s at reference speeds (speeds,) rad/s."""
+        if self.order is not None:
+            return float(self.order) * speed
+        return np.full(len(speed), 2.0 * np.pi * (self.frequency or 0.0))
+
 
 @dataclass(frozen=True, slots=True)
 class JointError:

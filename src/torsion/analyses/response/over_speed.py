@@ -163,7 +163,7 @@ def _solve(scene: _Scene, speed: FloatArray) -> Response:
     status = np.empty(shape, dtype=np.uint8)
     for k, one in enumerate(scene.found):
         scene.tell("response", k / number)
-        w = _frequencies(one.line, speed)
+        w = one.line.circular_frequency(speed)
         found = answer(system, w, sources(system, one, speed, mean), ground)
         frequency[:, k] = w / (2.0 * math.pi)
         angle[:, k], torque[:, k], residual[:, k], status[:, k] = (
@@ -177,10 +177,3 @@ def _solve(scene: _Scene, speed: FloatArray) -> Response:
     each = tuple(one.line for one in scene.found)
     asked = np.zeros(len(speed), dtype=bool)
     return Response(speed, asked, each, frequency, angle, torque, steady_torque, residual, status, joint_error)
-
-
-def _frequencies(line: Line, speed: FloatArray) -> FloatArray:
-    """(speeds,) rad/s."""
-    if line.order is not None:
-        return float(line.order) * speed
-    return np.full(len(speed), 2.0 * math.pi * (line.frequency or 0.0))

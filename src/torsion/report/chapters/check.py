@@ -9,7 +9,7 @@ from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Poi
 from torsion.report.numbers import NONE, RPM, given, number, order, rpm
 
 if TYPE_CHECKING:
-    from torsion.analyses.check.models import Compared, ModelCompared
+    from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 
 MOST_MODES = 40  # of which a table is printed
 

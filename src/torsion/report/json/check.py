@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from torsion.report.json.numbers import exact, finite, numbers
 
 if TYPE_CHECKING:
-    from torsion.analyses.check.models import Compared, ModelCompared
+    from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 
 
 def check(found: "Compared | None") -> dict[str, Any] | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import torsion
-from torsion.analyses.study.rows import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
+from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
 from torsion.findings import Findings
 from torsion.report.chapters import source as source_chapter
 from torsion.report.cover import checksum, cover

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.study.rows import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
-from torsion.analyses.study.timing import SLOW, SLOW_ROUNDS
+from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
+from torsion.analyses.compare.timing import FULL
 from torsion.report.blocks import Block, Column, Figure, Heading, KeyValues, Paragraph, Points, Table
 from torsion.report.terminal.study import alternatives, cells, doubt, milliseconds, recommendation, share
 
@@ -117,7 +117,7 @@ def _how(timings: Timings) -> tuple[str, ...]:
     turns = (
         "Every method is run once before, which warms up, gives its error and is no sample. Then all methods have "
         f"their turn in {timings.rounds} rounds, a fast one several times in a turn, one slower than "
-        f"{SLOW:g} s in {SLOW_ROUNDS} of them, so that a slow minute of the machine falls on all alike."
+        f"{FULL.slow:g} s in {FULL.slow_rounds} of them, so that a slow minute of the machine falls on all alike."
     )
     steps = (
         "Every run assembles the train anew and solves it; the two are timed apart. Assembly: from the train as it "

@@ -14,7 +14,7 @@ from torsion.report.pages.check import PAGE
 from torsion.report.terminal.grids import COLOURS, filled, grid, printed
 
 if TYPE_CHECKING:
-    from torsion.analyses.check.models import Compared
+    from torsion.analyses.compare.side_by_side import Compared
 
 
 def show_check(findings: Findings, folder: Path | None = None, console: Console | None = None) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from torsion.analyses.study.rows import TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
+from torsion.analyses.compare.frontier import TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
 from torsion.findings import Findings
 from torsion.report.numbers import given, number
 from torsion.report.terminal.grids import filled, grid

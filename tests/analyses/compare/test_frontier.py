@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from torsion.analyses.study.rows import Spread, TimedQuantity, TimedRow, as_fast, fastest, unbeaten
+from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, as_fast, fastest, unbeaten
 from torsion.report.terminal.study import recommendation, share
 
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.check.models import Asked, check
-from torsion.analyses.check.shapes import shape_errors
-from torsion.analyses.check.torques import driving_ends, end_torques
+from torsion.analyses.compare.loads import eliminated, loaded
+from torsion.analyses.compare.model_errors import shape_errors
+from torsion.analyses.compare.side_by_side import Asked, check, operating_harmonics
+from torsion.analyses.compare.torque_ends import driving_ends
 from torsion.errors import InputError
 
 SCENE = (Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml").read_text(encoding="utf-8")
@@ -87,20 +88,20 @@ def test_torques_at_driving_ends_are_in_equilibrium_with_what_drives():
     speed = study.operation.speeds.values()
     for model in ("lumped", "exact"):
         system = torsion.assemble(study.train, model, frequency=100.0)
-        found = end_torques(study, system, speed)
+        harmonics, _, _ = operating_harmonics(study, system)
+        found = loaded(system, harmonics)
         response = torsion.response(study, system, speeds=speed)
-        assert found.ends[0].name == "intermediate shaft"
-        line = [one.order for one in found.lines].index(2)
+        assert found.ends.name[0] == "intermediate shaft"
+        line = [one.line.order for one in found.loads].index(2)
         angle = response.angle[response.asked][:, line, 0]
         driven = 50.0 * np.exp(1j * math.radians(20.0)) + 3.0 * (2.0 * speed) ** 2 * angle
-        np.testing.assert_allclose(found.torque[:, line, 0], driven, rtol=1e-9)
+        np.testing.assert_allclose(eliminated(found)[line][:, 0], driven, rtol=1e-9)
 
 
 def test_every_component_has_one_driving_end_in_every_model():
     study = torsion.parse(SCENE)
     names = [
-        [end.name for end in driving_ends(torsion.assemble(study.train, model, frequency=500.0))]
-        for model in ("lumped", "fem", "exact")
+        driving_ends(torsion.assemble(study.train, model, frequency=500.0)).name for model in ("lumped", "fem", "exact")
     ]
     assert names[0] == names[1] == names[2]
     assert {"intermediate shaft", "reduction", "pump coupling", "main coupling", "tail shaft"} == set(names[0])
@@ -131,7 +132,7 @@ def test_three_equal_branches_with_repeated_frequencies_pass():
 def test_shafts_without_inertia_make_all_models_the_same_and_load_no_elements():
     program = """
 import sys, torsion
-from torsion.analyses.check.models import check
+from torsion.analyses.compare.side_by_side import check
 massless = "{shear_modulus: 80 GPa, density: 0}"
 for link in ("coupling: {stiffness: 9}", "shaft: {length: 1, diameter: 50 mm, material: light}"):
     text = f"name: a\\nmaterials: {{light: {massless}}}\\ntrain: [disc: {{inertia: 1}}, {link}, disc: {{inertia: 1}}]"

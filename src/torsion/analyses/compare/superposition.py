@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.analyses.compare.loads import Load, Loaded, statically
 from torsion.analyses.modes import Modes, modes
-from torsion.analyses.study.loads import Load, Loaded, statically
 from torsion.kernels.tree import ComplexArray, FloatArray
 
 SLOW = 1e-7  # of the lowest frequency: its square is the relative error of the static torques
@@ -26,7 +26,7 @@ class _Damped:
 
 
 def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArray]:
-    """Torques (frequencies, probes) N m of every line from the lowest `count` modes.
+    """Torques (speeds, ends) N m of every harmonic from the lowest `count` modes.
 
     corrected: the modes that are left out answer as slowly as they would to torques that do not change. Without it a
     line that joints excite has no answer (NaN): the modes alone do not add up to a twist that is imposed. Shafts of the
@@ -61,7 +61,7 @@ def _of_line(given: Loaded, damped: _Damped, load: Load, still: ComplexArray | N
     lossy = n**2 * (1.0 + 1j * damped.loss_factor)
     resisting = (lossy + 1j * np.outer(w, damped.viscous)) / n**2  # a twist is resisted elastically and by damping
     amplitude = (force + resisting * turned) / (lossy - (w * w)[:, None] + 1j * w[:, None] * viscous)
-    at = given.probes
+    at = given.ends
     share = 1.0 + 1j * (at.loss_factor + np.outer(w, at.delay))  # elastic and damping torque / elastic torque
     if still is not None:
         moved = amplitude - force / lossy - turned / n**2

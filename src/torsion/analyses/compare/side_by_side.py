@@ -1,28 +1,31 @@
 """The models of one train side by side: frequencies, shapes and response torques of each against the exact model."""
 
 import math
-import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal, Self, get_args
 
 import numpy as np
 from pydantic import model_validator
 
 from torsion import fields
-from torsion.analyses.check.shapes import shape_errors, shape_weights
-from torsion.analyses.check.torques import Torques, TorquesCompared, compared_torques, end_torques, operating_speeds
+from torsion.analyses.compare.candidates import COUNT, has_shafts, loop_faults
+from torsion.analyses.compare.loads import Harmonics, Loaded, Torques, elimination, loaded
+from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
+from torsion.analyses.compare.timing import Candidate, Progress, run
+from torsion.analyses.compare.torque_ends import driving_ends
 from torsion.analyses.division import assembled, divided_modes, told_division
 from torsion.analyses.modes import Modes, undamped_tree
+from torsion.analyses.response.excitation import Line, excitations
+from torsion.analyses.response.over_speed import asked_orders
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, Path
+from torsion.errors import InputError
 from torsion.fields import Declared, given, refuse
+from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
 Model = Literal["lumped", "fem", "exact"]
-Progress = Callable[[str, float], None]  # (what, share done 0..1)
-COUNT = 6  # elastic modes compared where the file does not say how many
 SAME_WITHOUT_SHAFTS = "No shaft of this train has an inertia of its own: all models of it are the same."
 
 
@@ -40,6 +43,18 @@ class Asked(Declared):
 
 
 @dataclass(frozen=True)
+class TorquesCompared:
+    """How far a model is from the exact one: in the norm of the largest torque of any end, at each speed and order."""
+
+    error: FloatArray  # (speeds,) relative, the largest of all orders; NaN where neither model can be trusted
+    largest: float  # of all; NaN where there is none
+    speed: int  # position of the speed at which it stands
+    line: Line | None
+    component: str
+    left_out: int  # speeds and orders at which a model has no answer that can be trusted
+
+
+@dataclass(frozen=True)
 class ModelCompared:
     """One model of the train and its errors, all relative and against the exact model."""
 
@@ -48,7 +63,7 @@ class ModelCompared:
     certified: bool  # counts prove its frequencies
     frequency: FloatArray  # (modes,) Hz; NaN where the model has no such mode
     frequency_error: FloatArray  # (modes,) signed; infinite where the model has no such mode
-    shape_error: FloatArray  # (modes,) 1 - MAC; infinite where it has no such mode, NaN where no station tells a shape
+    shape_error: FloatArray  # (modes,) 1 - MAC; infinite where it has no such mode, NaN where no station has a shape
     below: int  # elastic modes below `Compared.highest`
     torques: TorquesCompared | None
     modes_seconds: float  # assembly and modes
@@ -72,7 +87,7 @@ class ModelCompared:
 
 @dataclass(frozen=True)
 class Compared:
-    """The models side by side; `exact` is what the others are held against."""
+    """The models side by side; `exact` is what the others are compared with."""
 
     tolerance: float
     exact: ModelCompared | None = None
@@ -88,43 +103,47 @@ class Compared:
         return tuple(found.model for found in self.models if not found.passes(self.tolerance))
 
 
-def loop_faults(study: Study, path: Path) -> list[Fault]:
-    """Why there is no exact model of a train: its closed loops."""
-    closed = any(part.path[0] == "links" for part in study.train.parts)
-    if not closed or not has_distributed(study):
-        return []
-    message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
-    return [Fault(path, message, "leave `links` or the check out")]
-
-
-def has_distributed(study: Study) -> bool:
-    """Some shaft has an inertia of its own."""
-    return any(bar.density > 0 for bar in study.train.bars)
-
-
 def check(study: Study, asked: Asked | None = None, *, progress: Progress | None = None) -> Compared:
-    """Every model asked for against the exact one, for the modes and the orders that the study says.
+    """Every requested model against the exact one, for the modes and the orders that the study says.
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
     settings, tell = asked or Asked(), progress or (lambda what, share: None)
-    if not has_distributed(study):
+    if not has_shafts(study.train):
         return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
     faults = loop_faults(study, ("links",))
     if faults:
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
-    speed, lacking = operating_speeds(study, assembled(replace(study, model="lumped")))
+    harmonics, top, lacking = operating_harmonics(study, assembled(replace(study, model="lumped")))
     names = [name for name in get_args(Model) if name != "exact" and name in (settings.models or get_args(Model))]
-    tell("check: exact", 0.0)
-    exact = _solved(study, "exact", count, speed)
-    found = [exact]
-    for place, name in enumerate(names, start=1):
+    found = list[_Solved]()
+    for place, name in enumerate(("exact", *names)):
         tell(f"check: {name}", place / (len(names) + 1))
-        found.append(_solved(study, name, count, speed))
-    highest = _between(exact.modes.frequency, count)
+        found.append(_solved(replace(study, model=name), count, top, harmonics))
+    exact = found[0]
+    highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
     compared = [_compared(one, exact, count, highest) for one in found]
+    speed = None if harmonics is None else harmonics.speed
     return Compared(settings.tolerance, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
+
+
+def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None, float, str]:
+    """The harmonics at the requested speeds and the highest frequency (Hz) among them.
+
+    None, 0 and why where no torques can be compared.
+    """
+    speeds, orders = study.operation.speeds, asked_orders(study)
+    if not excitations(system, orders):
+        return None, 0.0, "nothing excites the train at an order or a fixed frequency"
+    if speeds is None:
+        return None, 0.0, "`operation` says no speeds"
+    harmonics = Harmonics(study, np.array([speeds.first, speeds.last]), orders, ends=driving_ends)
+    try:
+        highest = loaded(system, harmonics).highest
+    except InputError as error:
+        return None, 0.0, "; ".join(fault.message for fault in error.faults)
+    return replace(harmonics, speed=speeds.values()), highest, ""
 
 
 @dataclass(frozen=True)
@@ -133,50 +152,65 @@ class _Solved:
 
     system: System
     modes: Modes
-    torques: Torques | None
-    modes_seconds: float
-    torques_seconds: float
+    loaded: Loaded | None = None
+    torques: tuple[Torques, ...] = ()
+    modes_seconds: float = 0.0
+    torques_seconds: float = 0.0
 
 
-def _solved(study: Study, model: Model, count: int, speed: FloatArray | None) -> _Solved:
-    """The modes and torques of one model, its shafts divided as a study of that model alone would have it."""
-    own = replace(study, model=model)
-    coarse = divided_modes(own, assembled(own), 0.0, 1)[0]  # imports what the model needs, which is no time of its own
-    top = 0.0 if speed is None else _highest(study, coarse, speed)
-    start = time.perf_counter()
-    system, modes = divided_modes(own, assembled(own, top), top, count + 1)
-    middle = time.perf_counter()
-    torques = None if speed is None else end_torques(study, system, speed)
-    return _Solved(system, modes, torques, middle - start, 0.0 if speed is None else time.perf_counter() - middle)
+def _solved(study: Study, count: int, top: float, harmonics: Harmonics | None) -> _Solved:
+    """The modes and torques of a model, its shafts divided as a study of that model alone would have it."""
 
+    def assemble(highest: float, number: int) -> _Solved:
+        return _Solved(*divided_modes(study, assembled(study, highest), highest, number))
 
-def _highest(study: Study, system: System, speed: FloatArray) -> float:
-    from torsion.analyses.check.torques import frequencies
+    def solve(one: _Solved) -> _Solved:
+        if harmonics is None:
+            return one
+        given = loaded(one.system, harmonics)
+        return replace(one, loaded=given, torques=tuple(elimination(given)))
 
-    return float(frequencies(study, system, speed[-1:]).max(initial=0.0))
-
-
-def _between(frequency: FloatArray, count: int) -> float:
-    """A frequency (Hz) between the mode `count` and the next."""
-    return float(math.sqrt(frequency[count - 1] * frequency[count]))
+    assemble(0.0, 1)  # imports what the model needs, which is no time of its own
+    candidate = Candidate(study.model, "", 0, partial(assemble, top, count + 1), solve, lambda found: ())
+    found: _Solved
+    found, modes_seconds, torques_seconds = run(candidate)
+    return replace(found, modes_seconds=modes_seconds, torques_seconds=torques_seconds if harmonics else 0.0)
 
 
 def _compared(one: _Solved, exact: _Solved, count: int, highest: float) -> ModelCompared:
     known = min(count, one.modes.frequency.size)
-    frequency, error = np.full(count, math.nan), np.full(count, math.inf)
-    reference = exact.modes.frequency[:count]
+    frequency, shape = np.full(count, math.nan), np.full(count, math.inf)
     frequency[:known] = one.modes.frequency[:known]
-    error[:known] = (frequency[:known] - reference[:known]) / reference[:known]
-    shape = np.full(count, math.inf)
     weights, own = shape_weights(exact.system), len(exact.system.train.stations)
     shape[:known] = shape_errors(one.modes.shape[:own, :known], exact.modes.shape[:own], exact.modes.frequency, weights)
-    torques = None
-    if one.torques is not None and exact.torques is not None:
-        torques = compared_torques(one.torques, exact.torques)
+    torques = None if one.loaded is None or exact.loaded is None else _torques(one, exact, exact.loaded)
     return ModelCompared(
-        one.system.model, told_division(one.system), one.modes.certified, frequency, error, shape,
-        _count_below(one, highest), torques, one.modes_seconds, one.torques_seconds,
+        one.system.model, told_division(one.system), one.modes.certified, frequency,
+        relative_errors(frequency[:known], exact.modes.frequency[:count]), shape, _count_below(one, highest), torques,
+        one.modes_seconds, one.torques_seconds,
     )  # fmt: skip
+
+
+def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
+    """The relative difference at every speed and order, where both answers can be trusted."""
+    # referred to the reference speed, so that the torques of all ends are of one size
+    ratio = exact.system.span_ratio[given.ends.span]
+    pairs = list(zip(one.torques, exact.torques, strict=True))
+    trusted = [(a.status == Status.OK) & (b.status == Status.OK) for a, b in pairs]
+    errors = [
+        np.where(good, over_largest(a.torque * ratio, b.torque * ratio), np.nan)
+        for good, (a, b) in zip(trusted, pairs, strict=True)
+    ]
+    error, left_out = np.stack(errors, axis=1), int(np.count_nonzero(~np.stack(trusted)))
+    over_lines = np.fmax.reduce(error, axis=1)
+    if np.isnan(error).all():
+        return TorquesCompared(over_lines, math.nan, 0, None, "", left_out)
+    speed, line = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
+    found, wanted = (torques[line].torque[speed] * ratio for torques in (one.torques, exact.torques))
+    end = int(np.argmax(np.abs(found - wanted)))
+    return TorquesCompared(
+        over_lines, float(error[speed, line]), speed, given.loads[line].line, given.ends.name[end], left_out
+    )
 
 
 def _count_below(one: _Solved, highest: float) -> int:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.study.loads import Load, Loaded
+from torsion.analyses.compare.loads import Load, Loaded
 from torsion.assembly.matrices import Matrices, matrices
 from torsion.assembly.system import System
 from torsion.kernels.tree import ComplexArray, FloatArray
@@ -34,7 +34,7 @@ def dense(given: Loaded) -> Dense:
 
 
 def solved(full: Dense) -> list[ComplexArray]:
-    """Torques (frequencies, probes) N m of every line, from `numpy.linalg.solve` at each frequency."""
+    """Torques (speeds, ends) N m of every harmonic, from `numpy.linalg.solve` at each frequency."""
     return [_of_line(full, load) for load in full.given.loads]
 
 
@@ -56,7 +56,7 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
         free = np.linalg.solve(stiffness, acting - full.across.T @ (spring * twist))
         angle[k] = view.basis @ free + own
         torque[k] = spring * (full.across @ free + twist)
-    return full.given.probes.torque(load.w, angle, torque)
+    return full.given.ends.torque(load.w, angle, torque)
 
 
 def _across(system: System, referred: np.ndarray) -> np.ndarray:
