@@ -109,7 +109,7 @@ def check(file: str | Path, *, progress: Callable[[str, float], None] | None = N
 
 def write_check(findings: Findings, folder: Path) -> list[Path]:
     """Write check.html and check.json; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.check import write_check as write_pages
+    from torsion.report.pages.comparison_pages import write_check as write_pages
 
     try:
         return write_pages(findings, folder)
@@ -168,7 +168,7 @@ def _tolerance(given: str | float) -> float:
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Path]:
     """Write study.html, study.json and study.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.study import write_study as write_pages
+    from torsion.report.pages.comparison_pages import write_study as write_pages
 
     try:
         return write_pages(findings, timings, folder)

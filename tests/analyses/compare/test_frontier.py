@@ -5,7 +5,7 @@ import math
 import pytest
 
 from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, as_fast, fastest, unbeaten
-from torsion.report.terminal.study import recommendation, share
+from torsion.report.pages.run_time_blocks import recommendation, share
 
 
 def row(name: str, error: float, *solve: float, assembly: float = 0.0) -> TimedRow:

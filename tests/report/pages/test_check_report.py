@@ -11,15 +11,15 @@ from rich.console import Console
 
 import torsion
 from torsion.findings import Findings
-from torsion.plots.check import modes, torques
+from torsion.plots.error_curves import modes, torques
 from torsion.report.blocks import Figure, Heading, Paragraph, Table
-from torsion.report.chapters.check import chapter
+from torsion.report.chapters.model_comparison import chapter
 from torsion.report.figures import svg
 from torsion.report.html import html
 from torsion.report.json.keys import KEYS
 from torsion.report.json.results import check_text, results, text
-from torsion.report.pages.check import check_document, write_check
-from torsion.report.terminal.check import check_grids
+from torsion.report.pages.comparison_pages import check_document, write_check
+from torsion.report.terminal.comparison import check_grids
 from torsion.report.terminal.tables import tables
 
 SCENE = Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml"
@@ -145,7 +145,7 @@ def test_both_files_are_written_or_none(good: Findings, tmp_path: Path) -> None:
 def test_figures_take_errors_of_zero_of_nothing_and_without_bounds() -> None:
     errors = [("lumped", np.array([0.0, np.inf, 1e-3])), ("fem", np.array([1e-19, 1e-9, np.nan]))]
     drawn = modes("a", frequency=errors, shape=errors, tolerance=1e-3)
-    assert "1e-15" in drawn or "1e-16" in drawn
+    assert "1e−15" in drawn or "1e−16" in drawn
     nothing = [("lumped", np.full(3, np.nan))]
     assert "tolerance" in torques("b", speed=np.arange(3.0), lines=nothing, tolerance=1e-3)
     assert "<svg" in modes("c", frequency=nothing, shape=nothing, tolerance=1e-3)

@@ -4,7 +4,7 @@ import numpy as np
 
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Points, Table
-from torsion.report.chapters.check import conclusion as compared_models
+from torsion.report.chapters.model_comparison import conclusion as compared_models
 from torsion.report.numbers import RPM, given, number, order, rpm
 from torsion.report.reading import band_words, barred_rpm, failed, unreliable
 from torsion.rules.check import Check

@@ -15,7 +15,7 @@ from torsion.report.chapters import verdict
 from torsion.report.chapters.lateral import speed_range
 from torsion.report.numbers import NONE, number, order, rpm
 from torsion.report.reading import NO_VALUE, largest, rounding, synthesis, without
-from torsion.report.terminal.check import largest_errors
+from torsion.report.terminal.comparison import largest_errors
 from torsion.report.terminal.grids import filled, grid, printed, verdicts
 from torsion.report.terminal.joints import lines_as_one
 from torsion.report.terminal.lateral import bending_speeds
@@ -40,9 +40,9 @@ def tables(findings: Findings) -> list[RenderableType]:
     bent = None if findings.lateral is None else bending_speeds(findings.lateral, speed_range(findings))
     moved = largest_by_both(findings), unstable_ranges(findings)
     found = (_frequencies(findings), _critical_speeds(findings), _torques(findings), *moved, joints, bent)
-    shown += [made for made in (*found, verdicts(findings)) if made is not None and made.row_count]
-    if findings.check is not None and findings.check.exact is not None:
-        shown.append(largest_errors(findings.check))
+    shown += [
+        made for made in (*found, verdicts(findings), largest_errors(findings)) if made is not None and made.row_count
+    ]
     return [*shown, *(printed(block) for block in verdict.conclusion(findings))]
 
 
