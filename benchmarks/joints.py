@@ -3,26 +3,23 @@
 The time is that of one core; some of the angles are composed again in 40 digits.
 """
 
-import argparse
 import statistics
-from pathlib import Path
 from time import process_time
 
 import numpy as np
 from mpmath import mp, mpf
 
 from benchmarks import machine
+from benchmarks.page_file import options, publish
 from torsion.kinematics.line import Line, Motion, line_of, motion
 
-REPORT = Path(__file__).parents[1] / "reports" / "joints.md"
 ANGLES, JOINTS, TARGET = 1_000_000, 6, 2.0  # the last in s
 CHECKED = 200  # angles composed again
 
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=REPORT)
+    parser = options(__doc__, "joints.md")
     parser.add_argument("--calls", type=int, default=7)
     chosen = parser.parse_args()
     about = machine.lines()
@@ -35,10 +32,7 @@ def main() -> None:
         start = process_time()
         found = motion(driving, line)
         times.append(process_time() - start)
-    text = _page(about, times, _errors(driving[:CHECKED], line, found))
-    print(text)
-    chosen.out.parent.mkdir(parents=True, exist_ok=True)
-    chosen.out.write_text(text)
+    publish(_page(about, times, _errors(driving[:CHECKED], line, found)), chosen)
 
 
 def _errors(driving: np.ndarray, line: Line, found: Motion) -> dict[str, float]:

@@ -11,13 +11,13 @@ import statistics
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 
 from benchmarks import machine
+from benchmarks.page_file import options, publish
 
 MODES = 20
 CASES = ("free", "held at one end", "held at both ends", "stiff", "stiff, held at both ends", "stiff, rigid, massless")
@@ -28,7 +28,6 @@ HEAD = (
 )
 PATIENCE = 600  # s a run
 TARGETS = {"error": 1e-12, "seconds": 0.5, "processor": 0.5, "memory": 1.5}
-REPORT = Path(__file__).parent.parent / "reports" / "long_chains.md"
 
 HOW = """\
 `torsion` is `tree_modes(tree, 20)`: frequencies, enclosures, angles and torques. `eigsh` is
@@ -44,10 +43,8 @@ whole process, interpreter, libraries and the chain itself included."""
 
 def main() -> int:
     """Runs all cases and writes the page, or runs one and prints it as JSON."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="1e4 and 1e5 stations, nothing written unless --out")
+    parser = options(__doc__, "long_chains.md", "1e4 and 1e5 stations")
     parser.add_argument("--runs", type=int, default=3, help="of each program in a case")
-    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
     parser.add_argument("--one", nargs=4, metavar=("PROGRAM", "CASE", "SIZE", "REFERENCE"), help=argparse.SUPPRESS)
     chosen = parser.parse_args()
     if chosen.one:
@@ -56,12 +53,7 @@ def main() -> int:
     sizes, runs = ((10_000, 100_000), 1) if chosen.quick else ((100_000, 1_000_000), chosen.runs)
     head = machine.lines()
     rows = [_case(case, size, runs) for size in sizes for case in CASES]
-    page = _page(head, rows, chosen.quick, runs)
-    print(page)
-    target = chosen.out or (None if chosen.quick else REPORT)
-    if target:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(page, encoding="utf-8")
+    publish(_page(head, rows, chosen.quick, runs), chosen)
     return 0
 
 

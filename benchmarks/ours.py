@@ -73,10 +73,3 @@ def read(case: Case, folder: Path) -> Any:
     import torsion
 
     return torsion.read(str(scene(case, folder)))
-
-
-def whole_call(study: Any, count: int | None = None) -> Any:
-    """What a user calls for modes of a train: assembly, and modes with shapes and certificate."""
-    import torsion
-
-    return torsion.modes(torsion.assemble(study.train, model="lumped"), count=count)

@@ -3,7 +3,6 @@
 `--quick` takes a minute, leaves the largest trains out and prints without writing.
 """
 
-import argparse
 import sys
 import tempfile
 import time
@@ -12,18 +11,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks import cases, frequency_rows, machine, response_rows
-from benchmarks.comparison import FULL, QUICK, Effort, Row
+from benchmarks.page_file import options, publish
 from benchmarks.peers_page import page
-
-REPORT = Path(__file__).parents[1] / "reports" / "peers.md"
+from benchmarks.programs import FULL, QUICK, Effort, Row
 
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="a minute, small trains, nothing written unless --out")
-    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
-    chosen = parser.parse_args()
+    chosen = options(__doc__, "peers.md", "a minute, small trains").parse_args()
     warnings.simplefilter("ignore")  # of the peers; torsion's own tests turn warnings into errors
     effort = QUICK if chosen.quick else FULL
     about, start = machine.lines(), time.perf_counter()
@@ -31,11 +26,7 @@ def main() -> None:
         frequencies = _progress(_frequency_rows(effort, Path(folder)))
     responses = _progress(_response_rows(effort))
     text = page(frequencies, responses, about, time.perf_counter() - start, quick=chosen.quick)
-    print(text)
-    target = chosen.out or (None if chosen.quick else REPORT)
-    if target:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text)
+    publish(text, chosen)
 
 
 def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:

@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from mpmath import mp
 
 from benchmarks.cases import Case, Folded, folded
+from torsion.analyses.compare.model_errors import relative_errors
 
 DIGITS = 100
 PROVEN = 60
@@ -102,11 +104,11 @@ def response(case: Case, frequency: float, force: Sequence[complex]) -> tuple[li
     return angle, [t / s for t, s in zip(torque, tree.span_ratio, strict=True)]
 
 
-def relative_error(value: float, reference: Any) -> float:
-    """|value / reference - 1|, the difference taken in the reference's digits."""
-    if not np.isfinite(value):
-        return float("inf")
-    return float(abs(real(float(value)) / reference - 1))
+def worst(found: Sequence[float] | np.ndarray, exact: Sequence[Any]) -> float:
+    """Largest relative error, the difference taken in the reference's digits; infinite where a value is missing."""
+    with mp.workdps(DIGITS):
+        error = np.abs(relative_errors(found, exact))
+    return float(np.where(np.isnan(error), np.inf, error).max())
 
 
 def torque_errors(torque: np.ndarray, reference: Sequence[Any], smallest: float = 0.0) -> tuple[float, float]:

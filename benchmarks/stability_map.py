@@ -4,13 +4,12 @@ Writes reports/stability_map.md; it takes some minutes of one core. `--points N`
 and prints only.
 """
 
-import argparse
-from pathlib import Path
 from time import perf_counter, process_time
 
 import numpy as np
 
 from benchmarks import machine
+from benchmarks.page_file import options, publish
 from torsion.analyses.motion.map import StabilityMap, stability_map
 from torsion.assembly import assemble
 from torsion.components.coupling import Coupling
@@ -20,15 +19,15 @@ from torsion.components.motor import Motor
 from torsion.study import Operation, Study
 from torsion.train import train
 
-REPORT = Path(__file__).parents[1] / "reports" / "stability_map.md"
 POINTS, TARGET = 200, 600.0  # along each side; s on two cores
 
 
 def main() -> None:
     """Measures and prints; writes the page of the whole map."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = options(__doc__, "stability_map.md")
     parser.add_argument("--points", type=int, default=POINTS)
     chosen = parser.parse_args()
+    chosen.quick = chosen.points != POINTS
     about = machine.lines()
     study = _study()
     system = assemble(study.train)
@@ -36,9 +35,7 @@ def main() -> None:
     wall, processor = perf_counter(), process_time()
     found = stability_map(study, system, speeds, "angle", angles)
     text = _page(about, found, len(system.stations), perf_counter() - wall, process_time() - processor)
-    print(text)
-    if chosen.points == POINTS:
-        REPORT.write_text(text)
+    publish(text, chosen)
 
 
 def _study() -> Study:

@@ -5,10 +5,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mp
 
 from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
+from benchmarks.references import worst
 from benchmarks.sweeps import Sweep
 from torsion.kernels.modes import tree_modes
 from torsion.kernels.tree import Tree
@@ -76,7 +77,7 @@ def near_rigid(stiffnesses: Sequence[float]) -> Sweep:
     flexibility = np.array([0.0, *(1 / k for k in springs)])
     flexibility[3] = 0.0
     found = tree_modes(_chain(np.array(inertia), flexibility), 3).frequency
-    sweep.remarks.append(f"Rigid altogether (flexibility 0): torsion is {_worst(found, exact):.1e} off the limit.")
+    sweep.remarks.append(f"Rigid altogether (flexibility 0): torsion is {worst(found, exact):.1e} off the limit.")
     return sweep
 
 
@@ -156,7 +157,7 @@ def length(sizes: Sequence[int]) -> Sweep:
             if size > LARGEST.get(name, size):
                 continue
             start = perf_counter()
-            sweep.add(name, size, lambda program=program, w=exact: _worst_mp(program(), w))
+            sweep.add(name, size, lambda program=program, w=exact: worst(program(), w))
             if size == sizes[-1]:
                 told = f"{name} took {perf_counter() - start:.2g} s for {size} stations, errors included."
                 sweep.remarks.append(told)
@@ -171,11 +172,11 @@ def _add(
     count = len(known)
     bare = ours.tree(case)
     shift = -(float(known[0]) ** 2)
-    sweep.add(TREE, at, lambda: _worst(ours.modes(bare).frequency[:count], known))
-    sweep.add(PLAIN, at, lambda: _worst(ours.plain(bare).frequency[:count], known))
-    sweep.add(PEER, at, lambda: _worst(_peer(case)[:count], known))
-    sweep.add(dense_peers.EIGH, at, lambda: _worst(dense_peers.dense_frequencies(case)[:count], known))
-    sweep.add(dense_peers.EIGSH, at, lambda: _worst(dense_peers.sparse_frequencies(case, few, shift), known[:few]))
+    sweep.add(TREE, at, lambda: worst(ours.modes(bare).frequency[:count], known))
+    sweep.add(PLAIN, at, lambda: worst(ours.plain(bare).frequency[:count], known))
+    sweep.add(PEER, at, lambda: worst(_peer(case)[:count], known))
+    sweep.add(dense_peers.EIGH, at, lambda: worst(dense_peers.dense_frequencies(case)[:count], known))
+    sweep.add(dense_peers.EIGSH, at, lambda: worst(dense_peers.sparse_frequencies(case, few, shift), known[:few]))
 
 
 def _peer(case: Case) -> np.ndarray:
@@ -185,15 +186,6 @@ def _peer(case: Case) -> np.ndarray:
 def _chain(inertia: np.ndarray, flexibility: np.ndarray) -> Tree:
     size = len(inertia)
     return Tree(np.arange(size) - 1, np.concatenate(([0.0], flexibility[1:])), inertia, np.zeros(size, dtype=bool))
-
-
-def _worst(found: np.ndarray, exact: Sequence[Any]) -> float:
-    return max(references.relative_error(float(w), e) for w, e in zip(found, exact, strict=True))
-
-
-def _worst_mp(found: np.ndarray, exact: Sequence[Any]) -> float:
-    with mp.workdps(60):
-        return max(float(abs(mpf(float(w)) / e - 1)) for w, e in zip(found, exact, strict=True))
 
 
 def _crossing(shape: np.ndarray, inertia: np.ndarray) -> float:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpc, mpf
 
-from benchmarks import dense_peers, ours, peers_opentorsion
+from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case, folded
 from benchmarks.stiffness_frequencies import PEER, line
 from benchmarks.sweeps import Sweep
@@ -72,8 +72,8 @@ def joint(gaps: Sequence[float]) -> Sweep:
             bend = mpf(angle)
             exact = [mp.cos(bend) / (1 - (mp.sin(bend) * mp.cos(mpf(x))) ** 2) for x in driving.tolist()]
         plain = np.cos(angle) / (1.0 - (np.sin(angle) * np.cos(driving)) ** 2)
-        sweep.add(JOINT, gap, lambda angle=angle, exact=exact: _worst(speed_ratio(driving, angle), exact))
-        sweep.add(TEXTBOOK, gap, lambda plain=plain, exact=exact: _worst(plain, exact))
+        sweep.add(JOINT, gap, lambda angle=angle, exact=exact: references.worst(speed_ratio(driving, angle), exact))
+        sweep.add(TEXTBOOK, gap, lambda plain=plain, exact=exact: references.worst(plain, exact))
     return sweep
 
 
@@ -122,8 +122,3 @@ def _peers(case: Case) -> np.ndarray:
     with np.errstate(invalid="ignore"):
         found = -np.asarray(ratio) * np.asarray(modulus) + 1j * np.asarray(imaginary)
     return np.asarray(found[np.isfinite(found)])
-
-
-def _worst(found: np.ndarray, exact: Sequence[Any]) -> float:
-    with mp.workdps(DIGITS):
-        return max(float(abs(mpf(float(value)) / right - 1)) for value, right in zip(found, exact, strict=True))

@@ -5,13 +5,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from benchmarks.log_axes import plain_numbers
 from benchmarks.papers.writing import table
+from torsion.plots.error_curves import error_axis
 from torsion.plots.style import BAD, COLOURS, legend_below, page
 
 ROUNDING = 2.0**-53  # a smaller error is drawn here
 USEFUL = 1e-6  # the error beyond which a method has ended
+DECADES = 10  # on the axis of the parameter, at most
 HIGHEST = 1e3  # errors are drawn up to here
 
 
@@ -125,11 +127,12 @@ def figure(sweep: Sweep) -> str:
             axes.plot(*zip(*sweep.limit, strict=True), color=BAD, linewidth=1.4, linestyle=(0, (1, 2)),
                       label="what the next double of the frequency changes")  # fmt: skip
         axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_ylim(ROUNDING / 3, HIGHEST * 2)
+        error_axis(axes, ROUNDING / 3, HIGHEST * 2)
         if sweep.points and next(iter(sweep.points.values()))[0].at > at[0]:
             axes.invert_xaxis()
-        plain_numbers(axes.xaxis, axes.yaxis)
+        axes.xaxis.set_major_locator(LogLocator(numticks=DECADES))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(sweep.along)
         axes.set_ylabel("largest relative error")
         legend_below(sheet)

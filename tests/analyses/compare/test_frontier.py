@@ -60,6 +60,12 @@ def test_no_method_of_the_pareto_set_is_beaten_by_any_other() -> None:
         )
 
 
+def test_what_is_no_answer_is_in_no_pareto_set() -> None:
+    nothing = (row("none", math.inf, 1e-6), row("unknown", math.nan, 2e-6))
+    assert names(unbeaten((*nothing, *ROWS))) == ["coarse", "lumped", "exact"]
+    assert unbeaten(nothing) == ()
+
+
 def test_errors_below_the_bound_of_the_reference_count_as_equal() -> None:
     slower = row("slower", 1e-16, 9e-4, 9e-4, 9e-4)
     assert names(unbeaten((*ROWS, slower))) == ["coarse", "lumped", "exact", "slower"]

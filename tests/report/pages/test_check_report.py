@@ -118,6 +118,14 @@ def test_the_terminal_fits_eighty_columns_and_says_the_verdict(good: Findings, c
     assert "PASS" in printed(tables(good))
 
 
+def test_the_terminal_shows_columns_of_the_tables_of_the_report(good: Findings) -> None:
+    _, by_mode = (block for block in chapter(good) if isinstance(block, Table))
+    lines = printed(check_grids(good)).splitlines()
+    assert ["Mode", "exact,", "Hz", "lumped", "error,", "%", "fem", "error"] in [line.split() for line in lines]
+    for row in by_mode.rows:
+        assert [row[0], row[1], row[3], row[6]] in [line.split() for line in lines]
+
+
 def test_a_train_without_shafts_has_one_sentence() -> None:
     discs = "train: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]"
     found = torsion.run(torsion.parse(f"name: x\n{discs}\nanalyses:\n  check:\n"))
