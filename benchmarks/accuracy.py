@@ -5,18 +5,17 @@ with `--out`.
 """
 
 import sys
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from time import perf_counter, process_time
+from time import process_time
 from typing import Any
 
 import numpy as np
 
-from benchmarks import accuracy_page, accuracy_references, machine
+from benchmarks import accuracy_page, accuracy_references
 from benchmarks.accuracy_methods import MODES, mode_curves, torque_curves
 from benchmarks.accuracy_scenes import LINES, STEPPED, Line
-from benchmarks.page_file import options, publish
+from benchmarks.page_file import Report
 from torsion.analyses.compare.timing import Effort, timed
 
 # the processor's time, one run a turn; what takes long has its turn once
@@ -32,17 +31,14 @@ PEERS_OF_STEPPED = (8, 100)  # elements a shaft
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    chosen = options(__doc__, "accuracy.md", "half a minute").parse_args()
-    warnings.simplefilter("ignore")  # of the peer
-    effort = QUICK if chosen.quick else FULL
-    about, start = machine.lines(), perf_counter()
-    tenth = replace(TENTH, rounds=1) if chosen.quick else TENTH
+    report = Report(__doc__, "accuracy", "half a minute")
+    is_quick = report.chosen.quick
+    effort, tenth = (QUICK, replace(TENTH, rounds=1)) if is_quick else (FULL, TENTH)
     known = accuracy_references.frequencies(STEPPED, MODES)
     stepped = timed(mode_curves(STEPPED, known, tenth, PEERS_OF_STEPPED)[1:], tenth)[0]
-    studies = [_study(line, effort, PEERS[: 5 if chosen.quick else None]) for line in LINES]
-    how = f"Written by `python -m benchmarks.accuracy` in {perf_counter() - start:.0f} s."
-    text = accuracy_page.text(studies, stepped, about, how + (" Quick run: fewer methods." if chosen.quick else ""))
-    publish(text, chosen, {accuracy_page.figure_name(study): accuracy_page.figure(study) for study in studies})
+    studies = [_study(line, effort, PEERS[: 5 if is_quick else None]) for line in LINES]
+    figures = {accuracy_page.figure_name(study): accuracy_page.figure(study) for study in studies}
+    report.publish(accuracy_page.TITLE, accuracy_page.parts(studies, stepped), figures)
 
 
 def _study(line: Line, effort: Effort, peers: Sequence[int]) -> accuracy_page.Study:

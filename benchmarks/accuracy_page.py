@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.accuracy_methods import PEER
+from benchmarks.page_file import verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.compare.frontier import TimedRow, fastest, unbeaten
 from torsion.plots.error_curves import error_over_time
@@ -16,6 +17,7 @@ TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 FASTER, MORE_ACCURATE, SHARE_OF_ERROR = 50.0, 1e10, 1e-10
 ROUNDING = 2.0**-53  # the least error that is counted
 EXACT = "exact"
+TITLE = "Error against run time: lumped, finite elements, exact, openTorsion"
 HEAD = ("method", "discretisation", "error", "median, ms", "assembly, ms", "solution, ms")
 
 HOW = """\
@@ -46,19 +48,18 @@ class Study:
     remarks: tuple[str, ...]  # what was not run, and why
 
 
-def text(studies: Sequence[Study], stepped: Sequence[TimedRow], about: Sequence[str], how: str) -> str:
-    """The page; its figures lie beside it under `figure_name`."""
-    parts = ["# Error against run time: lumped, finite elements, exact, openTorsion", how, HOW]
-    parts += ["\n".join(f"- {line}" for line in about)]
+def parts(studies: Sequence[Study], stepped: Sequence[TimedRow]) -> list[str]:
+    """Of the page; its figures lie beside it under `figure_name`."""
+    made = [HOW]
     for study in studies:
-        parts += [f"## {study.name.capitalize()}", f"![{study.name}]({figure_name(study)})", _reading(study)]
+        made += [f"## {study.name.capitalize()}", f"![{study.name}]({figure_name(study)})", _reading(study)]
         for quantity, rows in (("Frequencies", study.modes), ("Torque", study.torques)):
-            parts += [f"{quantity}: the fastest within a tolerance, and the methods that none beats.", _best(rows)]
-            parts += [table(HEAD, [cells(row) for row in unbeaten([row for row in rows if row.error < 1.0])])]
-            parts += _unanswered(rows)
-        parts += ["\n".join(f"- {remark}" for remark in study.remarks)] if study.remarks else []
-    parts += ["## Stepped shaft with three discs, ten modes", table(HEAD, [cells(row) for row in stepped])]
-    return "\n\n".join([*parts, _verdicts(stepped)]) + "\n"
+            made += [f"{quantity}: the fastest within a tolerance, and the methods that none beats.", _best(rows)]
+            made += [table(HEAD, [cells(row) for row in unbeaten([row for row in rows if row.error < 1.0])])]
+            made += _unanswered(rows)
+        made += ["\n".join(f"- {remark}" for remark in study.remarks)] if study.remarks else []
+    made += ["## Stepped shaft with three discs, ten modes", table(HEAD, [cells(row) for row in stepped])]
+    return [*made, _verdicts(stepped)]
 
 
 def figure_name(study: Study) -> str:
@@ -122,21 +123,17 @@ def _verdicts(rows: Sequence[TimedRow]) -> str:
     tenth = fastest(_of(rows, "fem, degree 10"), SHARE_OF_ERROR * coarse.error)
     lines = [
         f"- exact against 500 elements, times faster: {faster:.3g} by the medians, {at_least:.3g} by the least times, "
-        f"both meant >= {FASTER:g}: " + _verdict(min(faster, at_least) >= FASTER),
+        f"both meant >= {FASTER:g}: " + verdict(min(faster, at_least) >= FASTER),
         f"- exact against 500 elements, times more accurate: {closer:.2g}, meant >= {MORE_ACCURATE:g}: "
-        + _verdict(closer >= MORE_ACCURATE),
+        + verdict(closer >= MORE_ACCURATE),
     ]
     if tenth is None:
         return "\n".join([*lines, f"- FE degree 10 with {SHARE_OF_ERROR:g} of the error of 40 elements: none, MISSED"])
     lines.append(
         f"- FE degree 10 ({tenth.size} a shaft) has {tenth.error / coarse.error:.1e} of the error of 40 elements, in "
-        f"{_ms(tenth)} against {_ms(coarse)}, meant no more: {_verdict(tenth.total.median <= coarse.total.median)}"
+        f"{_ms(tenth)} against {_ms(coarse)}, meant no more: {verdict(tenth.total.median <= coarse.total.median)}"
     )
     return "\n".join(lines)
-
-
-def _verdict(is_met: bool) -> str:
-    return "met" if is_met else "MISSED"
 
 
 def _ms(row: TimedRow) -> str:

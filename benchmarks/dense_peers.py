@@ -1,5 +1,7 @@
 """What an engineer writes with numpy and scipy: assembled matrices, eigh, eigsh, solve, the companion matrix."""
 
+from typing import Any
+
 import numpy as np
 from scipy import linalg, sparse
 from scipy.sparse.linalg import eigsh
@@ -38,12 +40,7 @@ def dense_modes(case: Case) -> tuple[np.ndarray, np.ndarray]:
 def sparse_frequencies(case: Case, count: int, shift: float) -> np.ndarray:
     """The lowest elastic frequencies, rad/s: eigsh by shift and invert, with a shift (rad2/s2) below zero."""
     stiffness, _, inertia = matrices(case)
-    start = np.random.default_rng(0).uniform(size=case.size)
-    square = eigsh(
-        sparse.csc_array(stiffness), count + 1, sparse.diags_array(inertia, format="csc"), sigma=shift, v0=start,
-        return_eigenvectors=False,
-    )  # fmt: skip
-    return np.sqrt(np.abs(np.sort(square)))[1:]
+    return _lowest(sparse.csc_array(stiffness), count, shift, M=sparse.diags_array(inertia, format="csc"))
 
 
 def chain_frequencies(size: int, count: int, shift: float) -> np.ndarray:
@@ -51,8 +48,12 @@ def chain_frequencies(size: int, count: int, shift: float) -> np.ndarray:
     diagonal = np.full(size, 2.0)
     diagonal[[0, -1]] = 1.0
     stiffness = sparse.diags_array([diagonal, np.full(size - 1, -1.0), np.full(size - 1, -1.0)], offsets=[0, 1, -1])
-    start = np.random.default_rng(0).uniform(size=size)
-    square = eigsh(stiffness.tocsc(), count + 1, sigma=shift, v0=start, return_eigenvectors=False)
+    return _lowest(stiffness.tocsc(), count, shift)
+
+
+def _lowest(stiffness: Any, count: int, shift: float, **inertia: Any) -> np.ndarray:
+    start = np.random.default_rng(0).uniform(size=stiffness.shape[0])
+    square = eigsh(stiffness, count + 1, sigma=shift, v0=start, return_eigenvectors=False, **inertia)
     return np.sqrt(np.abs(np.sort(square)))[1:]
 
 

@@ -4,7 +4,6 @@ Every run is a fresh process, so that its peak of memory is its own; the program
 reports/long_chains.md; `--quick` takes two minutes, smaller chains, and prints without writing.
 """
 
-import argparse
 import json
 import resource
 import statistics
@@ -16,16 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import machine
-from benchmarks.page_file import options, publish
+from benchmarks.page_file import Report, verdict
+from benchmarks.papers.writing import table
 
 MODES = 20
 CASES = ("free", "held at one end", "held at both ends", "stiff", "stiff, held at both ends", "stiff, rigid, massless")
 SHIFTS = {"-first": -1.0, "0.9 first": 0.9, "between 10 and 11": 0.0}  # of eigsh, given the frequencies beforehand
 HEAD = (
-    "| stations | chain | torsion s | error | width of enclosures | enclosed | memory GB "
-    "| eigsh s | its shift | its error | its memory GB | torsion / eigsh |"
-)
+    "stations", "chain", "torsion s", "error", "width of enclosures", "enclosed", "memory GB", "eigsh s", "its shift",
+    "its error", "its memory GB", "torsion / eigsh",
+)  # fmt: skip
 PATIENCE = 600  # s a run
 TARGETS = {"error": 1e-12, "seconds": 0.5, "processor": 0.5, "memory": 1.5}
 
@@ -41,20 +40,17 @@ brackets processor, each the median of the runs, in which the programs take turn
 whole process, interpreter, libraries and the chain itself included."""
 
 
-def main() -> int:
+def main() -> None:
     """Runs all cases and writes the page, or runs one and prints it as JSON."""
-    parser = options(__doc__, "long_chains.md", "1e4 and 1e5 stations")
-    parser.add_argument("--runs", type=int, default=3, help="of each program in a case")
-    parser.add_argument("--one", nargs=4, metavar=("PROGRAM", "CASE", "SIZE", "REFERENCE"), help=argparse.SUPPRESS)
-    chosen = parser.parse_args()
-    if chosen.one:
-        print(json.dumps(_one(chosen.one[0], chosen.one[1], int(chosen.one[2]), json.loads(chosen.one[3]))))
-        return 0
-    sizes, runs = ((10_000, 100_000), 1) if chosen.quick else ((100_000, 1_000_000), chosen.runs)
-    head = machine.lines()
+    if sys.argv[1:2] == ["--one"]:
+        program, case, size, reference = sys.argv[2:]
+        print(json.dumps(_one(program, case, int(size), json.loads(reference))))
+        return
+    report = Report(__doc__, "long_chains", "1e4 and 1e5 stations, one run each", runs=3)
+    sizes, runs = ((10_000, 100_000), 1) if report.chosen.quick else ((100_000, 1_000_000), report.chosen.runs)
     rows = [_case(case, size, runs) for size in sizes for case in CASES]
-    publish(_page(head, rows, chosen.quick, runs), chosen)
-    return 0
+    lines = (f"- Runs of each program in a case: {runs}", table(HEAD, [_row(row) for row in rows]))
+    report.publish("Long chains: the lowest 20 modes", [HOW, *lines, "\n".join(_verdicts(rows))])
 
 
 def _case(case: str, size: int, runs: int) -> dict[str, Any]:
@@ -177,38 +173,24 @@ def _eigsh(case: str, size: int, shift: str, reference: np.ndarray) -> Callable[
     return solve
 
 
-def _page(head: list[str], rows: list[dict[str, Any]], quick: bool, runs: int) -> str:
-    lines = ["# Long chains: the lowest 20 modes", ""]
-    if quick:
-        lines += ["Quick run: small sizes, one run each. `python -m benchmarks.long_chains` does it in full.", ""]
-    lines += [HOW, "", *(f"- {line}" for line in head), f"- Runs of each program in a case: {runs}", ""]
-    lines += [
-        HEAD,
-        "|---" * HEAD.count(" | ") + "|---|",
-        *map(_row, rows),
-        "",
-    ]
-    return "\n".join([*lines, *_verdicts(rows), ""])
-
-
-def _row(row: dict[str, Any]) -> str:
+def _row(row: dict[str, Any]) -> list[str]:
     own, peer = _summary(row["answers"]["torsion"]), _best_peer(row)
-    start = f"| {row['size']} | {row['case']} |"
+    cells = [str(row["size"]), row["case"]]
     if "fault" in own:
-        return f"{start} {own['fault']} |" + " |" * 9
+        return [*cells, own["fault"], *[""] * 9]
     mark = "*" if row["case"].startswith("stiff") else ""
-    ours = (
-        f" {own['seconds']:.2f} ({own['processor']:.2f}) | {own['error']:.0e}{mark} | {own['width']:.0e} "
-        f"| {own['enclosed']} of {MODES} | {own['memory']:.2f} |"
-    )
+    cells += [_clocks(own), f"{own['error']:.0e}{mark}", f"{own['width']:.0e}", f"{own['enclosed']} of {MODES}"]
+    cells.append(f"{own['memory']:.2f}")
     if peer is None:
         faults = {answer[-1]["fault"] for name, answer in row["answers"].items() if name != "torsion"}
-        return start + ours + f" {'; '.join(sorted(faults)) or 'not possible'} | | | | |"
+        return [*cells, "; ".join(sorted(faults)) or "not possible", *[""] * 4]
     name, its = peer
-    theirs = f" {its['seconds']:.2f} ({its['processor']:.2f}) | {name} | {its['error']:.0e} | {its['memory']:.2f} |"
-    return (
-        start + ours + theirs + f" {own['seconds'] / its['seconds']:.2f} ({own['processor'] / its['processor']:.2f}) |"
-    )
+    ratio = {clock: own[clock] / its[clock] for clock in ("seconds", "processor")}
+    return [*cells, _clocks(its), name, f"{its['error']:.0e}", f"{its['memory']:.2f}", _clocks(ratio)]
+
+
+def _clocks(values: dict[str, Any]) -> str:
+    return f"{values['seconds']:.2f} ({values['processor']:.2f})"
 
 
 def _summary(answers: list[dict[str, Any]]) -> dict[str, Any]:
@@ -245,11 +227,11 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
     }  # fmt: skip
     lines = [
         f"- {said[name]}, at {largest[0]['size']} stations: {found[name]:.2g}, meant <= {target:g}: "
-        f"{'met' if found[name] <= target else 'MISSED'}"
+        f"{verdict(found[name] <= target)}"
         for name, target in TARGETS.items()
     ]
-    return [*lines, f"- every mode enclosed, every step of the progress told: {'met' if proven else 'MISSED'}"]
+    return [*lines, f"- every mode enclosed, every step of the progress told: {verdict(proven)}"]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

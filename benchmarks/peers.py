@@ -5,28 +5,22 @@
 
 import sys
 import tempfile
-import time
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks import cases, frequency_rows, machine, response_rows
-from benchmarks.page_file import options, publish
-from benchmarks.peers_page import page
+from benchmarks import cases, frequency_rows, response_rows
+from benchmarks.page_file import Report
+from benchmarks.peers_page import parts
 from benchmarks.programs import FULL, QUICK, Effort, Row
 
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    chosen = options(__doc__, "peers.md", "a minute, small trains").parse_args()
-    warnings.simplefilter("ignore")  # of the peers; torsion's own tests turn warnings into errors
-    effort = QUICK if chosen.quick else FULL
-    about, start = machine.lines(), time.perf_counter()
+    report = Report(__doc__, "peers", "a minute, small trains")
+    effort = QUICK if report.chosen.quick else FULL
     with tempfile.TemporaryDirectory() as folder:
         frequencies = _progress(_frequency_rows(effort, Path(folder)))
-    responses = _progress(_response_rows(effort))
-    text = page(frequencies, responses, about, time.perf_counter() - start, quick=chosen.quick)
-    publish(text, chosen)
+    report.publish("torsion beside openTorsion and ROSS", parts(frequencies, _progress(_response_rows(effort))))
 
 
 def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:

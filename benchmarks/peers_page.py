@@ -66,20 +66,15 @@ angles by `ss_response`, which the former repeats. The peers check nothing; "no 
 """
 
 
-def page(frequencies: Sequence[Row], responses: Sequence[Row], about: list[str], seconds: float, *, quick: bool) -> str:
-    """The whole page."""
-    command = "python -m benchmarks.peers" + (" --quick" if quick else "")
-    parts = [
-        "# torsion beside openTorsion and ROSS",
-        f"Written by `{command}` in {seconds:.0f} s.",
-        "\n".join(f"- {line}" for line in about),
+def parts(frequencies: Sequence[Row], responses: Sequence[Row]) -> list[str]:
+    """Of the page."""
+    return [
         HOW.format(arithmetic=references.ARITHMETIC, digits=references.DIGITS, proven=references.PROVEN),
         *_frequency_parts(frequencies),
         *_response_parts(responses),
         "## Misses",
         _misses(frequencies, responses),
     ]
-    return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
 def _frequency_parts(rows: Sequence[Row]) -> list[str]:

@@ -1,6 +1,6 @@
 """Sweeps of natural frequencies: stiffness, inertia, length, near-rigid, massless, repeated."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from time import perf_counter
 from typing import Any
 
@@ -31,32 +31,31 @@ def line(name: str, inertia: Sequence[float], stiffness: Sequence[float], **damp
 
 def stiffness_ratio(ratios: Sequence[float]) -> Sweep:
     """Nine springs, even in the logarithm over the ratio."""
-    sweep = Sweep(
-        "stiffness_ratio", "Stiffness ratio",
-        f"Free chain of {SIZE} discs of 0.5 to 2 kg m2, {SIZE - 1} springs in random order from 1e4 N m/rad up, even "
-        f"in the logarithm; the largest relative error of all elastic frequencies (eigsh: of the lowest {FEW}).",
-        "largest / smallest stiffness",
-    )  # fmt: skip
     random = np.random.default_rng(1)
     inertia, place = random.uniform(0.5, 2.0, SIZE), random.permutation(np.linspace(0.0, 1.0, SIZE - 1))
-    for ratio in ratios:
-        case = line("stiff", inertia.tolist(), (1e4 * ratio**place).tolist())
-        _add(sweep, ratio, case, range(1, SIZE))
-    return sweep
+    trains = ((inertia, 1e4 * ratio**place) for ratio in ratios)
+    what = f"of 0.5 to 2 kg m2, {SIZE - 1} springs in random order from 1e4 N m/rad up, even in the logarithm"
+    return _ratio("stiffness", what, ratios, trains)
 
 
 def inertia_ratio(ratios: Sequence[float]) -> Sweep:
     """Ten discs, even in the logarithm over the ratio."""
-    sweep = Sweep(
-        "inertia_ratio", "Inertia ratio",
-        f"Free chain of {SIZE} discs in random order from 1 kg m2 down, even in the logarithm, springs of 1e4 to 5e4 "
-        f"N m/rad; the largest relative error of all elastic frequencies (eigsh: of the lowest {FEW}).",
-        "largest / smallest inertia",
-    )  # fmt: skip
     random = np.random.default_rng(2)
     stiffness, place = random.uniform(1e4, 5e4, SIZE - 1), random.permutation(np.linspace(0.0, 1.0, SIZE))
-    for ratio in ratios:
-        _add(sweep, ratio, line("light", (ratio**-place).tolist(), stiffness.tolist()), range(1, SIZE))
+    trains = ((ratio**-place, stiffness) for ratio in ratios)
+    what = "in random order from 1 kg m2 down, even in the logarithm, springs of 1e4 to 5e4 N m/rad"
+    return _ratio("inertia", what, ratios, trains)
+
+
+def _ratio(of: str, what: str, ratios: Sequence[float], trains: Iterable[tuple[np.ndarray, np.ndarray]]) -> Sweep:
+    sweep = Sweep(
+        f"{of}_ratio", f"{of.capitalize()} ratio",
+        f"Free chain of {SIZE} discs {what}; the largest relative error of all elastic frequencies (eigsh: of the "
+        f"lowest {FEW}).",
+        f"largest / smallest {of}",
+    )  # fmt: skip
+    for ratio, (inertia, stiffness) in zip(ratios, trains, strict=True):
+        _add(sweep, ratio, line(of, inertia.tolist(), stiffness.tolist()), range(1, SIZE))
     return sweep
 
 

@@ -30,7 +30,7 @@ def test_page_of_accuracy_names_the_fastest_within_a_tolerance_and_what_none_bea
         row("fem, degree 1", 1, math.inf, 0.1),
     )  # fmt: skip
     stepped = [one for one in rows if one.error < 1.0]
-    text = accuracy.text([accuracy.Study("a line", rows, rows, ("something was left out",))], stepped, ["here"], "now")
+    text = "\n\n".join(accuracy.parts([accuracy.Study("a line", rows, rows, ("something was left out",))], stepped))
     assert "| 0.01 | lumped, 8 pieces: 1e+03 ms | openTorsion, 100 pieces: 3e+05 ms |" in text
     assert "| 1e-06 | exact, 3 pieces: 4e+03 ms | none |" in text
     frontier = text[text.index("| method") : text.index("Fewer than ten modes")]

@@ -2,7 +2,7 @@
 
 import os
 import platform
-import sys
+from collections.abc import Sequence
 from functools import partial
 from importlib import metadata
 
@@ -63,7 +63,7 @@ def study_times(
         remarks.append(OWN_SEGMENTS)
     if any(bar.section is not None for bar in study.train.bars):
         remarks.append(SECTIONS)
-    return Timings(tolerance, tuple(quantities), tuple(remarks), effort.rounds, _machine())
+    return Timings(tolerance, tuple(quantities), tuple(remarks), effort.rounds, machine())
 
 
 def timed_frequencies(
@@ -102,13 +102,19 @@ def timed_frequencies(
     )
 
 
-def _machine() -> tuple[tuple[str, str], ...]:
-    """On what the times were taken."""
+def machine(packages: Sequence[str] = ("numpy", "scipy", "scikit-fem")) -> tuple[tuple[str, str], ...]:
+    """On what the times were taken: system, threads, interpreter and the versions of packages."""
     threads = ", ".join(f"{name}={os.environ[name]}" for name in THREADS if name in os.environ)
-    python = ".".join(str(part) for part in sys.version_info[:3])
     return (
         ("System", f"{platform.system()}, {platform.machine()}, {os.cpu_count()} processors"),
         ("Threads of the libraries", threads or "as they choose"),
-        ("Python", python),
-        *((name, metadata.version(name)) for name in ("numpy", "scipy", "scikit-fem")),
+        ("Python", platform.python_version()),
+        *((name, _version(name)) for name in packages),
     )
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "absent"
