@@ -23,21 +23,19 @@ PEER = "openTorsion"
 Errors = Callable[[Any], tuple[float, ...]]
 
 
-def mode_curves(
-    line: Line, known: Sequence[Any], effort: Effort, peers: Sequence[int], *, number: int = MODES
-) -> list[list[Candidate]]:
+def mode_curves(line: Line, known: Sequence[Any], effort: Effort, peers: Sequence[int]) -> list[list[Candidate]]:
     """How to find the first ten modes; error: the largest of `known` (modes,) Hz, relative. peers: elements a shaft."""
 
     def errors(found: np.ndarray) -> tuple[float, ...]:
         return (worst(found, known),)
 
     def solve(system: System) -> np.ndarray:
-        return np.asarray(torsion.modes(system, number).frequency)
+        return np.asarray(torsion.modes(system, MODES).frequency)
 
     def of_peer(assembly: Any) -> np.ndarray:
         from benchmarks.peers_opentorsion import undamped_frequencies
 
-        return undamped_frequencies(assembly)[:number] / (2 * np.pi)
+        return undamped_frequencies(assembly)[:MODES] / (2 * np.pi)
 
     train, named = torsion.parse(scene(line)).train, partial(Candidate, solve=solve, errors=errors)
     own = candidates(train, float(known[-1]) * (1 + 1e-9), effort, effort.degrees, named)
@@ -112,15 +110,9 @@ def _peer_elements(line: Line, number: int) -> tuple[list[Any], list[Any], list[
 
 def _peer_torques(halves: Line, number: int, assembly: Any, w: np.ndarray) -> np.ndarray:
     """(frequencies, shafts) the mean of openTorsion's torques of the two elements that meet at the middle."""
-    import opentorsion
+    from benchmarks.peers_opentorsion import on_nodes
 
-    force = np.zeros((assembly.dofs, len(w)), dtype=complex)
-    force[0] = 1.0
-    if assembly.gear_elements is not None:
-        force = assembly.T(assembly.E()).T @ force
-    periodic = opentorsion.PeriodicExcitation(len(force), w)
-    periodic.U = force
-    rows, _ = assembly.vibratory_torque(periodic)
+    rows, _ = assembly.vibratory_torque(on_nodes(assembly, np.eye(assembly.dofs, dtype=complex)[0], w))
     behind, first, sense = [], 0, 1
     for item in halves.items:
         match item:

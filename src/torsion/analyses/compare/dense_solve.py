@@ -30,7 +30,7 @@ def dense(given: Loaded) -> Dense:
     node[system.folded.node] = referred
     elastic = (system.flexibility > 0) & np.isfinite(system.flexibility)
     stiffness = np.divide(1.0, system.flexibility, out=np.zeros(len(elastic)), where=elastic)
-    return Dense(given, view, node, _across(system, referred), stiffness * (1.0 + 1j * system.loss_factor))
+    return Dense(given, view, node, system.twist(referred), stiffness * (1.0 + 1j * system.loss_factor))
 
 
 def solved(full: Dense) -> list[ComplexArray]:
@@ -51,18 +51,12 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
         stiffness = constant - w * w * view.inertia + 1j * w * (view.damping + (view.basis.T * ground) @ view.basis)
         spring = full.stiffness + 1j * w * system.viscous
         own = turned[:, k] * system.speed_ratio
-        twist = _across(system, turned[:, k, None])[:, 0]
+        twist = system.twist(turned[:, k, None])[:, 0]
         acting = force[:, k] + view.basis.T @ ((w * w * inertia - 1j * w * ground) * own)
         free = np.linalg.solve(stiffness, acting - full.across.T @ (spring * twist))
         angle[k] = view.basis @ free + own
         torque[k] = spring * (full.across @ free + twist)
     return full.given.ends.torque(load.w, angle, torque)
-
-
-def _across(system: System, referred: np.ndarray) -> np.ndarray:
-    """(spans, columns) twist of every span from angles referred to one speed (stations, columns); 0 where rigid."""
-    across = (referred[system.driving] - referred[system.driven]) * system.span_ratio[:, None]
-    return np.asarray(np.where((system.flexibility > 0)[:, None], across, 0.0))
 
 
 def _imposed(system: System, load: Load) -> ComplexArray:

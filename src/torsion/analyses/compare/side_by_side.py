@@ -70,11 +70,6 @@ class ModelCompared:
     torques_seconds: float  # response torques; 0 where there are none
 
     @property
-    def mac(self) -> FloatArray:
-        """(modes,) modal assurance criterion, 1 for the shape of the exact model; 0 where there is no such mode."""
-        return np.maximum(1.0 - self.shape_error, 0.0)
-
-    @property
     def largest(self) -> tuple[float, float, float]:
         """Largest error of a frequency, of a shape and of the torques; NaN where there is none."""
         torque = math.nan if self.torques is None else self.torques.largest

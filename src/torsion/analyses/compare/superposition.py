@@ -43,9 +43,10 @@ def _damped(given: Loaded, found: Modes) -> _Damped:
     referred = found.shape / system.speed_ratio[:, None]
     node = np.zeros((system.folded.tree.size, referred.shape[1]))
     node[system.folded.node] = referred
-    twist = (referred[system.driving] - referred[system.driven]) * system.span_ratio[:, None]
     w = 2.0 * np.pi * found.frequency
-    return _Damped(w, node, found.torque, system.loss_factor @ found.elastic, system.viscous @ twist**2)
+    return _Damped(
+        w, node, found.torque, system.loss_factor @ found.elastic, system.viscous @ system.twist(referred) ** 2
+    )
 
 
 def _of_line(given: Loaded, damped: _Damped, load: Load, still: ComplexArray | None) -> ComplexArray:
