@@ -6,14 +6,14 @@ import numpy as np
 from scipy import linalg, sparse
 from scipy.sparse.linalg import eigsh
 
-from benchmarks.cases import Case, folded
+from benchmarks.cases import Case, condensed
 
 EIGH, EIGSH, SOLVE, COMPANION = "numpy eigh", "scipy eigsh", "numpy solve", "numpy eig (companion)"
 
 
 def matrices(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Stiffness, damping and the diagonal of inertia, at the speed of the root."""
-    flat = folded(case)
+    flat = condensed(case)
     stiffness, damping = np.zeros((case.size,) * 2), np.diag(np.array(flat.damping))
     for i in range(1, case.size):
         ends = np.ix_([flat.parent[i], i], [flat.parent[i], i])
@@ -61,7 +61,7 @@ def span_torque(case: Case, force: np.ndarray, w: float) -> np.ndarray:
     """Torque in span i on station i (0 at the root) from the dynamic stiffness, by numpy's solve; chains and trees."""
     stiffness, damping, inertia = matrices(case)
     angle = np.linalg.solve(stiffness + 1j * w * damping - w * w * np.diag(inertia), force)
-    flat = folded(case)
+    flat = condensed(case)
     spring = np.array(flat.stiffness) + 1j * w * np.array(flat.viscous)
     torque = spring * (angle[np.maximum(np.array(flat.parent), 0)] - angle)
     torque[0] = 0.0

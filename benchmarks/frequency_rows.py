@@ -34,12 +34,12 @@ def compare(damped_case: Case, effort: Effort, folder: Path) -> Row:
 
     def errors(answer: Any, name: str, few: int | None, factor: float = 1.0) -> tuple[float, ...]:
         found = answer if isinstance(answer, np.ndarray) else factor * np.asarray(answer.frequency)
-        asked = [mode for mode in modes if few is None or mode <= few]
+        requested = [mode for mode in modes if few is None or mode <= few]
         total = case.size - 1 if few is None else min(few, case.size - 1)
         if name == KERNEL:
             row.enclosed = _enclosed(answer, modes, exact)
         row.lost[name] = total - len(found)
-        return (_worst(found, asked, exact[: len(asked)], row.lost[name]),)
+        return (_worst(found, requested, exact[: len(requested)], row.lost[name]),)
 
     def of(name: str, solve: Callable[[Any], Any], assemble: Callable[[], Any] = lambda: None, **how: Any) -> Candidate:
         return program(name, solve, partial(errors, name=name, **{"few": None, **how}), assemble)

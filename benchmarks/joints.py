@@ -17,8 +17,8 @@ ANGLES, JOINTS, TARGET = 1_000_000, 6, 2.0  # the last in s
 CHECKED = 200  # angles composed again
 WHAT = f"""\
 Angle, speed, acceleration and yoke behind each of six cross joints (5 to 89 degrees, planes and phases random) at
-{ANGLES} driving angles in one call. An angle of up to 100 rad is held to 1.4e-14 rad by double precision; steep joints
-magnify that."""
+{ANGLES} driving angles in one call. An angle of up to 100 rad is stored to 1.4e-14 rad by double precision;
+steep joints magnify that."""
 
 
 def main() -> None:

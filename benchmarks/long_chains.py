@@ -19,7 +19,14 @@ from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 
 MODES = 20
-CASES = ("free", "held at one end", "held at both ends", "stiff", "stiff, held at both ends", "stiff, rigid, massless")
+CASES = (
+    "free",
+    "fixed at one end",
+    "fixed at both ends",
+    "stiff",
+    "stiff, fixed at both ends",
+    "stiff, rigid, massless",
+)
 SHIFTS = {"-first": -1.0, "0.9 first": 0.9, "between 10 and 11": 0.0}  # of eigsh, given the frequencies beforehand
 HEAD = (
     "stations", "chain", "torsion s", "error", "width of enclosures", "enclosed", "memory GB", "eigsh s", "its shift",
@@ -93,25 +100,25 @@ def _one(program: str, case: str, size: int, reference: list[float]) -> dict[str
 
 
 def _data(case: str, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Inertia, flexibility (of the span before each station) and what is held; all (stations,)."""
-    rng, held = np.random.default_rng(1), np.zeros(size, dtype=bool)
+    """Inertia, flexibility (of the span before each station) and what is fixed; all (stations,)."""
+    rng, fixed = np.random.default_rng(1), np.zeros(size, dtype=bool)
     inertia, flexibility = np.ones(size), np.ones(size)
     if case.startswith("stiff"):
         inertia, flexibility = 10 ** rng.uniform(-6, 4, size), 10 ** -rng.uniform(0, 12, size)
     if "massless" in case:
         inertia[rng.random(size) < 0.05] = 0.0
         flexibility[rng.random(size) < 0.05] = 0.0
-    held[-1] = "held" in case
-    held[0] = "both" in case
-    return inertia, flexibility, held
+    fixed[-1] = "fixed" in case
+    fixed[0] = "both" in case
+    return inertia, flexibility, fixed
 
 
 def _closed_form(case: str, size: int) -> np.ndarray | None:
     j = np.arange(1, MODES + 1)
     phase = {
         "free": j / (2 * size),
-        "held at one end": (2 * j - 1) / (4 * size - 2),
-        "held at both ends": j / (2 * (size - 1)),
+        "fixed at one end": (2 * j - 1) / (4 * size - 2),
+        "fixed at both ends": j / (2 * (size - 1)),
     }
     return 2.0 * np.sin(np.pi * phase[case]) if case in phase else None
 
@@ -121,12 +128,12 @@ def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]
     from torsion.kernels.modes import tree_modes
     from torsion.kernels.tree import Tree
 
-    inertia, flexibility, held = _data(case, size)
+    inertia, flexibility, fixed = _data(case, size)
     are_available()  # imports scipy.linalg
-    tree, told = Tree(np.arange(size) - 1, flexibility, inertia, held), list[int]()
+    tree, reported = Tree(np.arange(size) - 1, flexibility, inertia, fixed), list[int]()
 
     def solve() -> Callable[[], dict[str, Any]]:
-        modes = tree_modes(tree, MODES, progress=lambda done, _: told.append(done))
+        modes = tree_modes(tree, MODES, progress=lambda done, _: reported.append(done))
 
         def answer() -> dict[str, Any]:
             exact = _closed_form(case, size)
@@ -139,7 +146,7 @@ def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]
                 "width": float((modes.upper / modes.lower - 1.0).max()),
                 "enclosed": int(np.sum((modes.lower <= reference + slack) & (reference - slack <= modes.upper))),
                 "certified": bool(modes.certified),
-                "told": told == list(range(1, MODES + 1)),
+                "reported": reported == list(range(1, MODES + 1)),
             }
 
         return answer
@@ -151,13 +158,13 @@ def _eigsh(case: str, size: int, shift: str, reference: np.ndarray) -> Callable[
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import eigsh
 
-    inertia, flexibility, held = _data(case, size)
+    inertia, flexibility, fixed = _data(case, size)
     stiffness = 1.0 / flexibility[1:]
     diagonal = np.concatenate((stiffness, [0.0])) + np.concatenate(([0.0], stiffness))
-    free = ~held
+    free = ~fixed
     matrix = diags_array([diagonal, -stiffness, -stiffness], offsets=[0, 1, -1], format="csc")[free][:, free].tocsc()
     mass = diags_array(inertia[free], format="csc")
-    rigid = 0 if held.any() else 1
+    rigid = 0 if fixed.any() else 1
     square = reference**2
     sigma = SHIFTS[shift] * square[0] if SHIFTS[shift] else 0.5 * (square[9] + square[10])
 
@@ -217,7 +224,7 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
     if any("fault" in one for one in own):
         return ["MISSED: not every case was solved."]
     pairs = [(one, peer[1]) for one, peer in zip(own, peers, strict=True) if peer is not None]
-    proven = all(one["certified"] and one["enclosed"] == MODES and one["told"] for one in own)
+    proven = all(one["certified"] and one["enclosed"] == MODES and one["reported"] for one in own)
     found = {name: max(one[name] for one in own) for name in ("error", "memory")}
     for clock in ("seconds", "processor"):
         found[clock] = max((one[clock] / peer[clock] for one, peer in pairs), default=float("nan"))
@@ -230,7 +237,7 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
         f"{verdict(found[name] <= target)}"
         for name, target in TARGETS.items()
     ]
-    return [*lines, f"- every mode enclosed, every step of the progress told: {verdict(proven)}"]
+    return [*lines, f"- every mode enclosed, every step of the progress reported: {verdict(proven)}"]
 
 
 if __name__ == "__main__":

@@ -31,10 +31,10 @@ def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:
 
 
 def _response_rows(effort: Effort) -> Iterator[Row]:
-    for size, asked, asked_of_peers in effort.response:
+    for size, requested, requested_of_peers in effort.response:
         for make in (cases.chain, cases.geared_tree):
             for stiff in (False, True):
-                yield response_rows.compare(make(size, stiff=stiff), effort, asked, asked_of_peers)
+                yield response_rows.compare(make(size, stiff=stiff), effort, requested, requested_of_peers)
     for stiff in (False, True):
         case = cases.with_span_dampers(cases.chain(10, stiff=stiff))
         yield response_rows.compare(case, effort, 1000, 200)

@@ -104,7 +104,7 @@ def _response_parts(rows: Sequence[Row]) -> list[str]:
         errors = [" / ".join(f"{one:.1e}" for one in row.timed[name].errors) if name in row.timed else "-"
                   for name in names]  # fmt: skip
         times = [_figures(one[0] * 1e9 / row.size) if (one := row.least(name)) else "-" for name in timed]
-        lines.append([row.case, str(row.size), str(row.asked), str(row.referenced), *errors, *times])
+        lines.append([row.case, str(row.size), str(row.requested), str(row.referenced), *errors, *times])
     return [
         "## Steady response: span torques",
         table(head, lines),
@@ -155,7 +155,7 @@ def _ratio(
 ) -> list[str]:
     """One line: how many times as fast as each of the peer's calls, and whether that is what was meant."""
     target = targets[row.size]
-    case = row.case + (f", {row.asked} frequencies" if row.asked else "")
+    case = row.case + (f", {row.requested} frequencies" if row.requested else "")
     head = [question, case, str(row.size)]
     if own is None:
         return [*head, *("-" for _ in peers), f">= {target}", "not measured"]

@@ -52,7 +52,7 @@ class Row:
     case: str
     size: int
     referenced: int  # modes or frequencies that have a reference
-    asked: int = 0  # response only: frequencies of the kernel's call
+    requested: int = 0  # response only: frequencies of the kernel's call
     enclosed: int = 0  # references inside torsion's own enclosures
     lost: dict[str, int] = field(default_factory=dict)  # frequencies that a program does not find
     timed: dict[str, TimedRow] = field(default_factory=dict)  # errors: worst, each; size: frequencies of one call

@@ -7,7 +7,7 @@ import numpy as np
 from mpmath import mp, mpc, mpf
 
 from benchmarks import dense_peers, ours, peers_opentorsion, references
-from benchmarks.cases import Case, folded
+from benchmarks.cases import Case, condensed
 from benchmarks.stiffness_frequencies import PEER, line
 from benchmarks.sweeps import Sweep
 from torsion.kernels.damping.modes import damped_modes
@@ -92,7 +92,7 @@ def nearest(found: np.ndarray, exact: Sequence[Any], *, real: bool = False) -> f
 def _roots(case: Case) -> list[Any]:
     """The roots above or on the real axis but those at 0, from the companion matrix in 80 digits."""
     with mp.workdps(DIGITS):
-        flat = folded(case, mpf)
+        flat = condensed(case, mpf)
         size = case.size
         matrix = mp.zeros(2 * size)
         for i in range(size):
@@ -111,7 +111,7 @@ def _roots(case: Case) -> list[Any]:
 
 
 def _ours(case: Case) -> np.ndarray:
-    flat = folded(case)
+    flat = condensed(case)
     found = damped_modes(ours.tree(case), ground_damping=np.array(flat.damping), viscous=np.array(flat.viscous))
     return np.concatenate([found.eigenvalue, found.real_root])
 

@@ -64,7 +64,7 @@ def test_a_curve_ends_where_one_run_is_too_long_and_that_is_said() -> None:
     curve = [candidate("a", size, 0.5, clock, solve=float(size)) for size in (1, 2, 4, 8)]
     rows, remarks = timed([curve], Pace(rounds=1, longest=1.5, clock=clock))
     assert [row.size for row in rows] == [1, 2]
-    assert remarks == ("a: finer divisions are not run (2), as one run of 2 pieces takes 2 s.",)
+    assert remarks == ("a: finer discretisations are not run (2), as one run of 2 pieces takes 2 s.",)
 
 
 def test_a_curve_ends_where_rounding_alone_is_left_twice() -> None:

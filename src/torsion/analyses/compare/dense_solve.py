@@ -18,7 +18,7 @@ class Dense:
     view: Matrices
     node: FloatArray  # (tree stations, free) angle referred to one speed, of every free angle
     across: FloatArray  # (spans, free) twist of each span at its driving station's speed
-    stiffness: ComplexArray  # (spans,) N m/rad with loss; 0 where rigid, for the torque of a rigid span is not told
+    stiffness: ComplexArray  # (spans,) N m/rad with loss; 0 where rigid, for rigid spans have no such torque
 
 
 def dense(given: Loaded) -> Dense:
@@ -60,7 +60,7 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
 
 
 def _imposed(system: System, load: Load) -> ComplexArray:
-    """(stations, frequencies) rad referred to one speed: how far joints turn what stands behind them, held still."""
+    """(stations, frequencies) rad referred to one speed: how far joints displace what stands behind them, at rest."""
     folded, twist = system.folded, load.sources.twist
     angle = np.zeros((folded.tree.size, len(load.w)), dtype=np.complex128)
     if twist is not None:

@@ -41,24 +41,24 @@ def study_times(
 ) -> Timings:
     """Run times and errors of all methods, quantity by quantity.
 
-    highest: Hz, of the response that the file asks for, 0 where none. count: modes asked for, None for those up to
+    highest: Hz, of the requested response, 0 where none. count: requested modes, None for those up to
     `highest`. no_response: why there is no response to compare, '' where there is one. Raises InputError for
     shafts in a train with closed loops, of which there is no exact model, and SolveError.
     """
     if has_shafts(study.train) and assemble(study.train).folded.extra.size:
         raise InputError([loop_fault(("links",))])
     effort = QUICK if quick else FULL
-    tell = progress or (lambda what, share: None)
+    report = progress or (lambda what, share: None)
     bare = plain(study)
     quantities, remarks = list[TimedQuantity](), list[str]()
     if has_shafts(bare.train):
-        quantities.append(timed_frequencies(bare, highest, count, effort, tell))
+        quantities.append(timed_frequencies(bare, highest, count, effort, report))
     else:
         remarks.append(NOTHING_TO_DIVIDE)
     if no_response:
         remarks.append(f"No response is compared: {no_response}.")
     else:
-        quantities.append(timed_torques(bare, highest, effort, tell))
+        quantities.append(timed_torques(bare, highest, effort, report))
     if any(bar.segments is not None and bar.density > 0 for bar in study.train.bars):
         remarks.append(OWN_SEGMENTS)
     if any(bar.section is not None for bar in study.train.bars):
@@ -91,7 +91,7 @@ def timed_frequencies(
         "frequencies",
         "Natural frequencies",
         f"The error is the largest relative error of {whole}, shapes and torques included in the time. Where a "
-        "division has fewer modes it has no error and is not drawn.",
+        "discretisation has fewer modes it has no error and is not drawn.",
         "Reference: the exact model in twice as many pieces. Its bound is the larger of half its certified enclosure, "
         "of the difference to the exact model in half as many pieces, and of the rounding unit.",
         bound,

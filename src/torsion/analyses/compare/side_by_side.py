@@ -103,7 +103,7 @@ def check(study: Study, asked: Asked | None = None, *, progress: Progress | None
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
-    settings, tell = asked or Asked(), progress or (lambda what, share: None)
+    settings, report = asked or Asked(), progress or (lambda what, share: None)
     if not has_shafts(study.train):
         return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
     faults = loop_faults(study, ("links",))
@@ -114,7 +114,7 @@ def check(study: Study, asked: Asked | None = None, *, progress: Progress | None
     names = [name for name in get_args(Model) if name != "exact" and name in (settings.models or get_args(Model))]
     found = list[_Solved]()
     for place, name in enumerate(("exact", *names)):
-        tell(f"check: {name}", place / (len(names) + 1))
+        report(f"check: {name}", place / (len(names) + 1))
         found.append(_solved(replace(study, model=name), count, top, harmonics))
     exact = found[0]
     highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])

@@ -92,7 +92,7 @@ def timed(
         if not remark and len(found) < len(curve):
             ended.append(curve[0].curve)
     if ended:
-        remarks.append(f"Finer divisions are not run where rounding alone is left: {', '.join(ended)}.")
+        remarks.append(f"Finer discretisations are not run where rounding alone is left: {', '.join(ended)}.")
     start, turn = perf_counter(), 0
     while turn < pace.rounds or perf_counter() - start < pace.seconds:
         turning = [one for one in tried if turn < pace.slow_rounds or sum(one.first) <= pace.slow]
@@ -135,7 +135,7 @@ def _tried(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Tried], str]:
         left = len(curve) - number - 1
         if left and sum(first) > pace.longest:
             took = f"one run of {one.division} takes {sum(first):.2g} s"
-            return found, f"{one.curve}: finer divisions are not run ({left}), as {took}."
+            return found, f"{one.curve}: finer discretisations are not run ({left}), as {took}."
         if left and len(found) > 1 and all(max(before.errors) < ROUNDING for before in found[-2:]):
             break
     return found, ""

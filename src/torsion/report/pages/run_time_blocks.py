@@ -160,7 +160,7 @@ def alternatives(quantity: TimedQuantity, tolerance: float) -> str:
 
 
 def doubt(quantity: TimedQuantity, tolerance: float) -> str:
-    """A warning where the reference is not much better than what is asked; '' where it is."""
+    """A warning where the reference is not much better than the tolerance; '' where it is."""
     if quantity.bound <= tolerance / 10.0:
         return ""
     return f"The bound of the reference, {share(quantity.bound)}, is not a tenth of the tolerance: take more than that."
