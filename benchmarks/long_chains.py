@@ -20,13 +20,8 @@ from benchmarks.papers.writing import table
 
 MODES = 20
 CASES = (
-    "free",
-    "fixed at one end",
-    "fixed at both ends",
-    "stiff",
-    "stiff, fixed at both ends",
-    "stiff, rigid, massless",
-)
+    "free", "fixed at one end", "fixed at both ends", "stiff", "stiff, fixed at both ends", "stiff, rigid, massless"
+)  # fmt: skip
 SHIFTS = {"-first": -1.0, "0.9 first": 0.9, "between 10 and 11": 0.0}  # of eigsh, given the frequencies beforehand
 HEAD = (
     "stations", "chain", "torsion s", "error", "width of enclosures", "enclosed", "memory GB", "eigsh s", "its shift",

@@ -19,7 +19,7 @@ SMALLEST = 1e-290  # N m; a torque below it has left the range of double precisi
 
 
 def compare(case: Case, effort: Effort, requested: int, requested_of_peers: int) -> Row:
-    """Three sources of different phase; torsion answers `requested` frequencies, the peers the first of the same ones."""
+    """Three sources of different phase; torsion answers `requested` frequencies, the peers the first of them."""
     w = _frequencies(case, requested)
     force = np.zeros(case.size, dtype=complex)
     force[[0, case.size // 2, -1]] = 1.0, 0.5j, -0.7

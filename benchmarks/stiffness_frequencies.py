@@ -104,8 +104,8 @@ def massless(inertias: Sequence[float]) -> Sweep:
     exact = references.frequencies(case(1e-60), [1, 2, 3])
     none = Sweep("", "", "", "")
     _add(none, 0.0, case(0.0), [], few=3, exact=exact)
-    told = (f"{name} {p[0].fault or f'error {p[0].error:.1e}'}" for name, p in none.points.items())
-    sweep.remarks.append("With no inertia at all: " + "; ".join(told) + ".")
+    words = (f"{name} {p[0].fault or f'error {p[0].error:.1e}'}" for name, p in none.points.items())
+    sweep.remarks.append("With no inertia at all: " + "; ".join(words) + ".")
     return sweep
 
 
@@ -158,8 +158,8 @@ def length(sizes: Sequence[int]) -> Sweep:
             start = perf_counter()
             sweep.add(name, size, lambda program=program, w=exact: worst(program(), w))
             if size == sizes[-1]:
-                told = f"{name} took {perf_counter() - start:.2g} s for {size} stations, errors included."
-                sweep.remarks.append(told)
+                words = f"{name} took {perf_counter() - start:.2g} s for {size} stations, errors included."
+                sweep.remarks.append(words)
     return sweep
 
 

@@ -30,7 +30,7 @@ def damping(scales: Sequence[float]) -> tuple[Sweep, Sweep]:
         what + "The largest relative error of the real part of any root but the one at 0, overdamped ones included.",
         along,
     )  # fmt: skip
-    told: dict[int, float] = {}
+    known_from: dict[int, float] = {}
     for scale in scales:
         case = damped_chain(scale)
         exact = _roots(case)
@@ -39,8 +39,8 @@ def damping(scales: Sequence[float]) -> tuple[Sweep, Sweep]:
             if oscillating:
                 swinging.add(name, scale, lambda run=program, case=case, want=oscillating: nearest(run(case), want))
             decay.add(name, scale, lambda run=program, case=case, want=exact: nearest(run(case), want, real=True))
-        told.setdefault(len(exact) - len(oscillating), scale)
-    words = ", ".join(f"{count} from {scale:.2g}" for count, scale in told.items())
+        known_from.setdefault(len(exact) - len(oscillating), scale)
+    words = ", ".join(f"{count} from {scale:.2g}" for count, scale in known_from.items())
     swinging.remarks.append(f"Real roots (the one at 0 left out) by scale of the dampers: {words}.")
     return swinging, decay
 
@@ -117,7 +117,7 @@ def _ours(case: Case) -> np.ndarray:
 
 
 def _peers(case: Case) -> np.ndarray:
-    """openTorsion tells moduli, imaginary parts and damping ratios."""
+    """openTorsion gives moduli, imaginary parts and damping ratios."""
     modulus, imaginary, ratio = peers_opentorsion.assembled(peers_opentorsion.elements(case)).modal_analysis()
     with np.errstate(invalid="ignore"):
         found = -np.asarray(ratio) * np.asarray(modulus) + 1j * np.asarray(imaginary)

@@ -44,7 +44,7 @@ class Sweep:
             value, fault = error(), ""
             if not np.isfinite(value):
                 value, fault = float("inf"), "no finite answer"
-        except Exception as failed:  # peers fail in ways of their own; the page tells each with its words
+        except Exception as failed:  # peers fail in ways of their own; the page states each in its words
             value, fault = float("inf"), f"{type(failed).__name__}: {failed}".splitlines()[0][:120]
         self.points.setdefault(method, []).append(Point(at, value, fault))
 
@@ -61,8 +61,8 @@ def ranges(points: Sequence[Point], useful: float = USEFUL) -> list[tuple[float,
     return found
 
 
-def told_ranges(points: Sequence[Point], useful: float = USEFUL) -> str:
-    """The stretches in words."""
+def ranges_in_words(points: Sequence[Point], useful: float = USEFUL) -> str:
+    """The ranges in words."""
     found = ranges(points, useful)
     if not found:
         return "nowhere"
@@ -73,12 +73,12 @@ def told_ranges(points: Sequence[Point], useful: float = USEFUL) -> str:
 
 def reading(sweep: Sweep) -> str:
     """What the figure shows, in one sentence made from its numbers."""
-    parts = [f"{method} {told_ranges(points)}" for method, points in sweep.points.items()]
+    parts = [f"{method} {ranges_in_words(points)}" for method, points in sweep.points.items()]
     own = max(point.error for method, points in sweep.points.items() for point in points if _is_ours(method))
     others = [point.error for method, points in sweep.points.items() for point in points if not _is_ours(method)]
     return (
-        f"Useful answers (error up to {USEFUL:g}): {'; '.join(parts)}; the largest error of torsion is {_told(own)}, "
-        f"of the others {_told(max(others))}."
+        f"Useful answers (error up to {USEFUL:g}): {'; '.join(parts)}; the largest error of torsion is {_size(own)}, "
+        f"of the others {_size(max(others))}."
     )
 
 
@@ -95,7 +95,7 @@ def _pen(method: str) -> dict[str, Any]:
     return {"color": COLOURS[colour], "linestyle": dashes}
 
 
-def _told(error: float) -> str:
+def _size(error: float) -> str:
     return f"{error:.1e}" if np.isfinite(error) else "beyond all bounds (no answer)"
 
 
@@ -105,9 +105,9 @@ def ends_table(sweep: Sweep) -> str:
     for method, points in sweep.points.items():
         worst = max((point.error for point in points if point.error <= USEFUL), default=float("nan"))
         faults = dict.fromkeys(f"{point.fault} (at {point.at:.2g})" for point in points if point.fault)
-        told = "; ".join(list(faults)[:2]) + (f"; {len(faults) - 2} more" if len(faults) > 2 else "")
+        words = "; ".join(list(faults)[:2]) + (f"; {len(faults) - 2} more" if len(faults) > 2 else "")
         largest = max(point.error for point in points)
-        rows.append((method, told_ranges(points), f"{worst:.1e}", _told(largest), told))
+        rows.append((method, ranges_in_words(points), f"{worst:.1e}", _size(largest), words))
     return table((sweep.along, "useful", "largest error there", "largest error anywhere", "faults"), rows)
 
 

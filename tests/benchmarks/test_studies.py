@@ -76,7 +76,7 @@ def test_answers_that_fail_are_kept_with_their_reason(sweeps):
 )
 def test_useful_stretches_of_a_sweep(sweeps, errors, told):
     points = [sweeps.Point(10.0**k, error) for k, error in enumerate(errors)]
-    assert sweeps.told_ranges(points) == told
+    assert sweeps.ranges_in_words(points) == told
 
 
 def test_reading_tells_the_largest_errors_of_both_sides(sweeps):
