@@ -51,6 +51,12 @@ def test_a_slow_candidate_has_fewer_turns_and_at_least_its_first_run_as_a_sample
     assert (len(fast.solve), slow.solve) == (5, (8.0,))
 
 
+def test_rounds_go_on_until_the_seconds_are_used() -> None:
+    clock = Clock()
+    (row,) = timed([[candidate("a", 1, 0.5, clock)]], Pace(rounds=1, seconds=3.5, slow=9.0, clock=clock))[0]
+    assert len(row.solve) == 4
+
+
 def test_a_fast_candidate_fills_its_turn() -> None:
     clock = Clock()
     (row,) = timed([[candidate("a", 1, 0.5, clock, solve=2.0**-9)]], Pace(rounds=3, runs=4, turn=2.0**-6, clock=clock))[
@@ -101,3 +107,9 @@ def test_torques_err_over_the_largest_of_their_speed_or_over_their_own_peak() ->
     assert over_peaks([exact], [found]) == pytest.approx((0.4 / 3.0,), rel=1e-15)
     assert over_peaks([exact], [found * np.nan]) == (np.inf,)
     assert np.isnan(over_largest(found, 0.0 * exact)).all()
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-12])
+def test_torques_that_are_rounding_beside_the_others_are_not_compared(size: float) -> None:
+    exact = np.array([[1.0, size], [2.0j, 0.0]])
+    assert over_peaks([exact], [exact + np.array([[0.02, 1e-12], [0.0, 0.0]])]) == pytest.approx((0.01,), rel=1e-15)

@@ -60,12 +60,12 @@ def _of_line(given: Loaded, damped: _Damped, load: Load, still: ComplexArray | N
     angle = (damped.node[system.folded.node] * system.speed_ratio[:, None]).T
     viscous = damped.viscous + load.ground.T @ (angle.T**2)
     lossy = n**2 * (1.0 + 1j * damped.loss_factor)
-    resisting = (lossy + 1j * np.outer(w, damped.viscous)) / n**2  # a twist is resisted elastically and by damping
-    amplitude = (force + resisting * turned) / (lossy - (w * w)[:, None] + 1j * w[:, None] * viscous)
+    spring = lossy + 1j * np.outer(w, damped.viscous)  # a twist is resisted elastically and by damping
+    amplitude = (force + spring * turned / n**2) / (lossy - (w * w)[:, None] + 1j * w[:, None] * viscous)
     at = given.ends
     share = 1.0 + 1j * (at.loss_factor + np.outer(w, at.delay))  # elastic and damping torque / elastic torque
     if still is not None:
-        moved = amplitude - force / lossy - turned / n**2
+        moved = amplitude - force / spring - turned / n**2
         return np.asarray(still[:, at.span] + share * (moved @ damped.torque[at.span].T))
     if twist is not None:
         return np.full((len(w), len(at.name)), np.nan, dtype=np.complex128)

@@ -93,8 +93,8 @@ def timed(
             ended.append(curve[0].curve)
     if ended:
         remarks.append(f"Finer discretisations are not run where rounding alone is left: {', '.join(ended)}.")
-    start, turn = perf_counter(), 0
-    while turn < pace.rounds or perf_counter() - start < pace.seconds:
+    start, turn = pace.clock(), 0
+    while turn < pace.rounds or pace.clock() - start < pace.seconds:
         turning = [one for one in tried if turn < pace.slow_rounds or sum(one.first) <= pace.slow]
         if not turning:
             break
