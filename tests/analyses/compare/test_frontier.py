@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, as_fast, fastest, unbeaten
+from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
+from torsion.report.pages.comparison_pages import csv_text
 from torsion.report.pages.run_time_blocks import best, recommendation, share
 
 
@@ -76,6 +77,12 @@ def test_the_table_of_the_best_marks_the_recommended_row_alone() -> None:
     table = best(quantity, 1e-3)
     assert [(line[0], line[-1]) for line in table.rows] == [("coarse", ""), ("lumped", "recommended"), ("exact", "")]
     assert table.marks == ("", "pass", "")
+
+
+def test_the_table_of_all_runs_states_the_worst_error_and_the_median() -> None:
+    quantity = TimedQuantity("frequencies", "Natural frequencies", "", "", 1e-15, 120.0, ("mode 1", "mode 2"), ROWS)
+    _, lumped, *_ = csv_text(Timings(1e-3, (quantity,), (), 3, ())).splitlines()
+    assert lumped.split(",")[:8] == ["frequencies", "lumped", "8 segments", "8", "0.0003", "0.0004", "0.0004", "0.0004"]
 
 
 def test_errors_below_the_bound_of_the_reference_count_as_equal() -> None:

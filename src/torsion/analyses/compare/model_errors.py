@@ -91,7 +91,7 @@ def over_peaks(exact: Sequence[ComplexArray], found: Sequence[ComplexArray]) -> 
 
 def _over_peak(exact: ComplexArray, found: ComplexArray) -> float:
     peak = np.abs(exact).max(axis=0)
-    compared = (peak > NEGLIGIBLE * peak.max()) & (peak > 0.0)
+    compared = peak > NEGLIGIBLE * peak.max()
     if not compared.any():
         return 0.0
     if not np.isfinite(found[:, compared]).all():

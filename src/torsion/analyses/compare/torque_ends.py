@@ -47,11 +47,8 @@ def elastic_ends(system: System) -> Ends:
 
 def driving_ends(system: System) -> Ends:
     """One end a shaft, coupling, gear mesh, joint or link; none where points join rigidly."""
-    parts, spans = system.train.parts, system.spans
-    joins = [
-        parts[spans[k].part].component.sort == "point" and system.flexibility[k] == 0 for k in range(_links(system))
-    ]
-    links = (k for k, is_rigid in enumerate(joins) if not is_rigid)
+    parts, spans, is_rigid = system.train.parts, system.spans, system.flexibility == 0
+    links = (k for k in range(_links(system)) if parts[spans[k].part].component.sort != "point" or not is_rigid[k])
     return _ends(system, links, (_of_shaft(system, bar)[0] for bar in system.train.bars))
 
 
