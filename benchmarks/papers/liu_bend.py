@@ -9,10 +9,9 @@ from benchmarks.papers import liu_bend_model as model
 from benchmarks.papers import liu_bend_space as space
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.liu_bend_model import Array, Boat
-from benchmarks.papers.own_equations import PageOfEquations
 from benchmarks.papers.pump_lumped import modes_of
 from benchmarks.papers.scenes import solved
-from benchmarks.papers.writing import Misprint, Picture, bound, told
+from benchmarks.papers.writing import Misprint, Page, Picture, bound, told
 
 NAME = "liu_2023_section_3"
 SOFT = 0.5  # stiffness of the softer shafts / that of the stiff ones
@@ -24,9 +23,9 @@ STIFF = Boat()
 LINES = {"stiff shafts": STIFF, "softer shafts": STIFF.softer(SOFT)}
 
 
-def page() -> PageOfEquations:
+def page() -> Page:
     """Everything the page says."""
-    return PageOfEquations(
+    return Page(
         name=NAME,
         title="Liu et al. 2023, section 3: torsion and bending of a line with two universal joints",
         reference="Liu et al., *Ship Science and Technology* 45(2), 2023, from page 80.",

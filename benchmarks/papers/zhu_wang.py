@@ -9,8 +9,7 @@ import numpy as np
 from benchmarks.papers import zhu_wang_equations as paper
 from benchmarks.papers import zhu_wang_space as space
 from benchmarks.papers.drawing import Panel, curves
-from benchmarks.papers.own_equations import PageOfEquations
-from benchmarks.papers.writing import Picture, bound, compared, told
+from benchmarks.papers.writing import Page, Picture, bound, compared, told
 from benchmarks.papers.zhu_wang_faults import faults
 from benchmarks.papers.zhu_wang_motion import DENSITY, RADIUS, SHAFT, body, exact, linear, shaft
 from torsion.analyses.lateral.misaligned import (
@@ -36,9 +35,9 @@ NO_CIRCULATION = Model(paper.without_circulation)
 SAID = {(25.9, True): "unstable", (25.9, False): "unstable", (26.2, True): "stable", (26.2, False): "unstable"}
 
 
-def page() -> PageOfEquations:
+def page() -> Page:
     """Everything the page says."""
-    return PageOfEquations(
+    return Page(
         name=NAME,
         title="Zhu and Wang: combination resonance of a misaligned shaft driven by a universal joint",
         reference="Zhu and Wang, on the combination resonance of a misaligned shaft driven by a universal joint "

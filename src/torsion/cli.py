@@ -141,7 +141,7 @@ def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
         findings = commands.check(file)
         typer.echo(text(findings, MODELS), nl=False)
         return findings
-    from torsion.report.terminal.check import show_check
+    from torsion.report.terminal.comparison import show_check
     from torsion.report.terminal.tables import progress
 
     with progress() as report_progress:
@@ -178,11 +178,11 @@ def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick
     with progress() as report_progress:
         findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
     if as_json:
-        from torsion.report.pages.study import json_text
+        from torsion.report.pages.comparison_pages import json_text
 
         typer.echo(json_text(findings, timings), nl=False)
         return
-    from torsion.report.terminal.study import show_study
+    from torsion.report.terminal.comparison import show_study
 
     folder = commands.folder_of(file, out)
     commands.write_study(findings, timings, folder)

@@ -13,7 +13,7 @@ from torsion.runner import run
 from torsion.schema.read import located, read
 
 if TYPE_CHECKING:
-    from torsion.analyses.study.rows import Timings
+    from torsion.analyses.compare.frontier import Timings
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -107,7 +107,7 @@ def check(file: str | Path, *, progress: Progress = silent) -> Findings:
 
 def write_check(findings: Findings, folder: Path) -> list[Path]:
     """Write check.html and check.json; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.check import write_check as write_pages
+    from torsion.report.pages.comparison_pages import write_check as write_pages
 
     try:
         return write_pages(findings, folder)
@@ -127,9 +127,9 @@ def study(
     tolerance: relative, or text such as "0.1 %". Raises InputError, also where there is nothing to compare, and
     SolveError.
     """
+    from torsion.analyses.compare.run_times import TOLERANCE, study_times
     from torsion.analyses.division import assembled
     from torsion.analyses.requests import highest_excited, no_response
-    from torsion.analyses.study.times import TOLERANCE, study_times
     from torsion.rules import needed
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
@@ -166,7 +166,7 @@ def _tolerance(given: str | float) -> float:
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Path]:
     """Write study.html, study.json and study.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.study import write_study as write_pages
+    from torsion.report.pages.comparison_pages import write_study as write_pages
 
     try:
         return write_pages(findings, timings, folder)

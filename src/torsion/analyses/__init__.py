@@ -122,7 +122,8 @@ ANALYSES: dict[str, Analysis] = {
         results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
     ),
     "check": Analysis(
-        "comparison of the models", "torsion.analyses.check.models", settings="CheckSettings", needs=("modes",),
+        "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",
+        needs=("assembly",),
         results={"check": "Compared"},
     ),
 }  # fmt: skip

@@ -41,7 +41,7 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     basis = np.where((group[:, None] == free) & ~fixed[:, None], system.speed_ratio[:, None], 0.0)
     inertia = np.where(system.held, 0.0, system.lumped_inertia)
     ground = _constant_damping(system) if ground_damping is None else ground_damping
-    across = _twist(system, basis)
+    across = system.twist(basis / system.speed_ratio[:, None])
     springs = (system.flexibility > 0) & np.isfinite(system.flexibility)
     if system.bars is not None:
         springs[system.bars.span] = False
@@ -88,12 +88,6 @@ def _constant_damping(system: System) -> FloatArray:
     for damper in system.dampers:
         damping[damper.station] += damper.constant
     return damping
-
-
-def _twist(system: System, basis: FloatArray) -> FloatArray:
-    """(spans, free) twist of each span at its driving station's speed: driving - driven angle / ratio."""
-    referred = basis / system.speed_ratio[:, None]
-    return np.asarray((referred[system.driving] - referred[system.driven]) * system.span_ratio[:, None])
 
 
 def _joined(system: System) -> IntArray:

@@ -141,6 +141,13 @@ class System:
         """(spans,) speed at which each span's torque is told / reference speed."""
         return self.speed_ratio[self.driving]
 
+    def twist(self, referred: np.ndarray) -> np.ndarray:
+        """(spans, columns) twist of every span at its driving station's speed: driving - driven angle / ratio.
+
+        referred: (stations, columns) angles referred to the reference speed.
+        """
+        return np.asarray((referred[self.driving] - referred[self.driven]) * self.span_ratio[:, None])
+
     @cached_property
     def driving(self) -> IntArray:
         """(spans,) driving station of each span."""

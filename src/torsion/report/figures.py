@@ -20,9 +20,9 @@ PLOTS = {
     "joint index": "torsion.plots.joint_index:joint_index",
     "whirl": "torsion.plots.lateral:whirl",
     "bending": "torsion.plots.lateral:bending",
-    "check modes": "torsion.plots.check:modes",
-    "check torques": "torsion.plots.check:torques",
-    "study": "torsion.plots.study:study",
+    "check modes": "torsion.plots.error_curves:modes",
+    "check torques": "torsion.plots.error_curves:torques",
+    "study": "torsion.plots.error_curves:run_times",
     "twisted shaft": "torsion.plots.twisted_shaft:twisted_shaft",
 }
 

@@ -37,7 +37,7 @@ def _check_faults(study: Study) -> list[Fault]:
     """Trains of which there is no exact model to compare the others with."""
     if "check" not in study.analyses:
         return []
-    from torsion.analyses.check.models import loop_faults
+    from torsion.analyses.compare.candidates import loop_faults
 
     return loop_faults(study, ("analyses", "check"))
 

@@ -12,13 +12,13 @@ from rich.console import Console
 import torsion
 from torsion.findings import Findings
 from torsion.output.results_json import MODELS, documented, results, text
-from torsion.plots.check import modes, torques
+from torsion.plots.error_curves import modes, torques
 from torsion.report.blocks import Figure, Heading, Paragraph, Table
-from torsion.report.chapters.check import chapter
+from torsion.report.chapters.model_comparison import chapter
 from torsion.report.figures import svg
 from torsion.report.html import html
-from torsion.report.pages.check import check_document, write_check
-from torsion.report.terminal.check import check_grids
+from torsion.report.pages.comparison_pages import check_document, write_check
+from torsion.report.terminal.comparison import check_grids
 from torsion.report.terminal.tables import tables
 
 KEYS = {key.path: key.meaning for key in documented()}
@@ -104,6 +104,7 @@ def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings)
     summary, by_mode = (block for block in blocks if isinstance(block, Table))
     assert summary.marks == ("", "fail", "pass")
     assert summary.rows[1][1] == "∞"
+    assert [row[4] for row in summary.rows] == ["6", "4", "6"]
     assert by_mode.rows[5][2:5] == ("–", "∞", "∞")
     words = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
     assert "The model lumped is not within 0.1 % of the exact model; fem is." in words
@@ -117,6 +118,14 @@ def test_the_terminal_fits_eighty_columns_and_says_the_verdict(good: Findings, c
     assert "fem are within 0.1 % of the exact model" in printed(check_grids(good)).replace("\n", " ")
     assert "FAIL" in printed(tables(coarse))
     assert "PASS" in printed(tables(good))
+
+
+def test_the_terminal_shows_columns_of_the_tables_of_the_report(good: Findings) -> None:
+    _, by_mode = (block for block in chapter(good) if isinstance(block, Table))
+    lines = printed(check_grids(good)).splitlines()
+    assert ["Mode", "exact,", "Hz", "lumped", "error,", "%", "fem", "error"] in [line.split() for line in lines]
+    for row in by_mode.rows:
+        assert [row[0], row[1], row[3], row[6]] in [line.split() for line in lines]
 
 
 def test_a_train_without_shafts_has_one_sentence() -> None:
@@ -146,7 +155,7 @@ def test_both_files_are_written_or_none(good: Findings, tmp_path: Path) -> None:
 def test_figures_take_errors_of_zero_of_nothing_and_without_bounds() -> None:
     errors = [("lumped", np.array([0.0, np.inf, 1e-3])), ("fem", np.array([1e-19, 1e-9, np.nan]))]
     drawn = modes("a", frequency=errors, shape=errors, tolerance=1e-3)
-    assert "1e-15" in drawn or "1e-16" in drawn
+    assert "1e−15" in drawn or "1e−16" in drawn
     nothing = [("lumped", np.full(3, np.nan))]
     assert "tolerance" in torques("b", speed=np.arange(3.0), lines=nothing, tolerance=1e-3)
     assert "<svg" in modes("c", frequency=nothing, shape=nothing, tolerance=1e-3)

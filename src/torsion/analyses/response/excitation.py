@@ -26,6 +26,12 @@ class Line:
     frequency: float | None = result("Hz", (), "null for an order", key="fixed_frequency_Hz")
     sources: tuple[str, ...] = result("", (), "what excites it")
 
+    def circular_frequency(self, speed: FloatArray) -> FloatArray:
+        """(speeds,) rad/s at reference speeds (speeds,) rad/s."""
+        if self.order is not None:
+            return float(self.order) * speed
+        return np.full(len(speed), 2.0 * np.pi * (self.frequency or 0.0))
+
 
 @dataclass(frozen=True, slots=True)
 class JointError:

@@ -75,7 +75,7 @@ def response(
     asked = _asked_speeds(study, speeds)
     orders = asked_orders(study)
     found = excitations(system, None if all_orders else orders)
-    highest = max((float(_frequencies(one.line, asked[-1:])[0]) for one in found), default=0.0)
+    highest = max((float(one.line.circular_frequency(asked[-1:])[0]) for one in found), default=0.0)
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
     scene = _Scene(study, system, found, progress or silent)
     further = np.empty(0) if also is None else also[(also > asked[0]) & (also < asked[-1])]
@@ -188,16 +188,9 @@ def _fill(scene: _Scene, result: Response, part: slice) -> None:
         result.mean[part] = mean.torque.T
     for k, one in enumerate(scene.found):
         scene.tell("response", (part.start + k * len(speed) / len(scene.found)) / max(len(result.speed), 1))
-        w = _frequencies(one.line, speed)
+        w = one.line.circular_frequency(speed)
         found = answer(system, w, sources(system, one, speed, mean), ground)
         result.frequency[part, k] = w / (2.0 * math.pi)
         result.angle[part, k], result.torque[part, k] = found.angle, found.torque
         result.residual[part, k], result.status[part, k] = found.residual, found.status
         result.joint_error[part, k] = joint_errors(system, one, found.angle)
-
-
-def _frequencies(line: Line, speed: FloatArray) -> FloatArray:
-    """(speeds,) rad/s."""
-    if line.order is not None:
-        return float(line.order) * speed
-    return np.full(len(speed), 2.0 * math.pi * (line.frequency or 0.0))

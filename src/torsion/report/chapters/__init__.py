@@ -9,7 +9,7 @@ from torsion.report.blocks import Block
 CHAPTERS = (
     "verdict", "plant", "mass_elastic", "frequencies", "twisted_shaft", "critical", "excitations", "damping", "steady",
     "response", "periodic", "stability", "stress", "gears", "couplings", "barred", "joints", "lateral", "sweep",
-    "check", "conclusion", "plan", "source",
+    "model_comparison", "conclusion", "plan", "source",
 )  # fmt: skip
 ON_REQUEST = ("twisted_shaft",)  # chapters that an option of the command asks for
 

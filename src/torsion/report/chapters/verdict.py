@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from torsion.analyses.check.models import Compared
+from torsion.analyses.compare.side_by_side import Compared
 from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.motion.stability import Stability
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Points, Table
-from torsion.report.chapters.check import conclusion as compared_models
+from torsion.report.chapters.model_comparison import conclusion as compared_models
 from torsion.report.numbers import RPM, given, number, order, rpm
 from torsion.report.reading import band_words, barred_rpm, failed, unreliable
 from torsion.rules.check import TO_BE_VERIFIED, Check, Checks

@@ -1,5 +1,7 @@
 """Tables and sentences on the terminal: words may be cut, numbers never."""
 
+from itertools import zip_longest
+
 import numpy as np
 from rich.box import SIMPLE
 from rich.console import OverflowMethod, RenderableType
@@ -7,7 +9,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from torsion.findings import Findings
-from torsion.report.blocks import Block, Paragraph, Points
+from torsion.report.blocks import Block, Paragraph, Points, Table
 from torsion.report.numbers import given, number, rpm
 from torsion.rules.check import Checks
 
@@ -40,6 +42,24 @@ def filled(made: Grid, rows: list[list[str]]) -> Grid:
         made.add_row(*(Text(cell) for cell in row))
     if len(rows) > MOST_ROWS:
         made.caption = f"and {len(rows) - MOST_ROWS} more rows in the report"
+    return made
+
+
+def tabled(table: Table, title: str, *columns: int) -> Grid:
+    """A table of the report, of it these columns (default: all); marks colour the last cell of their row.
+
+    A unit stands at the first of the neighbours that have it.
+    """
+    kept, heads, unit = columns or tuple(range(len(table.columns))), list[tuple[str, str]](), ""
+    for head in (table.columns[k] for k in kept):
+        is_new, unit = head.unit not in ("", unit), head.unit
+        heads.append((f"{head.title}, {unit}" if is_new else head.title, "<" if head.align == "left" else ">"))
+    made = grid(title, *heads)
+    for row, mark in zip_longest(table.rows[:MOST_ROWS], table.marks[:MOST_ROWS], fillvalue=""):
+        *cells, last = (row[k] for k in kept)
+        made.add_row(*(Text(cell) for cell in cells), Text(last, style=COLOURS.get(mark, "")))
+    if len(table.rows) > MOST_ROWS:
+        made.caption = f"and {len(table.rows) - MOST_ROWS} more rows in the report"
     return made
 
 

@@ -10,7 +10,6 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table as Grid
 from rich.text import Text
 
-from torsion.analyses.check.models import Compared
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.damped import DampedModes
 from torsion.analyses.joints.found import Joints
@@ -22,7 +21,7 @@ from torsion.report.chapters import verdict
 from torsion.report.chapters.lateral import speed_range
 from torsion.report.numbers import NONE, number, order, rpm
 from torsion.report.reading import NO_VALUE, largest, rounding, synthesis, without
-from torsion.report.terminal.check import largest_errors
+from torsion.report.terminal.comparison import largest_errors
 from torsion.report.terminal.grids import filled, grid, printed, verdicts
 from torsion.report.terminal.joints import lines_as_one
 from torsion.report.terminal.lateral import bending_speeds
@@ -47,9 +46,9 @@ def tables(findings: Findings) -> list[RenderableType]:
     bent = None if findings.get(Lateral) is None else bending_speeds(findings.need(Lateral), speed_range(findings))
     moved = largest_by_both(findings), unstable_ranges(findings)
     found = (_frequencies(findings), _critical_speeds(findings), _torques(findings), *moved, joints, bent)
-    shown += [made for made in (*found, verdicts(findings)) if made is not None and made.row_count]
-    if findings.get(Compared) is not None and findings.need(Compared).exact is not None:
-        shown.append(largest_errors(findings.need(Compared)))
+    shown += [
+        made for made in (*found, verdicts(findings), largest_errors(findings)) if made is not None and made.row_count
+    ]
     return [*shown, *(printed(block) for block in verdict.conclusion(findings))]
 
 

@@ -4,19 +4,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.check.models import Compared
+from torsion.analyses.compare.side_by_side import Compared
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table
 from torsion.report.numbers import NONE, RPM, given, number, order, rpm
 
 if TYPE_CHECKING:
-    from torsion.analyses.check.models import ModelCompared
+    from torsion.analyses.compare.side_by_side import ModelCompared
 
 MOST_MODES = 40  # of which a table is printed
 
 
 def chapter(findings: Findings) -> list[Block]:
-    """Nothing where it was not asked."""
+    """Nothing where it was not requested."""
     found = findings.get(Compared)
     if found is None:
         return []
@@ -24,7 +24,7 @@ def chapter(findings: Findings) -> list[Block]:
     if found.exact is None:
         return [*blocks, Paragraph(found.same, "note")]
     blocks += [_introduction(found), conclusion(found), summary(found), Points(_divisions(found))]
-    blocks += [counts(found), Heading("Frequencies and shapes", 2), _modes(found), _modes_figure(found)]
+    blocks += [counts(found), Heading("Frequencies and shapes", 2), modes(found), _modes_figure(found)]
     shown, all_of_them = min(MOST_MODES, len(found.exact.frequency)), len(found.exact.frequency)
     if shown < all_of_them:
         blocks.append(Paragraph(f"Modes {shown + 1} to {all_of_them} are left out of the table; see the JSON file."))
@@ -36,29 +36,35 @@ def conclusion(found: "Compared") -> Paragraph:
     if found.exact is None:
         return Paragraph(found.same, "note")
     limit = f"{given(100 * found.tolerance)} % of the exact model"
+    good = [model.model for model in found.models if model.model not in found.failed]
     if found.failed:
-        others = [model.model for model in found.models if model.model not in found.failed]
-        kept = f"; {' and '.join(others)} is" if others else ""
+        kept = f"; {' and '.join(good)} is" if good else ""
         return Paragraph(f"The model {' and '.join(found.failed)} is not within {limit}{kept}.", "fail")
-    names = [model.model for model in found.models]
-    return Paragraph(f"The {'models' if len(names) > 1 else 'model'} {' and '.join(names)} "
-                     f"{'are' if len(names) > 1 else 'is'} within {limit}.", "pass")  # fmt: skip
+    verb = ("model", "is") if len(good) == 1 else ("models", "are")
+    return Paragraph(f"The {verb[0]} {' and '.join(good)} {verb[1]} within {limit}.", "pass")
 
 
 def summary(found: "Compared") -> Table:
     """The largest errors of every model and its verdict."""
     columns = (
-        Column("Model", align="left"), Column("Frequency", "%"), Column("Shape, 1 − MAC", "%"), Column("Torques", "%"),
-        Column("Modes below"), Column("Time, modes", "ms"), Column("Time, torques", "ms"),
-        Column("Verdict", align="left"),
+        Column("Model", align="left"), Column("Frequency", "%"), Column("1 − MAC", "%"), Column("Torques", "%"),
+        Column("Modes"), Column("Time", "ms"), Column("Verdict", align="left"),
     )  # fmt: skip
-    rows = tuple(_row(model, found) for model in _all(found))
+    rows = []
+    for model in _all(found):
+        errors, verdict = tuple(_percent(error) for error in model.largest), "PASS"
+        if model is found.exact:
+            errors, verdict = (NONE, NONE, NONE), NONE
+        elif model.model in found.failed:
+            verdict = "FAIL"
+        times = " + ".join(number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds))
+        rows.append((model.model, *errors, str(model.below), times, verdict))
     marks = ("", *("fail" if model.model in found.failed else "pass" for model in found.models))
     caption = (
         f"Largest errors against the exact model, of {len(_all(found)[0].frequency)} modes; modes below "
-        f"{number(found.highest)} Hz; times of one run"
+        f"{number(found.highest)} Hz; times of one run of the modes and of the torques"
     )
-    return Table(columns, rows, caption, marks)
+    return Table(columns, tuple(rows), caption, marks)
 
 
 def counts(found: "Compared") -> Paragraph:
@@ -101,14 +107,6 @@ def _percent(error: float) -> str:
     return number(100.0 * error, 3)
 
 
-def _row(model: "ModelCompared", found: "Compared") -> tuple[str, ...]:
-    is_exact = model is found.exact
-    errors = (NONE, NONE, NONE) if is_exact else tuple(_percent(error) for error in model.largest)
-    verdict = "reference" if is_exact else "FAIL" if model.model in found.failed else "PASS"
-    times = (number(1e3 * seconds, 3) for seconds in (model.modes_seconds, model.torques_seconds))
-    return (model.model, *errors, str(model.below), *times, verdict)
-
-
 def _divisions(found: "Compared") -> tuple[str, ...]:
     return tuple(
         f"{model.model}: {model.division}" + ("" if model.certified else "; not certified by counts")
@@ -116,11 +114,12 @@ def _divisions(found: "Compared") -> tuple[str, ...]:
     )
 
 
-def _modes(found: "Compared") -> Table:
+def modes(found: "Compared") -> Table:
+    """Frequencies of all models, of every model but the exact one also the errors."""
     exact, *others = _all(found)
     columns = [Column("Mode"), Column("exact", "Hz")]
     for model in others:
-        columns += [Column(model.model, "Hz"), Column("error", "%"), Column("1 − MAC")]
+        columns += [Column(model.model, "Hz"), Column(f"{model.model} error", "%"), Column("1 − MAC")]
     rows = []
     for mode in range(min(MOST_MODES, len(exact.frequency))):
         row = [str(mode + 1), number(float(exact.frequency[mode]), 9)]
@@ -150,7 +149,7 @@ def _torques(found: "Compared") -> list[Block]:
         return [Paragraph(f"No torques are compared: {found.no_torques}.", "note")]
     blocks: list[Block] = [
         Paragraph(
-            "Complex torques at the driving end of every component, at every speed and order that is asked for; a "
+            "Complex torques at the driving end of every component, at every requested speed and order; a "
             "difference counts relative to the largest of these torques at that speed and order, all referred to one "
             "speed. Near a resonance an error of its frequency is magnified."
         )

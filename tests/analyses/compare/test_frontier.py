@@ -4,8 +4,9 @@ import math
 
 import pytest
 
-from torsion.analyses.study.rows import Spread, TimedQuantity, TimedRow, as_fast, fastest, unbeaten
-from torsion.report.terminal.study import recommendation, share
+from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
+from torsion.report.pages.comparison_pages import csv_text
+from torsion.report.pages.run_time_blocks import best, recommendation, share
 
 
 def row(name: str, error: float, *solve: float, assembly: float = 0.0) -> TimedRow:
@@ -29,9 +30,9 @@ def names(rows: tuple[TimedRow, ...]) -> list[str]:
     ("tolerance", "name"), [(0.1, "coarse"), (2e-2, "coarse"), (1e-3, "lumped"), (1e-4, "exact"), (1e-12, "exact")]
 )
 def test_the_fastest_method_that_keeps_the_tolerance_is_recommended(tolerance: float, name: str) -> None:
-    best = fastest(ROWS, tolerance)
-    assert best is not None
-    assert best.curve == name
+    found = fastest(ROWS, tolerance)
+    assert found is not None
+    assert found.curve == name
 
 
 def test_nothing_is_recommended_where_no_method_keeps_the_tolerance() -> None:
@@ -41,9 +42,9 @@ def test_nothing_is_recommended_where_no_method_keeps_the_tolerance() -> None:
 
 def test_the_time_of_a_method_is_that_of_assembly_and_solve_together() -> None:
     slow_start = row("slow start", 1e-4, 1e-5, 1e-5, 1e-5, assembly=1.0)
-    best = fastest((slow_start, ROWS[0]), 1e-3)
-    assert best is not None
-    assert best.curve == "lumped"
+    found = fastest((slow_start, ROWS[0]), 1e-3)
+    assert found is not None
+    assert found.curve == "lumped"
 
 
 def test_one_slow_run_does_not_change_the_recommendation() -> None:
@@ -58,6 +59,30 @@ def test_no_method_of_the_pareto_set_is_beaten_by_any_other() -> None:
         assert not any(
             other.total.median < one.total.median and other.error <= one.error for other in ROWS if other is not one
         )
+
+
+def test_what_is_no_answer_is_in_no_pareto_set() -> None:
+    nothing = (row("none", math.inf, 1e-6), row("unknown", math.nan, 2e-6))
+    assert names(unbeaten((*nothing, *ROWS))) == ["coarse", "lumped", "exact"]
+    assert unbeaten(nothing) == ()
+
+
+def test_of_errors_that_hardly_differ_the_faster_method_alone_is_kept() -> None:
+    slower = row("slower", 0.995 * 1e-15, 9e-4, 9e-4, 9e-4)
+    assert names(unbeaten((*ROWS, slower))) == ["coarse", "lumped", "exact"]
+
+
+def test_the_table_of_the_best_marks_the_recommended_row_alone() -> None:
+    quantity = TimedQuantity("frequencies", "Natural frequencies", "", "", 1e-15, 120.0, ("mode 1", "mode 2"), ROWS)
+    table = best(quantity, 1e-3)
+    assert [(line[0], line[-1]) for line in table.rows] == [("coarse", ""), ("lumped", "recommended"), ("exact", "")]
+    assert table.marks == ("", "pass", "")
+
+
+def test_the_table_of_all_runs_states_the_worst_error_and_the_median() -> None:
+    quantity = TimedQuantity("frequencies", "Natural frequencies", "", "", 1e-15, 120.0, ("mode 1", "mode 2"), ROWS)
+    _, lumped, *_ = csv_text(Timings(1e-3, (quantity,), (), 3, ())).splitlines()
+    assert lumped.split(",")[:8] == ["frequencies", "lumped", "8 segments", "8", "0.0003", "0.0004", "0.0004", "0.0004"]
 
 
 def test_errors_below_the_bound_of_the_reference_count_as_equal() -> None:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.study import times as module
-from torsion.analyses.study.rows import TimedQuantity, Timings
-from torsion.analyses.study.times import study_times
-from torsion.analyses.study.timing import Effort
+from torsion.analyses.compare import run_times as module
+from torsion.analyses.compare.candidates import plain, reference
+from torsion.analyses.compare.frontier import TimedQuantity, Timings
+from torsion.analyses.compare.run_times import study_times
+from torsion.analyses.compare.timing import Effort
 from torsion.study import Study
 
 SHORT = Effort(rounds=2, longest=5.0, segments=64, unknowns=24, degrees=(1, 2, 3), modes=32, dense=16, speeds=7)
@@ -23,6 +24,7 @@ train:
 excitations: [{at: right, order: 6, torque: 100 N*m}, {at: left, order: 2, torque: 30 N*m}]
 """
 JOINT = SHAFT.replace("  - disc: {name: right", "  - joint: {angle: 8 deg}\n  - disc: {name: right")
+BRAKED = JOINT.replace("inertia: 0.03}", "inertia: 0.03, damping: 0.4}").replace(", loss_factor: 0.01", "")
 DISCS = """
 name: three discs
 operation: {speeds: {from: 600 rpm, to: 3000 rpm}}
@@ -34,6 +36,21 @@ train:
   - disc: {name: last, inertia: 0.05}
 excitations: [{at: last, order: 6, torque: 100 N*m}]
 """
+DAMPED = """
+name: three discs, every damper in proportion to inertia or stiffness
+operation: {speeds: {from: 600 rpm, to: 3000 rpm}}
+train:
+  - disc: {name: first, inertia: 0.02, damping: 0.06}
+  - coupling: {stiffness: 20 kN*m/rad, viscous: 2}
+  - disc: {name: second, inertia: 0.03, damping: 0.09}
+  - coupling: {stiffness: 30 kN*m/rad, viscous: 3}
+  - disc: {name: last, inertia: 0.05, damping: 0.15}
+excitations:
+  - {at: last, order: 6, torque: 100 N*m}
+  - {at: last, order: 5, torque: 1e-6 N*m}
+  - {at: first, order: 4, torque: 100 N*m}
+  - {at: first, order: 2, torque: 100 N*m}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +61,9 @@ def timings() -> dict[str, Timings]:
         return {
             "shaft": study_times(parsed(SHAFT), highest=300.0, count=3),
             "joint": study_times(parsed(JOINT), highest=300.0),
+            "braked": study_times(parsed(BRAKED), highest=300.0),
             "discs": study_times(parsed(DISCS), highest=300.0),
+            "damped": study_times(parsed(DAMPED), highest=300.0),
         }
 
 
@@ -92,7 +111,7 @@ def test_the_exact_model_errs_by_rounding_alone(timings: dict, key: str) -> None
     assert exact.error <= found.bound < 1e-11
 
 
-@pytest.mark.parametrize("scene", ["shaft", "joint"])
+@pytest.mark.parametrize("scene", ["shaft", "joint", "braked"])
 def test_dense_solve_and_elimination_agree_on_lumped_shafts(timings: dict, scene: str) -> None:
     found = quantity(timings[scene], "response")
     dense, swept = errors(found, "lumped, dense solve"), errors(found, "lumped, elimination")
@@ -107,6 +126,45 @@ def test_all_modes_of_a_train_that_damps_them_alike_give_its_response(timings: d
         assert known[2] < 1e-12
         assert known[1] > 1e-3
     assert errors(found, "dense solve")[1] < 1e-12
+
+
+def test_damping_in_proportion_to_inertia_and_stiffness_does_not_couple_the_modes(timings: dict) -> None:
+    found = quantity(timings["damped"], "response")
+    for curve in ("modal superposition", "modal superposition, static correction"):
+        assert errors(found, curve)[2] < 1e-12
+    assert errors(found, "dense solve")[1] < 1e-12
+
+
+def test_the_harmonics_of_the_largest_torques_are_compared(timings: dict) -> None:
+    orders = [name.split()[1] for name in quantity(timings["damped"], "response").columns]
+    assert orders == ["2", "4", "6"]
+
+
+def test_a_speed_in_resonance_without_damping_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "QUICK", SHORT)
+    discs = "train: [disc: {name: a, inertia: 0.5}, coupling: {stiffness: 1600}, disc: {name: b, inertia: 0.5}]"
+    rest = "operation: {speeds: {from: 80 rad/s, to: 140 rad/s}}\nexcitations: [{at: a, order: 1, torque: 1}]"
+    found = study_times(parsed(f"name: x\n{discs}\n{rest}\n"), highest=30.0, quick=True)
+    assert any(remark.startswith("1 of 7 speeds are left out") for remark in found.quantities[0].remarks)
+
+
+def test_frequencies_are_compared_up_to_the_highest_excited_one_or_the_last_requested_mode(timings: dict) -> None:
+    assert quantity(timings["joint"], "frequencies").highest == 300.0
+    found = quantity(timings["shaft"], "frequencies")
+    assert len(found.columns) == 3
+    assert f"mode 3, {found.highest:.6g} Hz" == found.columns[-1]
+
+
+def test_finite_elements_have_no_more_unknowns_than_the_effort_says(timings: dict) -> None:
+    found = quantity(timings["shaft"], "frequencies")
+    for degree in SHORT.degrees:
+        assert max(errors(found, f"fem, degree {degree}")) == {1: 16, 2: 8, 3: 8}[degree]
+
+
+def test_the_reference_has_twice_the_pieces_of_the_exact_model() -> None:
+    exact = reference(plain(parsed(SHAFT)), 3000.0, None)
+    assert exact.finer.segments == {name: 2 * number for name, number in exact.system.segments.items()}
+    assert exact.finer_found.frequency[-1] < 3000.0
 
 
 def test_modes_of_a_continuum_converge_and_a_static_correction_gains_two_orders(timings: dict) -> None:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.check.models import CheckSettings, check
-from torsion.analyses.check.shapes import shape_errors
-from torsion.analyses.check.torques import driving_ends, end_torques
+from torsion.analyses.compare.loads import eliminated, loaded
+from torsion.analyses.compare.model_errors import shape_errors
+from torsion.analyses.compare.side_by_side import CheckSettings, check, operating_harmonics
+from torsion.analyses.compare.torque_ends import driving_ends
 from torsion.errors import InputError
 
 SCENE = (Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml").read_text(encoding="utf-8")
@@ -46,7 +47,6 @@ def test_the_exact_model_has_no_error_against_itself():
 def test_shapes_of_elements_of_degree_eight_are_those_of_the_continuum():
     text = SCENE.replace("model: exact", "model: fem\n  fem: {degree: 8}")
     fem = compared(text, models=("fem",)).models[0]
-    np.testing.assert_allclose(fem.mac, 1.0, rtol=0, atol=1e-12)
     assert np.all(fem.shape_error < 1e-12)
 
 
@@ -87,20 +87,54 @@ def test_torques_at_driving_ends_are_in_equilibrium_with_what_drives():
     speed = study.operation.speeds.values()
     for model in ("lumped", "exact"):
         system = torsion.assemble(study.train, model, frequency=100.0)
-        found = end_torques(study, system, speed)
+        harmonics, _, _ = operating_harmonics(study, system)
+        found = loaded(system, harmonics)
         response = torsion.response(study, system, speeds=speed)
-        assert found.ends[0].name == "intermediate shaft"
-        line = [one.order for one in found.lines].index(2)
+        assert found.ends.name[0] == "intermediate shaft"
+        line = [one.line.order for one in found.loads].index(2)
         angle = response.angle[response.asked][:, line, 0]
         driven = 50.0 * np.exp(1j * math.radians(20.0)) + 3.0 * (2.0 * speed) ** 2 * angle
-        np.testing.assert_allclose(found.torque[:, line, 0], driven, rtol=1e-9)
+        np.testing.assert_allclose(eliminated(found)[line][:, 0], driven, rtol=1e-9)
+
+
+def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
+    """Of one speed and order at a time; the worst of them names its component."""
+    text = COARSE.replace(*STEPS)
+    found, study = check(torsion.parse(text)), torsion.parse(text)
+    harmonics, highest, _ = operating_harmonics(study, torsion.assemble(study.train, "lumped"))
+    speed = study.operation.speeds.values()
+    assert highest == pytest.approx(max(one.line.order for one in loaded_orders(study)) * speed[-1] / (2.0 * math.pi))
+    systems = [torsion.assemble(study.train, model, frequency=1000.0) for model in ("lumped", "exact")]
+    given = [loaded(system, harmonics) for system in systems]
+    ratio = systems[1].span_ratio[given[1].ends.span]
+    assert len(set(ratio.tolist())) > 1
+    lumped, exact = (np.stack(eliminated(one), axis=1) * ratio for one in given)  # (speeds, orders, ends)
+    error = np.abs(lumped - exact) / np.abs(exact).max(axis=2, keepdims=True)
+    worst = np.unravel_index(error.argmax(), error.shape)
+    torques = found.models[0].torques
+    np.testing.assert_allclose(torques.error, error.max(axis=(1, 2)), rtol=1e-6)
+    assert torques.largest == pytest.approx(error.max(), rel=1e-6)
+    assert (torques.speed, torques.component) == (worst[0], given[1].ends.name[worst[2]])
+    assert torques.line.order == given[1].loads[worst[1]].line.order
+    largest = max(found.models[0].largest)
+    assert found.models[0].passes(largest)
+    assert not found.models[0].passes(0.999 * largest)
+
+
+def loaded_orders(study):
+    return loaded(torsion.assemble(study.train, "lumped"), operating_harmonics(
+        study, torsion.assemble(study.train, "lumped"))[0]).loads  # fmt: skip
+
+
+def test_orders_that_the_response_names_are_compared_alone():
+    study = torsion.parse(SCENE.replace("analyses:", "analyses:\n  response: {orders: [2]}"))
+    assert [one.line.order for one in loaded_orders(study)] == [2]
 
 
 def test_every_component_has_one_driving_end_in_every_model():
     study = torsion.parse(SCENE)
     names = [
-        [end.name for end in driving_ends(torsion.assemble(study.train, model, frequency=500.0))]
-        for model in ("lumped", "fem", "exact")
+        driving_ends(torsion.assemble(study.train, model, frequency=500.0)).name for model in ("lumped", "fem", "exact")
     ]
     assert names[0] == names[1] == names[2]
     assert {"intermediate shaft", "reduction", "pump coupling", "main coupling", "tail shaft"} == set(names[0])
@@ -131,7 +165,7 @@ def test_three_equal_branches_with_repeated_frequencies_pass():
 def test_shafts_without_inertia_make_all_models_the_same_and_load_no_elements():
     program = """
 import sys, torsion
-from torsion.analyses.check.models import check
+from torsion.analyses.compare.side_by_side import check
 massless = "{shear_modulus: 80 GPa, density: 0}"
 for link in ("coupling: {stiffness: 9}", "shaft: {length: 1, diameter: 50 mm, material: light}"):
     text = f"name: a\\nmaterials: {{light: {massless}}}\\ntrain: [disc: {{inertia: 1}}, {link}, disc: {{inertia: 1}}]"
@@ -169,6 +203,14 @@ def test_answers_exactly_in_resonance_are_left_out():
     found = check(torsion.parse(text + "\noperation: {speeds: {from: 1 rpm, to: 2 rpm, steps: 2}}\n" + driven))
     assert all(model.torques.left_out == 2 for model in found.models)
     assert all(math.isnan(model.largest[2]) for model in found.models)
+
+
+def test_an_answer_in_resonance_of_a_model_alone_is_left_out_of_that_model():
+    text = "name: rod\ntrain: [disc: {held: true}, shaft: {length: 2, diameter: 50 mm, segments: 2}, "
+    text += "disc: {name: end, inertia: 1}]\noperation: {speeds: {from: 1 rpm, to: 2 rpm, steps: 2}}\n"
+    first = float(check(torsion.parse(text)).models[0].frequency[0])
+    found = check(torsion.parse(f"{text}excitations: [{{at: end, frequency: {first!r}, torque: 1}}]\n"))
+    assert [model.torques.left_out for model in found.models] == [2, 0]
 
 
 def test_a_train_with_closed_loops_has_no_exact_model():

@@ -1,24 +1,27 @@
-"""The report of a study of run times: study.html, study.json and study.csv."""
+"""The pages of the comparisons: check.html of the models, study.html of error against run time, their JSON and CSV."""
 
 import csv
 import io
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import date
 from pathlib import Path
 from typing import Any
 
 import torsion
-from torsion.analyses.study.rows import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
+from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
 from torsion.findings import Findings
 from torsion.output.plain import finite
+from torsion.report.blocks import Block
+from torsion.report.chapters import model_comparison
+from torsion.report.chapters import plan as plan_chapter
 from torsion.report.chapters import source as source_chapter
 from torsion.report.cover import checksum, cover
 from torsion.report.document import Document
 from torsion.report.numbering import numbered
-from torsion.report.pages.study_blocks import blocks
-from torsion.report.terminal.study import PAGE, recommendation
+from torsion.report.pages.run_time_blocks import blocks, recommendation
 
+CHECK, STUDY = "check.html", "study.html"
 FORMAT = 1
 TITLES = (
     "quantity", "method", "division", "size", "error [1]", "least [s]", "quarter [s]", "median [s]",
@@ -26,23 +29,41 @@ TITLES = (
 )  # fmt: skip
 
 
+def write_check(findings: Findings, folder: str | Path, *, today: date | None = None) -> list[Path]:
+    """Write check.html and check.json, both or none; raises OSError where the folder cannot be written."""
+    from torsion.output.results_json import MODELS, text
+    from torsion.report.html import html
+    from torsion.report.write import write_texts
+
+    page = html(check_document(findings, today or date.today()))
+    return write_texts({CHECK: page, "check.json": text(findings, MODELS)}, folder)
+
+
 def write_study(findings: Findings, timings: Timings, folder: str | Path, *, today: date | None = None) -> list[Path]:
-    """Write the three files into the folder, all or none; raises OSError where it cannot be written."""
+    """Write study.html, study.json and study.csv, all or none; raises OSError where the folder cannot be written."""
     from torsion.report.html import html
     from torsion.report.write import write_texts
 
     page = html(study_document(findings, timings, today or date.today()))
-    texts = {PAGE: page, "study.json": json_text(findings, timings), "study.csv": csv_text(timings)}
+    texts = {STUDY: page, "study.json": json_text(findings, timings), "study.csv": csv_text(timings)}
     return write_texts(texts, folder)
+
+
+def check_document(findings: Findings, today: date | None = None) -> Document:
+    """The report of the models side by side alone."""
+    chapters = (model_comparison, plan_chapter, source_chapter)
+    body = [block for chapter in chapters for block in chapter.chapter(findings)]
+    return _document(findings, "Models of a shaft train compared", body, today)
 
 
 def study_document(findings: Findings, timings: Timings, today: date | None = None) -> Document:
     """The report: what to take, every quantity, how the times were taken, all rows, the file."""
-    front = replace(cover(findings, today), title="Error against run time")
-    body = blocks(timings)
-    if findings.study.text:
-        body += source_chapter.chapter(findings)
-    return Document(front, tuple(numbered(body)))
+    source = source_chapter.chapter(findings) if findings.study.text else []
+    return _document(findings, "Error against run time", [*blocks(timings), *source], today)
+
+
+def _document(findings: Findings, title: str, body: list[Block], today: date | None) -> Document:
+    return Document(replace(cover(findings, today), title=title), tuple(numbered(body)))
 
 
 def csv_text(timings: Timings) -> str:
@@ -63,7 +84,7 @@ def csv_text(timings: Timings) -> str:
 def json_text(findings: Findings, timings: Timings) -> str:
     """The study as JSON text; times in seconds, every run; an error that is infinite is null."""
     study = findings.study
-    told = {
+    values = {
         "format": FORMAT,
         "program": {"name": "torsion", "version": torsion.__version__},
         "scene": {"name": study.name, "file": study.file, "sha256": checksum(study.text) if study.text else None},
@@ -73,7 +94,7 @@ def json_text(findings: Findings, timings: Timings) -> str:
         "remarks": list(timings.remarks),
         "quantities": [_quantity(one, timings.tolerance) for one in timings.quantities],
     }
-    return json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _quantity(quantity: TimedQuantity, tolerance: float) -> dict[str, Any]:
@@ -109,10 +130,4 @@ def _row(row: TimedRow) -> dict[str, Any]:
 
 
 def _spread(spread: Spread) -> dict[str, Any]:
-    return {
-        "least_s": spread.least,
-        "quarter_s": spread.quarter,
-        "median_s": spread.median,
-        "three_quarters_s": spread.three_quarters,
-        "runs": spread.runs,
-    }
+    return {key if key == "runs" else f"{key}_s": value for key, value in asdict(spread).items()}

@@ -1,26 +1,39 @@
-"""The train of a study of run times: its shafts divided in any number of pieces, and the reference."""
+"""The shafts of a train in any number of pieces, in every model, and the exact model as the reference of them all."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
+from torsion.analyses.compare.timing import Candidate, Effort
 from torsion.analyses.division import assembled
 from torsion.analyses.modes import Modes, modes, modes_as_discretised, undamped_tree
-from torsion.analyses.study.timing import Effort
 from torsion.assembly import assemble
 from torsion.assembly.section.resolved import resolved
 from torsion.assembly.system import System
+from torsion.errors import Fault, Path
 from torsion.study import FiniteElements, Study
 from torsion.train import Train
 
-Division = tuple[str, str, int, "partial[System]"]  # method, division in words, size, what assembles it
-DEFAULT_COUNT = 6  # modes, where neither the file nor an excitation says how many
+Named = Callable[[str, str, int, Callable[[], System]], Candidate]  # of method, words, size and what assembles it
+COUNT = 6  # elastic modes, where neither the file nor an excitation says how many
 
 
 def has_shafts(train: Train) -> bool:
-    """Some shaft has inertia, and so can be divided."""
+    """Some shaft has inertia, so that its models differ."""
     return any(bar.density > 0 for bar in train.bars)
+
+
+def loop_fault(path: Path) -> Fault:
+    """Why there is no exact model of a train: its closed loops."""
+    message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
+    return Fault(path, message, "leave `links` or the comparison out")
+
+
+def loop_faults(study: Study, path: Path) -> list[Fault]:
+    """The fault of closed loops in a train whose shafts have inertia."""
+    closed = any(part.path[0] == "links" for part in study.train.parts)
+    return [loop_fault(path)] if closed and has_shafts(study.train) else []
 
 
 def plain(study: Study) -> Study:
@@ -48,29 +61,39 @@ def ready(
     return system
 
 
-def divisions(train: Train, frequency: float, effort: Effort, degrees: tuple[int, ...]) -> list[list[Division]]:
-    """Every division of the shafts, a list a curve; frequency (Hz): what the exact model is divided for."""
-    lumped = [
-        ("lumped", _words(number, "segment"), number, partial(ready, divided(train, number), "lumped"))
-        for number in _doubled(effort.segments)
+def lumped(train: Train, most: int, curve: str, named: Named) -> list[Candidate]:
+    """One curve: lumped shafts of 1, 2, 4 .. segments."""
+    return [
+        named(curve, counted(number, "segment"), number, partial(ready, divided(train, number), "lumped"))
+        for number in doubled(most)
     ]
-    curves = [lumped]
+
+
+def candidates(
+    train: Train, frequency: float, effort: Effort, degrees: tuple[int, ...], named: Named, method: str = ""
+) -> list[list[Candidate]]:
+    """Every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for.
+
+    method: what is added to the name of each curve.
+    """
+    curves = [lumped(train, effort.segments, f"lumped{method}", named)]
     for degree in degrees:
+        finite = partial(ready, train, "fem", frequency=frequency, degree=degree)
         curves.append([
-            (f"fem, degree {degree}", _words(number, "element"), number,
-             partial(ready, train, "fem", frequency=frequency, degree=degree, elements=number))
-            for number in _doubled(max(1, effort.unknowns // degree))
+            named(f"fem, degree {degree}{method}", counted(number, "element"), number, partial(finite, elements=number))
+            for number in doubled(max(1, effort.unknowns // degree))
         ])  # fmt: skip
     exact = partial(ready, train, "exact", frequency=frequency)
     pieces = max(exact().segments.values())
-    return [*curves, [("exact", _words(pieces, "piece"), pieces, exact)]]
+    return [*curves, [named(f"exact{method}", counted(pieces, "piece"), pieces, exact)]]
 
 
-def _words(number: int, what: str) -> str:
+def counted(number: int, what: str) -> str:
+    """A number with its noun."""
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def _doubled(most: int) -> list[int]:
+def doubled(most: int) -> list[int]:
     """1, 2, 4 .. up to a largest."""
     return [2**k for k in range(most.bit_length())]
 
@@ -86,7 +109,7 @@ class Reference:
 
 
 def reference(study: Study, highest: float, count: int | None) -> Reference:
-    """The lowest `count` modes (None: those up to `highest`, Hz) of the exact model, both divisions of it."""
+    """The lowest `count` modes (None: those up to `highest`, Hz) of the exact model, both discretisations of it."""
     system = assembled(study, highest)
     if count is None:
         count = _count_up_to(system, highest)
@@ -97,7 +120,7 @@ def reference(study: Study, highest: float, count: int | None) -> Reference:
 
 def _count_up_to(system: System, highest: float) -> int:
     if highest <= 0.0 or system.folded_bars is None:
-        return DEFAULT_COUNT
+        return COUNT
     from torsion.analyses.bars import reach
 
     return max(1, reach(undamped_tree(system.folded), system.folded_bars, 2.0 * math.pi * highest).count)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.analyses.compare.loads import Load, Loaded, statically
 from torsion.analyses.modes import Modes, modes_as_discretised
-from torsion.analyses.study.loads import Load, Loaded, statically
 from torsion.kernels.tree import ComplexArray, FloatArray
 
 SLOW = 1e-7  # of the lowest frequency: its square is the relative error of the static torques
@@ -26,7 +26,7 @@ class _Damped:
 
 
 def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArray]:
-    """Torques (frequencies, probes) N m of every line from the lowest `count` modes.
+    """Torques (speeds, ends) N m of every harmonic from the lowest `count` modes.
 
     corrected: the modes that are left out answer as slowly as they would to torques that do not change. Without it a
     line that joints excite has no answer (NaN): the modes alone do not add up to a twist that is imposed. Shafts of the
@@ -43,9 +43,10 @@ def _damped(given: Loaded, found: Modes) -> _Damped:
     referred = found.shape / system.speed_ratio[:, None]
     node = np.zeros((system.folded.tree.size, referred.shape[1]))
     node[system.folded.node] = referred
-    twist = (referred[system.driving] - referred[system.driven]) * system.span_ratio[:, None]
     w = 2.0 * np.pi * found.frequency
-    return _Damped(w, node, found.torque, system.loss_factor @ found.elastic, system.viscous @ twist**2)
+    return _Damped(
+        w, node, found.torque, system.loss_factor @ found.elastic, system.viscous @ system.twist(referred) ** 2
+    )
 
 
 def _of_line(given: Loaded, damped: _Damped, load: Load, still: ComplexArray | None) -> ComplexArray:
@@ -59,12 +60,12 @@ def _of_line(given: Loaded, damped: _Damped, load: Load, still: ComplexArray | N
     angle = (damped.node[system.folded.node] * system.speed_ratio[:, None]).T
     viscous = damped.viscous + load.ground.T @ (angle.T**2)
     lossy = n**2 * (1.0 + 1j * damped.loss_factor)
-    resisting = (lossy + 1j * np.outer(w, damped.viscous)) / n**2  # a twist is resisted elastically and by damping
-    amplitude = (force + resisting * turned) / (lossy - (w * w)[:, None] + 1j * w[:, None] * viscous)
-    at = given.probes
+    spring = lossy + 1j * np.outer(w, damped.viscous)  # a twist is resisted elastically and by damping
+    amplitude = (force + spring * turned / n**2) / (lossy - (w * w)[:, None] + 1j * w[:, None] * viscous)
+    at = given.ends
     share = 1.0 + 1j * (at.loss_factor + np.outer(w, at.delay))  # elastic and damping torque / elastic torque
     if still is not None:
-        moved = amplitude - force / lossy - turned / n**2
+        moved = amplitude - force / spring - turned / n**2
         return np.asarray(still[:, at.span] + share * (moved @ damped.torque[at.span].T))
     if twist is not None:
         return np.full((len(w), len(at.name)), np.nan, dtype=np.complex128)

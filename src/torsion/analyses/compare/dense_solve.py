@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.study.loads import Load, Loaded
+from torsion.analyses.compare.loads import Load, Loaded
 from torsion.assembly.matrices import Matrices, matrices
 from torsion.assembly.system import System
 from torsion.kernels.tree import ComplexArray, FloatArray
@@ -18,7 +18,7 @@ class Dense:
     view: Matrices
     node: FloatArray  # (tree stations, free) angle referred to one speed, of every free angle
     across: FloatArray  # (spans, free) twist of each span at its driving station's speed
-    stiffness: ComplexArray  # (spans,) N m/rad with loss; 0 where rigid, for the torque of a rigid span is not told
+    stiffness: ComplexArray  # (spans,) N m/rad with loss; 0 where rigid, for rigid spans have no such torque
 
 
 def dense(given: Loaded) -> Dense:
@@ -30,11 +30,11 @@ def dense(given: Loaded) -> Dense:
     node[system.folded.node] = referred
     elastic = (system.flexibility > 0) & np.isfinite(system.flexibility)
     stiffness = np.divide(1.0, system.flexibility, out=np.zeros(len(elastic)), where=elastic)
-    return Dense(given, view, node, _across(system, referred), stiffness * (1.0 + 1j * system.loss_factor))
+    return Dense(given, view, node, system.twist(referred), stiffness * (1.0 + 1j * system.loss_factor))
 
 
 def solved(full: Dense) -> list[ComplexArray]:
-    """Torques (frequencies, probes) N m of every line, from `numpy.linalg.solve` at each frequency."""
+    """Torques (speeds, ends) N m of every harmonic, from `numpy.linalg.solve` at each frequency."""
     return [_of_line(full, load) for load in full.given.loads]
 
 
@@ -51,22 +51,16 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
         stiffness = constant - w * w * view.inertia + 1j * w * (view.damping + (view.basis.T * ground) @ view.basis)
         spring = full.stiffness + 1j * w * system.viscous
         own = turned[:, k] * system.speed_ratio
-        twist = _across(system, turned[:, k, None])[:, 0]
+        twist = system.twist(turned[:, k, None])[:, 0]
         acting = force[:, k] + view.basis.T @ ((w * w * inertia - 1j * w * ground) * own)
         free = np.linalg.solve(stiffness, acting - full.across.T @ (spring * twist))
         angle[k] = view.basis @ free + own
         torque[k] = spring * (full.across @ free + twist)
-    return full.given.probes.torque(load.w, angle, torque)
-
-
-def _across(system: System, referred: np.ndarray) -> np.ndarray:
-    """(spans, columns) twist of every span from angles referred to one speed (stations, columns); 0 where rigid."""
-    across = (referred[system.driving] - referred[system.driven]) * system.span_ratio[:, None]
-    return np.asarray(np.where((system.flexibility > 0)[:, None], across, 0.0))
+    return full.given.ends.torque(load.w, angle, torque)
 
 
 def _imposed(system: System, load: Load) -> ComplexArray:
-    """(stations, frequencies) rad referred to one speed: how far joints turn what stands behind them, held still."""
+    """(stations, frequencies) rad referred to one speed: how far joints displace what stands behind them, at rest."""
     folded, twist = system.folded, load.sources.twist
     angle = np.zeros((folded.tree.size, len(load.w)), dtype=np.complex128)
     if twist is not None:

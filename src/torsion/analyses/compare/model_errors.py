@@ -1,12 +1,27 @@
-"""How far a mode shape is from those of the exact model: what is left of it outside of them."""
+"""How far a model is from the reference: relative errors of frequencies, of mode shapes and of response torques."""
+
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
-from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree import ComplexArray, FloatArray
 
 TOGETHER = 1e-6  # relative; modes nearer to each other than that are one, and any mixture of their shapes is right
+NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay below are rounding and are not compared
+
+
+def relative_errors(found: Sequence[float] | FloatArray, reference: Sequence[Any] | FloatArray) -> FloatArray:
+    """(values,) signed error of each value over its reference; infinite for values that are missing at the end.
+
+    The difference is taken in the numbers of the reference, which may have more digits than double precision.
+    """
+    exact, error = np.asarray(reference), np.full(len(reference), np.inf)
+    known = min(len(exact), len(found))
+    error[:known] = (np.asarray(found, dtype=float)[:known] - exact[:known]) / exact[:known]
+    return error
 
 
 def shape_weights(system: System) -> FloatArray:
@@ -54,3 +69,31 @@ def _space(columns: FloatArray) -> FloatArray:
         return moving
     u, singular, _ = np.linalg.svd(moving, full_matrices=False)
     return np.asarray(u[:, singular > max(moving.shape) * np.finfo(float).eps * singular[0]])
+
+
+def over_largest(found: ComplexArray, exact: ComplexArray) -> FloatArray:
+    """(speeds,) largest error of any torque (speeds, ends), over the largest exact torque at the same speed.
+
+    NaN where there is no torque.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        size = np.abs(exact).max(axis=1, initial=0.0)
+        return np.where(size > 0, np.abs(found - exact).max(axis=1, initial=0.0) / size, np.nan)
+
+
+def over_peaks(exact: Sequence[ComplexArray], found: Sequence[ComplexArray]) -> tuple[float, ...]:
+    """Of every harmonic the largest error of a torque (speeds, ends), over that torque's peak of all speeds.
+
+    NaN in what was found makes it infinite.
+    """
+    return tuple(_over_peak(there, here) for there, here in zip(exact, found, strict=True))
+
+
+def _over_peak(exact: ComplexArray, found: ComplexArray) -> float:
+    peak = np.abs(exact).max(axis=0)
+    compared = peak > NEGLIGIBLE * peak.max()
+    if not compared.any():
+        return 0.0
+    if not np.isfinite(found[:, compared]).all():
+        return float("inf")
+    return float((np.abs(found - exact)[:, compared].max(axis=0) / peak[compared]).max())

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 NOTICEABLE = 0.01  # relative: of two errors that differ by less neither is the smaller
-LEAST_SAMPLES = 2  # of which a spread can be told
+LEAST_SAMPLES = 2  # that have a spread
 
 
 @dataclass(frozen=True)
