@@ -24,8 +24,8 @@ to 10, from 1 element a shaft on), its exact model, and openTorsion's shaft elem
 cone in steps of its mean section). Frequencies: the first ten; error: the largest of the ten, relative. Torque: at
 the middle of every shaft, from 1 N m at the first disc with a damper at the last, at random frequencies up to the
 tenth mode; error: the largest, over the largest torque of the same frequency; near a resonance a small shift of it
-makes a large one. The exact model is told the highest frequency, which sets the length of its pieces. Where a method
-tells one torque a segment, it is given the mean of the two that meet at the middle. References: closed-form two-ports
+makes a large one. The exact model is given the highest frequency, which sets the length of its pieces. Where a method
+gives one torque a segment, it is given the mean of the two that meet at the middle. References: closed-form two-ports
 in mpmath with 60 digits, every frequency proven to 40 by a change of sign.
 
 Time: assembly and solution of one call, the median of the calls after one to warm up, in which the methods take turns

@@ -70,7 +70,7 @@ def _page(about: list[str], times: list[float], errors: dict[str, float]) -> str
         *(f"- {line}" for line in about),
         "",
         "Angle, speed, acceleration and yoke behind each of six cross joints (5 to 89 degrees, planes and phases",
-        f"random) at {ANGLES} driving angles in one call. An angle of up to 100 rad is held to 1.4e-14 rad by double",
+        f"random) at {ANGLES} driving angles in one call. An angle of up to 100 rad is kept to 1.4e-14 rad by double",
         "precision; steep joints magnify that.",
         "",
         f"- time of one core: best {min(times):.2f} s, median {statistics.median(times):.2f} s of {len(times)} calls;",

@@ -20,7 +20,14 @@ import numpy as np
 from benchmarks import machine
 
 MODES = 20
-CASES = ("free", "held at one end", "held at both ends", "stiff", "stiff, held at both ends", "stiff, rigid, massless")
+CASES = (
+    "free",
+    "fixed at one end",
+    "fixed at both ends",
+    "stiff",
+    "stiff, fixed at both ends",
+    "stiff, rigid, massless",
+)
 SHIFTS = {"-first": -1.0, "0.9 first": 0.9, "between 10 and 11": 0.0}  # of eigsh, given the frequencies beforehand
 HEAD = (
     "| stations | chain | torsion s | error | width of enclosures | enclosed | memory GB "
@@ -113,7 +120,7 @@ def _data(case: str, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if "massless" in case:
         inertia[rng.random(size) < 0.05] = 0.0
         flexibility[rng.random(size) < 0.05] = 0.0
-    held[-1] = "held" in case
+    held[-1] = "fixed" in case
     held[0] = "both" in case
     return inertia, flexibility, held
 
@@ -122,8 +129,8 @@ def _closed_form(case: str, size: int) -> np.ndarray | None:
     j = np.arange(1, MODES + 1)
     phase = {
         "free": j / (2 * size),
-        "held at one end": (2 * j - 1) / (4 * size - 2),
-        "held at both ends": j / (2 * (size - 1)),
+        "fixed at one end": (2 * j - 1) / (4 * size - 2),
+        "fixed at both ends": j / (2 * (size - 1)),
     }
     return 2.0 * np.sin(np.pi * phase[case]) if case in phase else None
 
@@ -256,7 +263,7 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
         f"{'met' if found[name] <= target else 'MISSED'}"
         for name, target in TARGETS.items()
     ]
-    return [*lines, f"- every mode enclosed, every step of the progress told: {'met' if proven else 'MISSED'}"]
+    return [*lines, f"- every mode enclosed, every step of the progress reported: {'met' if proven else 'MISSED'}"]
 
 
 if __name__ == "__main__":

@@ -104,7 +104,9 @@ def massless(inertias: Sequence[float]) -> Sweep:
     exact = references.frequencies(case(1e-60), [1, 2, 3])
     none = Sweep("", "", "", "")
     _add(none, 0.0, case(0.0), [], few=3, exact=exact)
-    told = (f"{name} {p[0].fault or f'error {p[0].error:.1e}'}" for name, p in none.points.items())
+    told = (
+        f"{name} {f'`{p[0].fault}`' if p[0].fault else f'error {p[0].error:.1e}'}" for name, p in none.points.items()
+    )
     sweep.remarks.append("With no inertia at all: " + "; ".join(told) + ".")
     return sweep
 

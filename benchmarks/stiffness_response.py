@@ -69,7 +69,7 @@ def slow(frequencies: Sequence[float]) -> Sweep:
     sweep = Sweep(
         "slow", "Speed near 0",
         "Free chain of six discs, 1 N m at the first; the largest error of the torques, over the largest torque. The "
-        "train as a whole swings ever wider while its twist stays finite.",
+        "train as a whole moves by ever larger angles while its twist stays finite.",
         "frequency, rad/s",
     )  # fmt: skip
     inertia, springs = near_rigid_data()
@@ -83,8 +83,8 @@ def slow(frequencies: Sequence[float]) -> Sweep:
     found = tree_response(bare, np.zeros(1), force)
     twist = float(np.abs(np.abs(found.torque[1:, 0]) - 1.0).max())
     sweep.remarks += [
-        f"At exactly 0, free: torsion tells the status {_status(case, 0.0)}, as there is no steady answer.",
-        f"At exactly 0, the first disc held and 1 N m at the last: every torque is 1 N m, torsion's error {twist:.1e}.",
+        f"At exactly 0, free: torsion gives the status {_status(case, 0.0)}, as there is no steady answer.",
+        f"At exactly 0, first disc fixed, 1 N m at the last: all torques are 1 N m, torsion's error {twist:.1e}.",
     ]
     return sweep
 
