@@ -46,7 +46,7 @@ def elements(line: Line, degree: int, number: int) -> Method:
 def exact(line: Line, highest: float, *, halved: bool = False) -> Method:
     """torsion's exact model for a highest frequency (Hz); `halved`: every shaft is cut at its middle as well.
 
-    Only then is the torque at the middle told.
+    Only then is the torque at the middle returned.
     """
     train = torsion.parse(scene(line)).train
     if halved:
@@ -106,7 +106,7 @@ def _middle_of_segments(system: Any, w: np.ndarray) -> np.ndarray:
 
 
 def _middle_of_pieces(system: Any, w: np.ndarray) -> np.ndarray:
-    """The torque told at the driving end of the piece behind the middle."""
+    """The torque at the driving end of the piece behind the middle."""
     torque = _answer(system, w)
     return np.array([torque[spans[len(spans) // 2]] for spans in _shaft_spans(system)])
 

@@ -109,7 +109,7 @@ def _rows(
         row = Row(method.family, method.name)
         try:
             row.error = error(_called(method, solve, row))
-        except Exception as fault:  # peers fail in ways of their own; the page tells each with its words
+        except Exception as fault:  # peers fail in ways of their own; the page states each in its words
             row.fault = f"{type(fault).__name__}: {fault}".splitlines()[0][:100]
         rows.append(row)
         warm = row.total

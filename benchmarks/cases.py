@@ -67,7 +67,7 @@ class Folded:
 
 
 def folded(case: Case, number: Callable[[Any], Any] = float) -> Folded:
-    """The case with its gears folded away: products and sums of positive terms, in the arithmetic of `number`."""
+    """The case with its gears condensed: products and sums of positive terms, in the arithmetic of `number`."""
     ratio = [number(r.numerator) / number(r.denominator) for r in case.ratio]
     span = [ratio[max(parent, 0)] for parent in case.parent]
     inertia = []

@@ -3,7 +3,7 @@
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-DECADES = 10  # told on an axis, at most
+DECADES = 10  # marked on an axis, at most
 
 
 def plain_numbers(*axes: Axis) -> None:

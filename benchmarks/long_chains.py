@@ -112,7 +112,7 @@ def _one(program: str, case: str, size: int, reference: list[float]) -> dict[str
 
 
 def _data(case: str, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Inertia, flexibility (of the span before each station) and what is held; all (stations,)."""
+    """Inertia, flexibility (of the span before each station) and what is fixed; all (stations,)."""
     rng, held = np.random.default_rng(1), np.zeros(size, dtype=bool)
     inertia, flexibility = np.ones(size), np.ones(size)
     if case.startswith("stiff"):

@@ -16,11 +16,11 @@ from torsion.kernels.response import complex_compliance, tree_response
 from torsion.kernels.tree import Tree
 
 NAME = "torsion"
-FEW = 20  # lowest modes, which is what an engineer asks of a large train
+FEW = 20  # lowest modes, which is what an engineer wants of a large train
 
 
 def tree(case: Case) -> Tree:
-    """The folded case as the kernels take it."""
+    """The case without its gears as the kernels take it."""
     flat = folded(case)
     return Tree(
         parent=np.array(flat.parent),
@@ -57,7 +57,7 @@ class Response:
         self.span_ratio = np.array(flat.span_ratio)[:, None]
 
     def __call__(self, *, check: bool = True) -> Any:
-        """The kernel's answer in folded angles; `check` adds the residual of every frequency."""
+        """The kernel's answer in angles at one speed; `check` adds the residual of every frequency."""
         bare, compliance = replace(self.bare), None
         if self.viscous.any():
             compliance = complex_compliance(bare.flexibility, self.viscous, np.zeros(bare.size), self.w)

@@ -117,7 +117,7 @@ def _ours(case: Case) -> np.ndarray:
 
 
 def _peers(case: Case) -> np.ndarray:
-    """openTorsion tells moduli, imaginary parts and damping ratios."""
+    """openTorsion gives moduli, imaginary parts and damping ratios."""
     modulus, imaginary, ratio = peers_opentorsion.assembled(peers_opentorsion.elements(case)).modal_analysis()
     with np.errstate(invalid="ignore"):
         found = -np.asarray(ratio) * np.asarray(modulus) + 1j * np.asarray(imaginary)

@@ -42,13 +42,13 @@ class Sweep:
             value, fault = error(), ""
             if not np.isfinite(value):
                 value, fault = float("inf"), "no finite answer"
-        except Exception as failed:  # peers fail in ways of their own; the page tells each with its words
+        except Exception as failed:  # peers fail in ways of their own; the page states each in its words
             value, fault = float("inf"), f"{type(failed).__name__}: {failed}".splitlines()[0][:120]
         self.points.setdefault(method, []).append(Point(at, value, fault))
 
 
 def ranges(points: Sequence[Point], useful: float = USEFUL) -> list[tuple[float, float]]:
-    """First and last parameter of every stretch of the sweep in which the answers are useful."""
+    """First and last parameter of every range of the sweep in which the answers are useful."""
     found: list[tuple[float, float]] = []
     before = False
     for point in points:
@@ -60,7 +60,7 @@ def ranges(points: Sequence[Point], useful: float = USEFUL) -> list[tuple[float,
 
 
 def told_ranges(points: Sequence[Point], useful: float = USEFUL) -> str:
-    """The stretches in words."""
+    """The ranges in words."""
     found = ranges(points, useful)
     if not found:
         return "nowhere"

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-CHECKED = ("README.md", "shafting_specs/README.md", "docs", "reports")  # files, and folders of *.md and *.py
+CHECKED = ("README.md", "shafting_specs/README.md", "docs", "reports", "benchmarks")  # files; folders of *.md and *.py
 GENERATED = ("docs/format.md",)  # from the declarations in src: checked once src is
 WORDS = (
     (r"told|tells?|telling", "reports, states, names; reported, stated"),

@@ -18,7 +18,7 @@ TORQUE, RADIUS, ARM = 200.0, 0.03, 0.6  # N m, m, m
 SHARE = RADIUS / ARM
 ANGLES = (10, 20, 30, 40)  # degrees
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
-FEW = TURN[:361:30]  # half a turn in steps of 15 degrees: the joint repeats after 120
+FEW = TURN[:361:30]  # half a revolution in steps of 15 degrees: the joint repeats after 120
 SMALL = 1e-4  # radius/arm at which the first order is all that counts
 
 

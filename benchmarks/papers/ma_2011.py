@@ -67,7 +67,7 @@ def _numbers() -> Iterator[tuple[str, ...]]:
     best, worst, middle = (output(degrees) for degrees in (10, 100, 55))
     optimum = output(55).optimum
     if optimum is None:
-        raise ValueError("the scene does not ask for the best phase")
+        raise ValueError("the scene requests no best phase")
     yield compared("best phase", "10", float(np.degrees(optimum.best[0])), "°", DIGITS)
     yield compared("phi = 10°: index of fluctuation", "0.055", best.index, "", DIGITS)
     yield compared("phi = 10°: greatest speed", "61.68", SPEED * best.greatest[0], "deg/s", DIGITS)

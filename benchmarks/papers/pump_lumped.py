@@ -40,14 +40,14 @@ def found() -> Findings:
 def frequencies_of(findings: Findings) -> np.ndarray:
     """(frequencies,) Hz of the response."""
     if findings.sweep is None:
-        raise ValueError("the scene asks for no response over frequency")
+        raise ValueError("the scene requests no response over frequency")
     return findings.sweep.frequency
 
 
 def modes_of(findings: Findings) -> Modes:
     """The natural frequencies."""
     if findings.modes is None:
-        raise ValueError("the scene asks for no modes")
+        raise ValueError("the scene requests no modes")
     return findings.modes
 
 
@@ -74,7 +74,7 @@ def program(findings: Findings) -> Answer:
     """The program's answer at discs and sections."""
     parts, sweep, spans = findings.study.train.parts, findings.sweep, findings.system.spans
     if sweep is None:
-        raise ValueError("the scene asks for no response over frequency")
+        raise ValueError("the scene requests no response over frequency")
     discs = [part.stations[0] for part in parts if part.component.keyword == "disc"]
     links = [part.name for part in parts if part.component.keyword == "coupling"]
     places = [next(k for k, span in enumerate(spans) if span.name == name) for name in links]
