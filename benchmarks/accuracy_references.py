@@ -19,7 +19,7 @@ POINTS = 20_000  # at which a line's free end is looked at for changes of sign
 
 
 class Passed(NamedTuple):
-    """What one pass along a line leaves."""
+    """What one sweep along a line leaves."""
 
     angle: Any  # rad at the last station
     torque: Any  # N m, on what would follow the last disc: zero at a natural frequency

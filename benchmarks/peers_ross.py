@@ -10,7 +10,7 @@ import ross
 from benchmarks.cases import Case
 
 NAME = f"ROSS {version('ross-rotordynamics')}"
-ANGLE = 5  # of the six freedoms of a node, the turn about the shaft
+ANGLE = 5  # of the six freedoms of a node, the rotation about the shaft
 
 
 def rotor(case: Case) -> Any:

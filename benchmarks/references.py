@@ -2,7 +2,7 @@
 
 gmpy2 does the arithmetic where it is installed, mpmath otherwise. The frequencies are the zeros of the characteristic
 polynomial of the tree, which elimination from the leaves carries as the fraction a/b that is the dynamic stiffness
-seen at a station: no division, no pole. Newton's method starts from singular values in double precision; the answer
+seen at a station: no quotient, no pole. Newton's method starts from singular values in double precision; the answer
 is accepted when the number of frequencies below w (1 -+ 1e-60), counted by signs, is that of the mode wanted.
 """
 

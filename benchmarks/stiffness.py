@@ -25,7 +25,7 @@ Each sweep makes one figure of the train extreme and leaves all else benign. Err
 frequency has a reference, counts prove it to {references.PROVEN} digits. Every program is given the same doubles. An
 answer is called useful up to an error of {USEFUL:g}. Crosses at the top of a figure are answers that failed or
 were not finite. openTorsion, and numpy and scipy (eigh, eigsh, solve, eig) on assembled matrices, stand for what is in
-use; full matrices are not asked for long chains. `plain_modes` gives no certificate and takes no massless stations."""
+use; full matrices are not used for long chains. `plain_modes` gives no certificate and takes no massless stations."""
 
 
 def main() -> None:

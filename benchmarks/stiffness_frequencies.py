@@ -17,7 +17,7 @@ from torsion.kernels.tree import Tree
 TREE, PLAIN, PEER = "torsion tree_modes", "torsion plain_modes", "openTorsion"
 SIZE, FEW = 10, 5
 LOWEST = 10  # modes of long chains
-LARGEST = {PEER: 1000, dense_peers.EIGH: 1000}  # spans beyond which a program of full matrices is not asked
+LARGEST = {PEER: 1000, dense_peers.EIGH: 1000}  # spans beyond which a program of full matrices is not run
 
 
 def line(name: str, inertia: Sequence[float], stiffness: Sequence[float], **damping: Sequence[float]) -> Case:

@@ -69,7 +69,7 @@ def slow(frequencies: Sequence[float]) -> Sweep:
     sweep = Sweep(
         "slow", "Speed near 0",
         "Free chain of six discs, 1 N m at the first; the largest error of the torques, over the largest torque. The "
-        "train as a whole swings ever wider while its twist stays finite.",
+        "train as a whole moves by ever larger angles while its twist stays finite.",
         "frequency, rad/s",
     )  # fmt: skip
     inertia, springs = near_rigid_data()

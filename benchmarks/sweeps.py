@@ -50,7 +50,7 @@ class Sweep:
 
 
 def ranges(points: Sequence[Point], useful: float = USEFUL) -> list[tuple[float, float]]:
-    """First and last parameter of every stretch of the sweep in which the answers are useful."""
+    """First and last parameter of every range of the sweep in which the answers are useful."""
     found: list[tuple[float, float]] = []
     before = False
     for point in points:

@@ -129,12 +129,13 @@ def _checks() -> str:
     own = model.motion(STIFF, times, tolerance=1e-10)[:8]
     modes = modes_of(solved(NAME)).frequency
     return (
-        "Accelerations and joint torques were held against six bodies whose joints are pins in space, ten equations "
+        "Accelerations and joint torques were compared with six bodies whose joints are pins in space, ten equations "
         f"with the joint torques as unknowns: within {bound(worst + 1.0, 1.0, '1e-10')} at states all along the "
         "motion. Without damping and torque, from shafts twisted by 10 mrad, energy stays within "
-        f"{bound(energies, energies[0], '1e-10')} over more than half a turn. Dormand and Prince's method (order 8) "
-        f"and Radau IIA differ by {bound(other, own, '1e-6')} of the greatest value. The natural frequencies are those "
-        f"that the program finds in the scene, within {bound(model.frequencies(STIFF), modes, '1e-12')}."
+        f"{bound(energies, energies[0], '1e-10')} over more than half a revolution. Dormand and Prince's method "
+        f"(order 8) and Radau IIA differ by {bound(other, own, '1e-6')} of the greatest value. The natural "
+        f"frequencies are those that the program finds in the scene, "
+        f"within {bound(model.frequencies(STIFF), modes, '1e-12')}."
     )
 
 

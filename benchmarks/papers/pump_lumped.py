@@ -75,7 +75,7 @@ def program(findings: Findings) -> Answer:
     """The program's answer at discs and sections."""
     parts, sweep, spans = findings.study.train.parts, findings.need(FrequencyResponse), findings.system.spans
     if sweep is None:
-        raise ValueError("the scene asks for no response over frequency")
+        raise ValueError("the scene requests no response over frequency")
     discs = [part.stations[0] for part in parts if part.component.keyword == "disc"]
     links = [part.name for part in parts if part.component.keyword == "coupling"]
     places = [next(k for k, span in enumerate(spans) if span.name == name) for name in links]

@@ -17,7 +17,7 @@ SHAFT = MisalignedShaft(
 )  # fmt: skip
 RADIUS, DENSITY = 2.4e-3, 7830.0  # m, kg/m3
 CURVE = 1e-6  # relative tolerance of a curve to look at
-PARTS = 12  # points of half a turn that are told
+PARTS = 12  # points of half a revolution in the table
 
 
 def shaft(*, damped: bool) -> MisalignedShaft:
@@ -60,5 +60,5 @@ def exact(speed: float, damped: bool, last: float, points: int) -> tuple[Array, 
 
 
 def longer(one: MisalignedShaft, factor: float) -> MisalignedShaft:
-    """A bar of the same section, `factor` as long: its inertia grows with the third power."""
+    """A rod of the same section, `factor` as long: its inertia grows with the third power."""
     return replace(one, length=factor * one.length, inertia=factor**3 * one.inertia, polar=one.polar / factor**2)
