@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
 from benchmarks.sweeps import Sweep
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 TREE, PLAIN, PEER = "torsion tree_modes", "torsion plain_modes", "openTorsion"

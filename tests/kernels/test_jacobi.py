@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from torsion.kernels.jacobi import plain_modes
-from torsion.kernels.modes import shape_sign, tree_modes
+from torsion.kernels.natural_modes import shape_sign, tree_modes
 from torsion.kernels.tree import Tree
 
 

@@ -15,7 +15,7 @@ from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars.spans import Bars
+    from torsion.kernels.distributed.distributed_shafts import Shafts
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ class System:
         return self.inertia if self.bars is None else self.bars.lumped
 
     @cached_property
-    def folded_bars(self) -> "Bars | None":
+    def folded_bars(self) -> "Shafts | None":
         """The spans with distributed inertia, on the tree; None in the lumped model."""
         if self.bars is None:
             return None

@@ -4,9 +4,9 @@ import ctypes
 
 import numpy as np
 
-from torsion.kernels.centre import hung_from_the_middle
 from torsion.kernels.lapack import bidiagonal_singular_values, routine
 from torsion.kernels.reduction import ReducedTrain
+from torsion.kernels.rerooting import rerooted_at_middle
 from torsion.kernels.tree import FloatArray, Tree
 
 _WIDEST = 0.04  # of the bodies; a wider band is reduced sooner as a full matrix (measured)
@@ -23,7 +23,7 @@ def banded_values(train: ReducedTrain) -> FloatArray | None:
     parent, soft = np.append(-1, train.inner[order]), np.append(0.0, 1.0 / train.stiffness[order])
     if not (train.acyclic and (parent[1:] < train.outer[order]).all()):
         return None
-    tree = hung_from_the_middle(Tree(parent, soft, train.inertia, np.zeros(bodies, dtype=np.bool_))).tree
+    tree = rerooted_at_middle(Tree(parent, soft, train.inertia, np.zeros(bodies, dtype=np.bool_))).tree
     above = np.arange(bodies - 1) - tree.parent[1:]
     if above.max() > _WIDEST * bodies:
         return None

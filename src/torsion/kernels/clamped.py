@@ -17,12 +17,7 @@ def needs_cutting(tree: Tree, known: Rigidity) -> bool:
 
 def cut(tree: Tree, known: Rigidity) -> Tree:
     """The tree with every fixed station held and the rigid spans between them taken out."""
-    inside = _inside(tree, known)
-    return replace(
-        tree,
-        parent=np.where(inside, -1, tree.parent),
-        held=known.fixed,
-    )
+    return replace(tree, parent=np.where(_inside(tree, known), -1, tree.parent), held=known.fixed)
 
 
 def with_reactions(tree: Tree, known: Rigidity, torque: FloatArray, outside: FloatArray | float = 0.0) -> FloatArray:
@@ -67,4 +62,4 @@ def _outward_from(first: int, members: list[int], parents: list[int]) -> tuple[l
 
 def _inside(tree: Tree, known: Rigidity) -> BoolArray:
     """Stations (stations,) whose span is rigid and joins fixed stations."""
-    return np.asarray(known.fixed & (tree.flexibility == 0.0) & (tree.parent >= 0))
+    return np.asarray(known.fixed & (tree.static.flexibility == 0.0) & (tree.parent >= 0))

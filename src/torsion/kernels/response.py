@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.bars.response import BarsOfResponse, BarTerms, bars_of_response
-from torsion.kernels.bars.spans import Bars
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.errors import SolveError
+from torsion.kernels.distributed.span_law import Pi
 from torsion.kernels.outward import Answer, Equations, solve, values_or_rows
 from torsion.kernels.residual import Amplitudes, equilibrium_residual
 from torsion.kernels.sweeps import EPS, Layout, layout
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a line is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once
@@ -73,28 +74,28 @@ def tree_response(
     ground_damping: FloatArray | None = None,
     compliance: NDArray[Any] | None = None,
     check: bool = True,
-    bars: Bars | None = None,
-    bar_loss: FloatArray | None = None,
+    shaft_loss: FloatArray | None = None,
 ) -> TreeResponse:
     """Response of every station and span at circular frequencies `w` (frequencies,) rad/s.
 
     force: (stations,) or (stations, frequencies) N m. twist: the same shapes, rad, imposed on span i:
     angle[i] = angle[parent] - compliance torque + twist; also on rigid spans.
     ground_damping N m s/rad and compliance rad/(N m), default `tree.flexibility`: the same shapes.
-    bars: spans with distributed inertia, whose compliance is not used and whose twist must be 0; bar_loss: the loss
-    factor of each, (bars,), of its shear modulus.
+    shaft_loss: loss factor (shafts,) of the shear modulus of each distributed shaft of the tree, whose compliance is
+    not used and whose twist must be 0.
     check: also compute residual and amplification. A singular line is never raised or warned of: see `status`.
-    Raises ValueError for a shape that does not fit. Demmel and Gragg (1993) explain the accuracy of such sweeps.
+    Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
+    Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
-    problem = pose(tree, w, ground_damping, compliance, bars, bar_loss)
+    problem = pose(tree, w, ground_damping, compliance, shaft_loss)
     acting = sources(problem, force, twist)
-    result = blank_response(tree.size, problem.w.size, bars=bars is not None)
+    result = blank_response(tree, problem.w.size)
     for part in _chunks(problem):
         block = result.part(part)
         solve_part(problem, acting, part, block, check=check)
         lost = np.flatnonzero(np.isinf(block.amplification)) + part.start
         if lost.size:
-            block = blank_response(tree.size, lost.size, bars=bars is not None)
+            block = blank_response(tree, lost.size)
             solve_part(problem, acting, lost, block, check=check, guard=True)
             result.store(block, lost)
     return result
@@ -143,15 +144,24 @@ class Problem:
     damped: list[int]  # stations with such damping
     compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
     w: FloatArray  # (frequencies,) rad/s
-    bars: BarsOfResponse | None = None
+    tree: Tree
+    shaft_loss: FloatArray  # (shafts,) loss factor of each distributed shaft
 
-    def equations(self, part: Part, acting: "Sources") -> tuple[Equations, BarTerms | None]:
-        """The equations at the frequencies of `part`, and what the bars have brought to them."""
-        own, compliance, terms = _own_stiffness(self, part), _columns(self.compliance, part), None
-        if self.bars is not None:
-            terms = self.bars.at(self.w[part])
-            own, compliance = terms.loaded(own), terms.compliance(compliance)
-        return Equations(own, compliance, *acting.part(part)), terms
+    def equations(self, part: Part, acting: "Sources") -> tuple[Equations, Pi | None]:
+        """The equations at the frequencies of `part`, and what the distributed shafts have brought to them."""
+        own, compliance, shafts = _own_stiffness(self, part), _columns(self.compliance, part), self.tree.shafts
+        if shafts is None:
+            return Equations(own, compliance, *acting.part(part)), None
+        square = self.w[part] * self.w[part]
+        lossy = self.shaft_loss.any()
+        flexibility, inner, outer = shafts.lossy(square, self.shaft_loss) if lossy else shafts.at(square)
+        pi = flexibility, inner * -square, outer * -square
+        own = own.astype(np.result_type(own, inner), copy=False)
+        self.tree.add_ends(own, *pi[1:])
+        rows = np.empty((self.tree.size, len(square)), dtype=np.result_type(compliance, flexibility))
+        rows[:] = compliance[:, None] if compliance.ndim == 1 else compliance
+        rows[shafts.node] = flexibility
+        return Equations(own, rows, *acting.part(part)), pi
 
 
 @dataclass(frozen=True)
@@ -173,7 +183,8 @@ def sources(problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None) -
     """Forces and twists by station; raises ValueError for a shape that does not fit."""
     given = {"force": np.asarray(force), "twist": np.zeros(problem.plan.size) if twist is None else np.asarray(twist)}
     _check_shapes(problem.plan.size, problem.w, given)
-    if problem.bars is not None and given["twist"][problem.bars.train.bars.node].any():
+    shafts = problem.tree.shafts
+    if shafts is not None and given["twist"][shafts.node].any():
         raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span beside it")
     return Sources(*(_acting(values) for values in given.values()))
 
@@ -196,23 +207,30 @@ def pose(
     w: FloatArray,
     ground_damping: FloatArray | None,
     compliance: NDArray[Any] | None,
-    bars: Bars | None = None,
-    bar_loss: FloatArray | None = None,
+    shaft_loss: FloatArray | None = None,
 ) -> Problem:
     """The problem in the arrays that the sweeps take; raises ValueError for a shape that does not fit."""
+    shafts = tree.shafts
     damping = np.zeros(tree.size) if ground_damping is None else np.asarray(ground_damping, dtype=np.float64)
     hc = tree.flexibility if compliance is None else np.asarray(compliance)
+    loss = np.zeros(len(tree.shaft_parent)) if shaft_loss is None else np.asarray(shaft_loss, dtype=np.float64)
     w = np.asarray(w, dtype=np.float64)
     if w.ndim != 1:
         raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
     _check_shapes(tree.size, w, {"compliance": hc, "ground_damping": damping})
     damped = np.flatnonzero(_any_in_rows(damping)).tolist()
-    if bars is None:
-        return Problem(layout(tree, hc), tree.moving_inertia, damping, damped, hc, w)
-    rigid = hc.copy()
-    rigid[bars.node] = 1.0  # no bar is
-    given = bars_of_response(tree, bars, bar_loss, w)
-    return Problem(layout(tree, rigid), tree.moving_inertia, damping, damped, hc, w, given)
+    if loss.shape != tree.shaft_parent.shape:
+        raise ValueError(f"shaft_loss has shape {loss.shape}; expected {tree.shaft_parent.shape}")
+    rigid, highest = hc, float(np.max(w, initial=0.0))
+    if shafts is not None:
+        rigid = hc.copy()
+        rigid[shafts.node] = 1.0  # no shaft is
+        if highest > shafts.reach:
+            raise SolveError(
+                f"{highest:.6g} rad/s is above {shafts.reach:.6g} rad/s, to which the pieces of the shafts are short"
+                " enough; divide the shafts more finely"
+            )
+    return Problem(layout(tree, rigid), tree.moving_inertia, damping, damped, hc, w, tree, loss)
 
 
 def solve_part(
@@ -224,7 +242,7 @@ def solve_part(
     dynamic stiffness under relative changes of every inertia and damper to ground. In a mode the springs hold as much
     energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
     """
-    given, terms = problem.equations(part, acting)
+    given, pi = problem.equations(part, acting)
     columns = block.angle.shape[1]
     sensitivity = np.zeros(columns * given.own.itemsize // 8) if check else None
     with np.errstate(all="ignore"):
@@ -236,8 +254,10 @@ def solve_part(
             block.residual[:] = equilibrium_residual(problem.plan, given, found)
             block.amplification[:] = 1 + 2 * sensitivity.reshape(columns, -1).sum(axis=1)
             lost = ~np.isfinite(found.angle_size.sum(axis=0) + found.torque_size.sum(axis=0) + block.amplification)
-        if terms is not None:
-            terms.to_ends(block.angle, block.torque, block.torque_outer)
+        if pi is not None and problem.tree.shafts is not None:
+            node, block.torque_outer[:] = problem.tree.shafts.node, block.torque
+            block.torque_outer[node] -= pi[2] * block.angle[node]
+            block.torque[node] += pi[1] * block.angle[problem.tree.shaft_parent]
     block.amplification[lost] = np.inf
 
 
@@ -245,8 +265,11 @@ def residual_of(
     problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None, response: TreeResponse
 ) -> FloatArray:
     """Worst relative residual of any equation, (frequencies,), of a response found in any way."""
-    given, terms = problem.equations(slice(None), sources(problem, force, twist))
-    torque = response.torque if terms is None else terms.from_inner(response.angle, response.torque)
+    given, pi = problem.equations(slice(None), sources(problem, force, twist))
+    torque = response.torque
+    if pi is not None and problem.tree.shafts is not None:
+        torque = torque.copy()
+        torque[problem.tree.shafts.node] -= pi[1] * response.angle[problem.tree.shaft_parent]
     with np.errstate(all="ignore"):
         sizes = np.abs(response.angle), np.abs(torque)
         return equilibrium_residual(problem.plan, given, Amplitudes(response.angle, torque, *sizes))
@@ -256,8 +279,7 @@ def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
     w, inertia = problem.w[part], problem.inertia[:, None]
     square = -w * w
-    lossy = problem.bars is not None and problem.bars.lossy
-    if not problem.damped and not lossy and not np.iscomplexobj(problem.compliance):
+    if not problem.damped and not problem.shaft_loss.any() and not np.iscomplexobj(problem.compliance):
         return inertia * square
     own = np.empty((problem.plan.size, w.size), dtype=np.complex128)
     np.multiply(inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64))
@@ -267,12 +289,13 @@ def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     return own
 
 
-def blank_response(stations: int, frequencies: int, closing: int = 0, *, bars: bool = False) -> TreeResponse:
-    """A response to be filled in place; with `bars`, of a train that has any."""
-    angle, torque = (np.zeros((stations, frequencies), dtype=np.complex128) for _ in range(2))
+def blank_response(tree: Tree, frequencies: int) -> TreeResponse:
+    """A response to be filled in place."""
+    angle, torque = (np.zeros((tree.size, frequencies), dtype=np.complex128) for _ in range(2))
     residual, amplification = (np.full(frequencies, np.nan) for _ in range(2))
-    closing_torque = np.zeros((closing, frequencies), dtype=np.complex128)
-    return TreeResponse(angle, torque, residual, amplification, closing_torque, torque.copy() if bars else None)
+    closing_torque = np.zeros((0, frequencies), dtype=np.complex128)
+    outer = None if tree.shafts is None else torque.copy()
+    return TreeResponse(angle, torque, residual, amplification, closing_torque, outer)
 
 
 def _check_shapes(stations: int, w: FloatArray, arrays: Mapping[str, NDArray[Any]]) -> None:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.tree import BoolArray, Tree
+from torsion.arrays import BoolArray
+from torsion.kernels.tree import Tree
 
 Row = NDArray[Any]  # (columns,) real or complex: one value a frequency or a root
 Rows = list[Any]  # a Row a station; None where the value is infinite, has no meaning or is no longer needed
@@ -123,7 +124,7 @@ def total(one: Any, other: Any, out: Row | None = None) -> Any:
 
 
 def _drop_if_alone(children: tuple[int, ...], found: Branches) -> None:
-    """An only child has no brothers that need to know what it passes on: free the memory."""
+    """An only child has no siblings that need to know what it passes on: free the memory."""
     if len(children) == 1:
         found.stiffness_through[children[0]] = found.source_through[children[0]] = None
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from torsion.kernels.loops.modes import graph_modes
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 

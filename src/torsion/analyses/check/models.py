@@ -183,7 +183,7 @@ def _count_below(one: _Solved, highest: float) -> int:
     """Elastic modes below a frequency (Hz), by counts where these reach so far."""
     tree, bars, w = undamped_tree(one.system.folded), one.system.folded_bars, 2.0 * math.pi * highest
     if bars is None:
-        from torsion.kernels.counts import count_below
+        from torsion.kernels.sturm import count_below
 
         return int(count_below(tree, w)[0]) - one.modes.rigid
     from torsion.analyses.bars import reach

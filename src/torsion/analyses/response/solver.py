@@ -36,8 +36,8 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
     if system.folded_bars is not None:
         loss = folded.loss_factor[system.folded_bars.node]
         found = tree_response(
-            tree, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance,
-            bars=system.folded_bars, bar_loss=loss,
+            replace(tree, shafts=system.folded_bars), w, sources.force, twist=sources.twist, ground_damping=ground,
+            compliance=compliance, shaft_loss=loss,
         )  # fmt: skip
         torque = bar_torques(system, found.torque, found.torque_outer)
     elif closing.size:

@@ -8,6 +8,7 @@ from torsion.kernels.long_chain.lapack import are_available
 from torsion.kernels.long_chain.lowest import ChainMode, Progress, lowest_modes
 from torsion.kernels.long_chain.path import Path, path_of
 from torsion.kernels.long_chain.reduction import Reduction, reduce_path
+from torsion.kernels.mode_shapes import Shapes
 from torsion.kernels.repeated import orthogonalise
 from torsion.kernels.tree import FloatArray, Tree
 
@@ -46,7 +47,7 @@ def long_chain_modes(tree: Tree, count: int, *, progress: Progress | None = None
     modes = result.modes
     if not _are_distinct(tree, modes):
         return None
-    orthogonalise(tree, modes.frequency, modes.angle, modes.torque)
+    orthogonalise(tree, modes.frequency, Shapes.of_springs(modes.angle, modes.torque))
     return modes
 
 

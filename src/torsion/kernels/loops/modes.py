@@ -9,11 +9,12 @@ from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.factors import conductance, star_mesh_factor
 from torsion.kernels.lapack import jacobi_svd
 from torsion.kernels.loops.spanning import LoopedTrain, stiffest_tree
-from torsion.kernels.modes import TreeModes, rigid_shapes, shape_sign, tree_modes
-from torsion.kernels.passes import forced, stiffness_passes
+from torsion.kernels.mode_shapes import Shapes
+from torsion.kernels.natural_modes import TreeModes, rigid_shapes, shape_sign, tree_modes
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
-from torsion.kernels.repeated import mix, orthogonalise, orthonormal, repeated_groups
+from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
 from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.two_sides import forced, two_sides
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
@@ -95,8 +96,9 @@ def _shapes(tree: Tree, train: LoopedTrain, frequency: FloatArray, start: FloatA
     for _ in range(_STEPS):
         angle, torque = respond(inertia * angle)
         for group in groups:
-            mix(angle, torque, group, orthonormal(root * angle[:, group]))
-    orthogonalise(tree, frequency, angle, torque)
+            matrix = orthonormal(root * angle[:, group])
+            angle[:, group], torque[:, group] = angle[:, group] @ matrix, torque[:, group] @ matrix
+    orthogonalise(tree, frequency, Shapes.of_springs(angle, torque))
     return angle, torque
 
 
@@ -115,7 +117,7 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
 
     The twist of a torn span is the sum of those along its path in the tree, never a difference of angles.
     """
-    passes, path = stiffness_passes(tree, w), _paths(tree, train)
+    passes, path = two_sides(tree, w), _paths(tree, train)
     stations, loops = tree.size, len(train.first)
     pairs = []
     for first, second in zip(train.first, train.second, strict=True):

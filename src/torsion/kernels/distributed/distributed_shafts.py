@@ -7,28 +7,36 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsion.kernels.bars.element import ElementBars, element_bars
-from torsion.kernels.bars.law import Law, Pi, Slopes
-from torsion.kernels.bars.profile import ProfileBars, profile_bars, profile_points
-from torsion.kernels.bars.uniform import UniformBars, uniform_bars
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.element import CondensedElements, condensed_elements
+from torsion.kernels.distributed.profile import ProfileShafts, profile_points, profile_shafts
+from torsion.kernels.distributed.span_law import Law, Pi, Slopes
+from torsion.kernels.distributed.uniform import UniformShafts, uniform_shafts
 
 __all__ = [
-    "Bars", "ElementBars", "Law", "ProfileBars", "UniformBars", "element_bars", "one_mode_bars", "profile_bars",
-    "profile_points", "uniform_bars",
+    "CondensedElements",
+    "Law",
+    "ProfileShafts",
+    "Shafts",
+    "UniformShafts",
+    "condensed_elements",
+    "one_mode_elements",
+    "profile_points",
+    "profile_shafts",
+    "uniform_shafts",
 ]  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Bars:
-    """Spans of a tree that are pieces of a shaft, or finite elements of one; the bars of one law after another."""
+class Shafts:
+    """Spans of a tree that are pieces of a shaft, or finite elements of one; those of one law after another."""
 
-    node: IntArray  # (bars,) station at the outer end of each, which is the number of its span
-    laws: tuple[Law, ...]  # of all bars in the order of `node`
+    node: IntArray  # (shafts,) station at the outer end of each, which is the number of its span
+    laws: tuple[Law, ...]  # of all shafts in the order of `node`
 
     @property
     def size(self) -> int:
-        """Number of bars."""
+        """Number of shafts."""
         return len(self.node)
 
     @cached_property
@@ -43,16 +51,16 @@ class Bars:
 
     @cached_property
     def parts(self) -> tuple[slice, ...]:
-        """The bars of each law."""
+        """The shafts of each law."""
         edges = np.cumsum([0, *(law.size for law in self.laws)]).tolist()
         if edges[-1] != self.size:
-            raise ValueError(f"the laws are those of {edges[-1]} bars; expected {self.size}")
+            raise ValueError(f"the laws are those of {edges[-1]} shafts; expected {self.size}")
         return tuple(slice(a, b) for a, b in pairwise(edges))
 
     def at(self, square: ArrayLike) -> Pi:
-        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2.
+        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (shafts, m), at s = w^2.
 
-        `square` (m,), or (bars, m), real or complex, rad2/s2.
+        `square` (m,), or (shafts, m), real or complex, rad2/s2.
         """
         s = np.asarray(square)
         found = [
@@ -67,7 +75,7 @@ class Bars:
         return flexibility, inner, outer
 
     def lossy(self, square: FloatArray, loss: FloatArray) -> Pi:
-        """The same of a material with the loss factors `loss` (bars,), complex, at real s (m,)."""
+        """The same of a material with the loss factors `loss` (shafts,), complex, at real s (m,)."""
         shapes = (self.size, len(square))
         flexibility, inner, outer = (np.empty(shapes, dtype=np.complex128) for _ in range(3))
         for law, part in zip(self.laws, self.parts, strict=True):
@@ -80,7 +88,7 @@ class Bars:
         return flexibility, inner, outer
 
     def slopes(self, square: FloatArray) -> Slopes:
-        """Values and derivatives with respect to s, each (bars, m), at real s (m,)."""
+        """Values and derivatives with respect to s, each (shafts, m), at real s (m,)."""
         parts = [law.slopes(square) for law in self.laws if law.size]
         return Slopes.joined(parts) if parts else Slopes(square, *np.empty((6, 0, len(square))))
 
@@ -91,26 +99,28 @@ class Bars:
             np.maximum(largest, law.rounding(square) if law.size else 0.0, out=largest)
         return largest
 
-    def turned(self, which: BoolArray) -> "Bars":
-        """The same with inner and outer end exchanged in `which` (bars,)."""
-        return Bars(self.node, tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True)))
+    def turned(self, which: BoolArray) -> "Shafts":
+        """The same with inner and outer end exchanged in `which` (shafts,)."""
+        return Shafts(
+            self.node, tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True))
+        )
 
 
-def one_mode_bars(bars: Bars) -> ElementBars:
-    """Elements with one mode inside that are near to bars of a finite limit, up to half of it.
+def one_mode_elements(shafts: Shafts) -> CondensedElements:
+    """Elements with one mode inside that are near to shafts of a finite limit, up to half of it.
 
-    Their values and slopes at frequency 0 are those of the bars, which gives the coupling of the mode; its own
+    Their values and slopes at frequency 0 are those of the shafts, which gives the coupling of the mode; its own
     frequency follows from the end inertias at half the limit.
     """
-    middle = 0.25 * bars.limit**2
-    at, (_, inner, outer) = bars.slopes(np.zeros(1)), bars.at(np.array([middle]))
+    middle = 0.25 * shafts.limit**2
+    at, (_, inner, outer) = shafts.slopes(np.zeros(1)), shafts.at(np.array([middle]))
     first, last = at.inner_slope[:, 0], at.outer_slope[:, 0]
     turn = first + last
     rise = inner[:, 0] - at.inner[:, 0] + (outer[:, 0] - at.outer[:, 0])
-    mode = 1.0 / middle - np.divide(turn, rise, out=np.full(bars.size, 1.0 / middle), where=rise > 0.0)
+    mode = 1.0 / middle - np.divide(turn, rise, out=np.full(shafts.size, 1.0 / middle), where=rise > 0.0)
     root = np.sqrt(np.maximum(turn, 0.0))
-    share = np.divide(1.0, root, out=np.zeros(bars.size), where=root > 0.0)
-    inside = (np.clip(mode, 0.0, 1.0 / bars.limit**2), first * share, last * share, root)
+    share = np.divide(1.0, root, out=np.zeros(shafts.size), where=root > 0.0)
+    inside = (np.clip(mode, 0.0, 1.0 / shafts.limit**2), first * share, last * share, root)
     across = -at.flexibility_slope[:, 0] / at.flexibility[:, 0] ** 2
     ends = (1.0 / at.flexibility[:, 0], across, at.inner[:, 0], at.outer[:, 0])
-    return ElementBars(*ends, *(values[:, None] for values in inside))
+    return CondensedElements(*ends, *(values[:, None] for values in inside))

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.kernels.bars.law import UNIT_ROUNDOFF, Pi, Slopes, alternating, alternating_slope
-from torsion.kernels.tree import BoolArray, FloatArray
+from torsion.arrays import BoolArray, FloatArray
+from torsion.kernels.distributed.span_law import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating, alternating_slope
 
 POINTS = 32  # of Gauss along a piece
 TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first
@@ -61,18 +61,17 @@ def profile_points(points: int = POINTS) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class ProfileBars:
+class ProfileShafts(Law):
     """Series in v = s F M, F and M being the whole flexibility and inertia: h = F b(v), J = M e(v)/b(v)."""
 
-    flexibility: FloatArray  # (bars,) rad/(N m), F
-    inertia: FloatArray  # (bars,) kg m2, M
-    spring: FloatArray  # (bars, terms) of b
-    inner: FloatArray  # (bars, terms) of e at the inner end
-    outer: FloatArray  # (bars, terms) of e at the outer end
+    flexibility: FloatArray  # (shafts,) rad/(N m), F
+    inertia: FloatArray  # (shafts,) kg m2, M
+    spring: FloatArray  # (shafts, terms) of b
+    inner: FloatArray  # (shafts, terms) of e at the inner end
+    outer: FloatArray  # (shafts, terms) of e at the outer end
 
     @property
     def size(self) -> int:
-        """Number of bars."""
         return len(self.inertia)
 
     @cached_property
@@ -95,7 +94,6 @@ class ProfileBars:
         return self.limit
 
     def at(self, square: NDArray[Any]) -> Pi:
-        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2 (m,) or (bars, m)."""
         v = self._travel[:, None] * square
         spring = alternating(self.spring, v)
         share = self.inertia[:, None] / spring
@@ -103,7 +101,6 @@ class ProfileBars:
         return spring, share * alternating(self.inner, v), share * alternating(self.outer, v)
 
     def slopes(self, square: FloatArray) -> Slopes:
-        """Values and derivatives with respect to s, each (bars, m), at s (m,)."""
         travel, whole, mass = self._travel[:, None], self.flexibility[:, None], self.inertia[:, None]
         v = travel * square
         spring, spring_slope = alternating(self.spring, v), alternating_slope(self.spring, v)
@@ -120,15 +117,16 @@ class ProfileBars:
         growth = alternating(spring, -v[None])[0] / np.maximum(alternating(spring, v[None])[0], UNIT_ROUNDOFF)
         return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF * np.abs(growth))
 
-    def turned(self, which: BoolArray) -> "ProfileBars":
-        """The same with inner and outer end exchanged in `which` (bars,)."""
+    def turned(self, which: BoolArray) -> "ProfileShafts":
         swap = np.asarray(which)[:, None]
         inner, outer = np.where(swap, self.outer, self.inner), np.where(swap, self.inner, self.outer)
-        return ProfileBars(self.flexibility, self.inertia, self.spring, inner, outer)
+        return ProfileShafts(self.flexibility, self.inertia, self.spring, inner, outer)
 
 
-def profile_bars(length: ArrayLike, flexibility_per_length: FloatArray, inertia_per_length: FloatArray) -> ProfileBars:
-    """Pieces of `length` (bars,) m, sampled at `profile_points`: f = 1/(G I) and m = rho I, each (bars, points).
+def profile_shafts(
+    length: ArrayLike, flexibility_per_length: FloatArray, inertia_per_length: FloatArray
+) -> ProfileShafts:
+    """Pieces of `length` (shafts,) m, sampled at `profile_points`: f = 1/(G I) and m = rho I, each (shafts, points).
 
     f in rad/(N m2), m in kg m. The profile is smooth within a piece: a step, or a change of taper, ends it. Raises
     ValueError for a piece in which the series do not converge, as its profile is too steep.
@@ -141,7 +139,7 @@ def profile_bars(length: ArrayLike, flexibility_per_length: FloatArray, inertia_
     inner, _ = _series(m, f, weight, from_start)
     outer, _ = _series(m[:, ::-1], f[:, ::-1], weight, from_start)
     _, spring = _series(f, m, weight, from_start)
-    found = ProfileBars(whole * long, mass * long, spring, inner, outer)
+    found = ProfileShafts(whole * long, mass * long, spring, inner, outer)
     _check(found)
     return found
 
@@ -149,7 +147,7 @@ def profile_bars(length: ArrayLike, flexibility_per_length: FloatArray, inertia_
 def _series(
     first: FloatArray, second: FloatArray, weight: FloatArray, from_start: FloatArray
 ) -> tuple[FloatArray, ...]:
-    """Coefficients (bars, TERMS) each: the whole integrals of `second` and of `first` in 1 -> first -> second -> ..."""
+    """Coefficients (shafts, TERMS) each: whole integrals of `second` and of `first` in 1 -> first -> second -> ..."""
     after_second, after_first = [], []
     running = np.ones_like(first)
     for _ in range(TERMS):
@@ -161,7 +159,7 @@ def _series(
     return np.stack(after_second, axis=1), np.stack(after_first, axis=1)
 
 
-def _check(found: ProfileBars) -> None:
+def _check(found: ProfileShafts) -> None:
     if not found.size or not math.isfinite(found.limit):
         return
     v = (found.limit * found.limit) * found._travel

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.kernels.bars.law import UNIT_ROUNDOFF, Pi, Slopes, alternating_slope
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.span_law import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating_slope
 
 _ROUNDINGS = 20.0  # of tan (4 units), what follows from it and the factors
 _SERIES_BELOW = 4.0  # square of the phase; above, differences lose less than a digit
@@ -19,16 +19,15 @@ _COSINE = np.array([1.0 / math.factorial(2 * k + 2) for k in range(_TERMS)])  # 
 
 
 @dataclass(frozen=True)
-class UniformBars:
+class UniformShafts(Law):
     """h = L/(G I) sin(mu)/mu and J = rho I L/2 tan(mu/2)/(mu/2) with the phase mu = w L sqrt(rho/G) of each piece."""
 
-    flexibility: FloatArray  # (bars,) rad/(N m), L/(G I)
-    half: FloatArray  # (bars,) kg m2, half the inertia of the piece
-    travel: FloatArray  # (bars,) s2, square of the time a wave needs along the piece
+    flexibility: FloatArray  # (shafts,) rad/(N m), L/(G I)
+    half: FloatArray  # (shafts,) kg m2, half the inertia of the piece
+    travel: FloatArray  # (shafts,) s2, square of the time a wave needs along the piece
 
     @property
     def size(self) -> int:
-        """Number of bars."""
         return len(self.half)
 
     @cached_property
@@ -37,11 +36,6 @@ class UniformBars:
         longest = float(self.travel.max(initial=0.0))
         return math.pi / math.sqrt(longest) if longest > 0.0 else math.inf
 
-    @property
-    def reach(self) -> float:
-        """Angular frequency (rad/s) up to which the law holds; no end."""
-        return math.inf
-
     @cached_property
     def _distinct(self) -> tuple[FloatArray, IntArray]:
         """The different squares of travel times, and which one each bar has."""
@@ -49,7 +43,6 @@ class UniformBars:
         return values, position.reshape(-1)
 
     def at(self, square: NDArray[Any]) -> Pi:
-        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2 (m,) or (bars, m)."""
         if square.ndim == 1:
             values, position = self._distinct
             sine, tangent, _ = (row[position] for row in _functions(np.multiply.outer(values, square)))
@@ -59,7 +52,6 @@ class UniformBars:
         return np.multiply(sine, self.flexibility[:, None], out=sine), end, end
 
     def slopes(self, square: FloatArray) -> Slopes:
-        """Values and derivatives with respect to s, each (bars, m), at s (m,)."""
         values, position = self._distinct
         v = np.multiply.outer(values, square)
         sine, tangent, cosine = _functions(v)
@@ -71,21 +63,20 @@ class UniformBars:
         return Slopes(square, h * rows[0], end, end, h * rows[2], end_slope, end_slope)
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """Relative error (m,) of the values at s (m,), besides that of s itself."""
         return np.full(len(square), _ROUNDINGS * UNIT_ROUNDOFF)
 
-    def turned(self, which: BoolArray) -> "UniformBars":
+    def turned(self, which: BoolArray) -> "UniformShafts":
         """The same: both ends are alike."""
         del which
         return self
 
 
-def uniform_bars(length: ArrayLike, rigidity: ArrayLike, inertia_per_length: ArrayLike) -> UniformBars:
-    """Uniform pieces of `length` m, `rigidity` G I N m2 and `inertia_per_length` rho I kg m, each (bars,)."""
+def uniform_shafts(length: ArrayLike, rigidity: ArrayLike, inertia_per_length: ArrayLike) -> UniformShafts:
+    """Uniform pieces of `length` m, `rigidity` G I N m2 and `inertia_per_length` rho I kg m, each (shafts,)."""
     long, stiff, heavy = np.broadcast_arrays(
         *(np.atleast_1d(np.asarray(values, dtype=np.float64)) for values in (length, rigidity, inertia_per_length))
     )
-    return UniformBars(long / stiff, 0.5 * (heavy * long), (long * heavy) * (long / stiff))
+    return UniformShafts(long / stiff, 0.5 * (heavy * long), (long * heavy) * (long / stiff))
 
 
 def _functions(v: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:

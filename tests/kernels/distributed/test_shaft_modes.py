@@ -1,23 +1,31 @@
 """Modes of trains with shafts as continua, against closed forms and transfer matrices in many digits."""
 
+from dataclasses import replace
+
 import mpmath as mp
 import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.bars.counts import count_below, count_bounds
-from torsion.kernels.bars.modes import bar_modes
-from torsion.kernels.bars.spans import Bars, uniform_bars
-from torsion.kernels.bars.tree import BarTree
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.distributed.distributed_shafts import Shafts, uniform_shafts
+from torsion.kernels.natural_modes import TreeModes, tree_modes
+from torsion.kernels.sturm import count_below, count_bounds
 from torsion.kernels.tree import Tree
+
+
+def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:
+    return tree_modes(replace(tree, shafts=shafts), count)
+
+
+def _part(modes: TreeModes, name: str) -> np.ndarray:
+    return getattr(modes if hasattr(modes, name) else modes.shafts, name)
 
 
 @pytest.mark.parametrize(("held", "shift"), [((), 0.0), ((0,), 0.5), ((0, 16), 0.0)])
 def test_a_uniform_shaft_free_or_held_swings_in_sines(trains, held: tuple[int, ...], shift: float) -> None:
     """And its torques are sines too, its energies halves of each other, its ends bare of torque."""
     train, bars = trains.chain(16, held=held), trains.pieces(2.0, 3.0, 5.0, 16)
-    modes = bar_modes(train, bars, 10)
+    modes = _modes(train, bars, 10)
     number = np.arange(1, 11) - shift
     exact = [mp.pi * k / 2 * mp.sqrt(mp.mpf(3) / 5) for k in number]
     assert trains.off(modes.frequency, exact) < 4e-16
@@ -32,28 +40,28 @@ def test_a_uniform_shaft_free_or_held_swings_in_sines(trains, held: tuple[int, .
     assert np.allclose(modes.angle, size * wave(along) * sign, rtol=0, atol=2e-14)
     slope = (np.cos(along) if held else -np.sin(along)) * size * np.pi * number / 2.0 * 3.0
     assert np.allclose(-modes.torque[1:], slope[:-1] * sign, rtol=0, atol=1e-13 * slope.max())
-    assert np.allclose(-modes.torque_outer[1:], slope[1:] * sign, rtol=0, atol=1e-13 * slope.max())
+    assert np.allclose(-modes.shafts.torque_outer[1:], slope[1:] * sign, rtol=0, atol=1e-13 * slope.max())
     if 16 not in held:
-        assert not modes.torque_outer[-1].any()
-    assert np.allclose(modes.kinetic.sum(axis=0), 1.0, rtol=1e-14)
-    assert np.allclose(modes.elastic.sum(axis=0), 1.0, rtol=1e-14)
+        assert not modes.shafts.torque_outer[-1].any()
+    assert np.allclose(modes.shafts.kinetic.sum(axis=0), 1.0, rtol=1e-14)
+    assert np.allclose(modes.shafts.elastic.sum(axis=0), 1.0, rtol=1e-14)
     if not held:
         assert modes.rigid == 1
         assert np.allclose(modes.rigid_angle, np.sqrt(1.0 / 10.0), rtol=1e-15)
 
 
 def test_energies_of_each_piece_are_the_integrals_along_it(trains) -> None:
-    modes = bar_modes(trains.chain(8), trains.pieces(1.0, 1.0, 1.0, 8), 4)
+    modes = _modes(trains.chain(8), trains.pieces(1.0, 1.0, 1.0, 8), 4)
     for k in range(1, 5):
         ends = np.linspace(0.0, 1.0, 9)
         kinetic = np.diff(ends + np.sin(2 * np.pi * k * ends) / (2 * np.pi * k))
         elastic = np.diff(ends - np.sin(2 * np.pi * k * ends) / (2 * np.pi * k))
-        assert np.allclose(modes.bar_kinetic[:, k - 1], kinetic, atol=3e-15)
-        assert np.allclose(modes.elastic[1:, k - 1], elastic, atol=3e-15)
+        assert np.allclose(modes.shafts.shaft_kinetic[:, k - 1], kinetic, atol=3e-15)
+        assert np.allclose(modes.shafts.elastic[1:, k - 1], elastic, atol=3e-15)
 
 
 def test_mode_500_of_a_shaft(trains) -> None:
-    modes = bar_modes(trains.chain(640), trains.pieces(1.0, 1.0, 1.0, 640), 500)
+    modes = _modes(trains.chain(640), trains.pieces(1.0, 1.0, 1.0, 640), 500)
     exact = [mp.pi * k for k in range(1, 501)]
     assert trains.off(modes.frequency, exact) < 1e-14
     assert (modes.lower <= exact).all()
@@ -71,7 +79,7 @@ def test_mode_500_of_a_shaft(trains) -> None:
 def test_a_shaft_with_end_discs_has_the_roots_of_its_frequency_equation(trains, first, last, published) -> None:
     """Discs a, c times the shaft: (b^2 a c - 1) sin b = b (a + c) cos b; with a fixed end (None) b tan b = 1."""
     discs = {12: last * 6.0} if first is None else {0: first * 6.0, 12: last * 6.0}
-    modes = bar_modes(
+    modes = _modes(
         trains.chain(12, discs, (0,) if first is None else ()), trains.pieces(2.0, 12.0, 3.0, 12), len(published)
     )
 
@@ -89,7 +97,7 @@ def test_a_drill_string_has_its_published_frequencies(trains) -> None:
     """Friswell et al. (2010) chapter 9: 800 m of 0.78 by 0.65 m, a top drive and a bottom-hole assembly at its ends."""
     area = mp.pi / 32 * (mp.mpf("0.78") ** 4 - mp.mpf("0.65") ** 4)
     rigidity, heavy = float(75e9 * area), float(8000 * area)
-    modes = bar_modes(trains.chain(12, {0: 200.0, 12: 10.0}), trains.pieces(800.0, rigidity, heavy, 12), 6)
+    modes = _modes(trains.chain(12, {0: 200.0, 12: 10.0}), trains.pieces(800.0, rigidity, heavy, 12), 6)
     assert np.allclose(
         modes.frequency / (2 * np.pi),
         [1.91033229, 3.82066476, 5.73099757, 7.64133089, 9.5516649, 11.46199977],
@@ -104,19 +112,19 @@ STEPS = ((0.4, 2e6, 0.8), (0.9, 5e6, 2.0), (0.3, 1e6, 0.4), (0.7, 8e6, 3.2), (0.
 DISCS = {0: 3.0, 2: 0.5, 5: 8.0}
 
 
-def _stepped(trains, cut: int) -> tuple[Tree, Bars, list]:
+def _stepped(trains, cut: int) -> tuple[Tree, Shafts, list]:
     """Five lengths, each in `cut` pieces, and three discs."""
     data = np.array([(length / cut, rigidity, heavy) for length, rigidity, heavy in STEPS for _ in range(cut)]).T
     train = trains.chain(5 * cut, {cut * place: value for place, value in DISCS.items()})
     parts: list = [("disc", DISCS[0])]
     for place, step in enumerate(STEPS, 1):
         parts += [("bar", *step), *([("disc", DISCS[place])] if place in DISCS else [])]
-    return train, Bars(np.arange(1, 5 * cut + 1), (uniform_bars(*data),)), parts
+    return train, Shafts(np.arange(1, 5 * cut + 1), (uniform_shafts(*data),)), parts
 
 
 def test_a_stepped_shaft_with_three_discs_equals_its_transfer_matrix(trains) -> None:
     train, bars, parts = _stepped(trains, 3)
-    modes = bar_modes(train, bars, 10)
+    modes = _modes(train, bars, 10)
     equation = lambda w: trains.line(parts, w * w)[1, 0]  # noqa: E731
     exact = [trains.root_near(equation, w) for w in modes.frequency]
     assert trains.off(modes.frequency, exact) < 1e-15
@@ -127,7 +135,7 @@ def test_a_stepped_shaft_with_three_discs_equals_its_transfer_matrix(trains) -> 
         assert trains.off(ratio[1:], [x for x, _, _ in self_motion]) < 2e-13  # a mode's shape is this sensitive to w
         torque = [t for _, t, _ in self_motion], [t for _, _, t in self_motion]
         assert trains.off(modes.torque[1::3, mode] / modes.angle[0, mode], torque[0]) < 2e-13
-        assert trains.off(modes.torque_outer[3::3, mode] / modes.angle[0, mode], torque[1]) < 2e-13
+        assert trains.off(modes.shafts.torque_outer[3::3, mode] / modes.angle[0, mode], torque[1]) < 2e-13
 
 
 def _along(trains, parts, w):
@@ -141,15 +149,15 @@ def _along(trains, parts, w):
 
 
 def test_cutting_a_length_into_pieces_changes_nothing(trains) -> None:
-    few, many = (bar_modes(*_stepped(trains, cut)[:2], 8) for cut in (3, 11))
+    few, many = (_modes(*_stepped(trains, cut)[:2], 8) for cut in (3, 11))
     assert np.allclose(few.frequency, many.frequency, rtol=2e-15)
     assert np.allclose(few.angle[::3], many.angle[::11], rtol=1e-12, atol=1e-14)
-    assert np.allclose(few.torque_outer[3::3], many.torque_outer[11::11], rtol=1e-11, atol=1e-9)
+    assert np.allclose(few.shafts.torque_outer[3::3], many.shafts.torque_outer[11::11], rtol=1e-11, atol=1e-9)
 
 
 def test_a_cone_has_the_frequencies_of_its_elementary_solution(trains) -> None:
     """Free at both ends, diameter 1 to 0.5: with x = r b, T = 0 is tan x = 3 x/(3 - x^2) across, as in many digits."""
-    modes = bar_modes(trains.chain(14), trains.tapered(lambda x: (1.0 - 0.5 * x) ** 4, 14), 10)
+    modes = _modes(trains.chain(14), trains.tapered(lambda x: (1.0 - 0.5 * x) ** 4, 14), 10)
 
     def equation(w):
         def turn(z):
@@ -172,10 +180,10 @@ def test_a_train_of_very_unequal_pieces_keeps_its_digits(trains, seed: int) -> N
     rigid = 10.0 ** rng.permutation(np.linspace(0, 12, 8))
     discs = {k: 10.0 ** rng.uniform(-3, 3) for k in range(0, 9, 2)}
     heavy, length = 1e-9 * 10.0 ** rng.uniform(-1, 1, 8), 10.0 ** rng.uniform(-2, 0, 8)
-    bars = Bars(np.arange(1, 9), (uniform_bars(length, rigid, heavy),))
+    bars = Shafts(np.arange(1, 9), (uniform_shafts(length, rigid, heavy),))
     train = trains.chain(8, discs)
-    count = int(count_below(BarTree(train, bars), np.array([0.9 * bars.limit]))[0]) - 1
-    modes = bar_modes(train, bars, count)
+    count = int(count_below(replace(train, shafts=bars), np.array([0.9 * bars.limit]))[0]) - 1
+    modes = _modes(train, bars, count)
     parts = [("disc", discs[0])]
     for k in range(8):
         parts += [("bar", length[k], rigid[k], heavy[k]), ("disc", discs.get(k + 1, 0.0))]
@@ -188,29 +196,29 @@ def test_a_train_of_very_unequal_pieces_keeps_its_digits(trains, seed: int) -> N
 def test_a_bar_without_density_is_a_spring(random_tree) -> None:
     plain = random_tree(3, size=12)
     node = np.arange(1, 12)
-    bars = Bars(node, (uniform_bars(np.ones(11), 1.0 / plain.flexibility[node], 0.0),))
+    bars = Shafts(node, (uniform_shafts(np.ones(11), 1.0 / plain.flexibility[node], 0.0),))
     bare = Tree(plain.parent, np.zeros(12), plain.inertia, plain.held)
-    one, other = tree_modes(plain), bar_modes(bare, bars, 99)
+    one, other = tree_modes(plain), _modes(bare, bars, 99)
     assert np.allclose(one.frequency, other.frequency, rtol=2e-15)
     assert np.allclose(one.angle, other.angle, rtol=1e-11, atol=0)
     assert np.allclose(one.torque, other.torque, rtol=1e-11, atol=0)
-    assert np.allclose(other.torque, other.torque_outer, rtol=4e-15, atol=0)
+    assert np.allclose(other.torque, other.shafts.torque_outer, rtol=4e-15, atol=0)
 
 
-def _star(arms: int, cut: int, centre: float) -> tuple[Tree, Bars]:
+def _star(arms: int, cut: int, centre: float) -> tuple[Tree, Shafts]:
     """Equal shafts of length 1 on one hub, each in `cut` pieces."""
     parent = [-1] + [0 if k == 0 else arm * cut + k for arm in range(arms) for k in range(cut)]
     size = arms * cut + 1
     inertia = np.zeros(size)
     inertia[0] = centre
-    law = uniform_bars(np.full(size - 1, 1.0 / cut), 1.0, 1.0)
-    return Tree(np.array(parent), np.zeros(size), inertia, np.zeros(size, bool)), Bars(np.arange(1, size), (law,))
+    law = uniform_shafts(np.full(size - 1, 1.0 / cut), 1.0, 1.0)
+    return Tree(np.array(parent), np.zeros(size), inertia, np.zeros(size, bool)), Shafts(np.arange(1, size), (law,))
 
 
 def test_equal_branches_have_repeated_frequencies_with_orthogonal_shapes(trains) -> None:
     """Four equal shafts on a hub: each quarter-wave frequency occurs three times, the hub at rest in all of them."""
     train, bars = _star(4, 4, 2.0)
-    modes = bar_modes(train, bars, 8)
+    modes = _modes(train, bars, 8)
     exact = sorted([mp.pi / 2] * 3 + [3 * mp.pi / 2] * 3 + [
         trains.root_near(lambda w: 2 * w + 4 * mp.tan(w), w) for w in (2.4, 5.0)
     ])  # fmt: skip
@@ -221,25 +229,25 @@ def test_equal_branches_have_repeated_frequencies_with_orthogonal_shapes(trains)
     assert np.allclose(tips.T @ tips, 2.0 * np.eye(3), atol=1e-13)  # the inertia of sin^2 over a length 1 is a half
     root = modes.torque[[1, 5, 9, 13]][:, quarter]
     assert np.allclose(np.abs(root), np.abs(tips) * np.pi / 2, atol=1e-12)
-    assert np.allclose(modes.kinetic.sum(axis=0), 1.0, rtol=1e-13)
+    assert np.allclose(modes.shafts.kinetic.sum(axis=0), 1.0, rtol=1e-13)
 
 
 def test_repeated_shapes_of_stepped_branches_are_those_of_one_branch_by_itself(trains) -> None:
     """Three equal arms of two unlike lengths on a hub that stays at rest; both ends' torques, not the angles alone."""
-    arm = uniform_bars([0.4, 0.8], [1.0, 3.0], [2.0, 0.3])
-    alone = bar_modes(trains.chain(2, {2: 0.2}, (0,)), Bars(np.array([1, 2]), (arm,)), 1)
-    arms = uniform_bars(np.tile([0.4, 0.8], 3), np.tile([1.0, 3.0], 3), np.tile([2.0, 0.3], 3))
+    arm = uniform_shafts([0.4, 0.8], [1.0, 3.0], [2.0, 0.3])
+    alone = _modes(trains.chain(2, {2: 0.2}, (0,)), Shafts(np.array([1, 2]), (arm,)), 1)
+    arms = uniform_shafts(np.tile([0.4, 0.8], 3), np.tile([1.0, 3.0], 3), np.tile([2.0, 0.3], 3))
     inertia = np.array([5.0, 0, 0.2, 0, 0.2, 0, 0.2])
     train = Tree(np.array([-1, 0, 1, 0, 3, 0, 5]), np.zeros(7), inertia, np.zeros(7, bool))
-    modes = bar_modes(train, Bars(np.arange(1, 7), (arms,)), 3)
+    modes = _modes(train, Shafts(np.arange(1, 7), (arms,)), 3)
     pair = [k for k in range(3) if abs(modes.frequency[k] / alone.frequency[0] - 1) < 1e-13]
     assert len(pair) == 2
     for name in ("angle", "torque", "torque_outer"):
-        one = getattr(alone, name)[1:, 0]
+        one = _part(alone, name)[1:, 0]
         scale = modes.angle[[2, 4, 6]][:, pair] / alone.angle[2, 0]
         expected = np.einsum("am,s->asm", scale, one).reshape(6, 2)
-        assert np.allclose(getattr(modes, name)[1:, pair], expected, rtol=0, atol=1e-13 * np.abs(one).max()), name
-    assert np.allclose(modes.kinetic[:, pair].sum(axis=0), 1.0, rtol=1e-13)
+        assert np.allclose(_part(modes, name)[1:, pair], expected, rtol=0, atol=1e-13 * np.abs(one).max()), name
+    assert np.allclose(modes.shafts.kinetic[:, pair].sum(axis=0), 1.0, rtol=1e-13)
 
 
 def test_close_frequencies_keep_orthogonal_shapes(trains) -> None:
@@ -251,9 +259,9 @@ def test_close_frequencies_keep_orthogonal_shapes(trains) -> None:
     flexibility[cut + 1] = 1e9
     train = Tree(parent, flexibility, np.zeros(size), np.zeros(size, bool))
     node = np.array([*range(1, cut + 1), *range(cut + 2, size)])
-    bars = Bars(node, (uniform_bars(np.full(2 * cut, 1.0 / cut), 1.0, 1.0),))
-    modes = bar_modes(train, bars, 5)
-    half = modes.bar_kinetic[:cut].sum(axis=0)
+    bars = Shafts(node, (uniform_shafts(np.full(2 * cut, 1.0 / cut), 1.0, 1.0),))
+    modes = _modes(train, bars, 5)
+    half = modes.shafts.shaft_kinetic[:cut].sum(axis=0)
     assert np.allclose(half[1:], 0.5, atol=1e-6) or np.allclose(half, 0.5, atol=1e-6)
     ends = modes.angle[[0, cut + 1]]
     for k in (1, 3):
@@ -265,22 +273,22 @@ def test_rigid_spans_held_stations_and_massless_ones_need_no_care(trains) -> Non
     """A rigid span between two shafts, and one to a held wall, are as if they were not there."""
     parent, flexibility = np.arange(-1, 7), np.array([0, 0, 0, 0, 0, 0, 0, 0.0])
     node = np.array([2, 3, 5, 6, 7])  # 0 held, 1 rigidly on it, 4 rigidly on 3
-    bars = Bars(node, (uniform_bars(np.full(5, 0.2), 1.0, 1.0),))
+    bars = Shafts(node, (uniform_shafts(np.full(5, 0.2), 1.0, 1.0),))
     train = Tree(parent, flexibility, np.zeros(8), np.arange(8) == 0)
-    modes = bar_modes(train, bars, 3)
+    modes = _modes(train, bars, 3)
     assert trains.off(modes.frequency, [mp.pi / 2, 3 * mp.pi / 2, 5 * mp.pi / 2]) < 5e-16
     assert modes.rigid == 0
     size = np.sqrt(2.0) * np.array([0.5, 1.5, 2.5]) * np.pi
     assert np.allclose(np.abs(modes.torque[1]), size, rtol=1e-13)
-    assert np.allclose(modes.torque[4], modes.torque_outer[3], rtol=1e-12)
+    assert np.allclose(modes.torque[4], modes.shafts.torque_outer[3], rtol=1e-12)
     assert not modes.angle[:2].any()
 
 
 def test_two_separate_trains_have_two_rigid_motions_and_all_modes_of_both(trains) -> None:
     parent = np.array([-1, 0, 1, 2, -1, 4, 5, 6])
     node = np.array([1, 2, 3, 5, 6, 7])
-    bars = Bars(node, (uniform_bars(np.repeat([1 / 3, 0.5 / 3], 3), 1.0, 1.0),))
-    modes = bar_modes(Tree(parent, np.zeros(8), np.zeros(8), np.zeros(8, bool)), bars, 3)
+    bars = Shafts(node, (uniform_shafts(np.repeat([1 / 3, 0.5 / 3], 3), 1.0, 1.0),))
+    modes = _modes(Tree(parent, np.zeros(8), np.zeros(8), np.zeros(8, bool)), bars, 3)
     assert modes.rigid == 2
     assert trains.off(modes.frequency, [mp.pi, 2 * mp.pi, 2 * mp.pi]) < 5e-16
     assert np.allclose(np.abs(modes.rigid_angle.max(axis=0)), [1.0, np.sqrt(2.0)], rtol=1e-15)
@@ -289,7 +297,7 @@ def test_two_separate_trains_have_two_rigid_motions_and_all_modes_of_both(trains
 
 
 def test_counts_step_at_every_frequency_and_their_bounds_on_either_side(trains) -> None:
-    train = BarTree(trains.chain(20), trains.pieces(1.0, 1.0, 1.0, 20))
+    train = replace(trains.chain(20), shafts=trains.pieces(1.0, 1.0, 1.0, 20))
     exact = np.pi * np.arange(1, 16)
     assert np.array_equal(count_below(train, exact * (1 + 1e-13)), np.arange(2, 17))
     assert np.array_equal(count_below(train, exact * (1 - 1e-13)), np.arange(1, 16))
@@ -300,22 +308,22 @@ def test_counts_step_at_every_frequency_and_their_bounds_on_either_side(trains) 
     assert np.all(at_least < at_most)
 
 
-def _random_train(random_tree, seed: int, held: str) -> tuple[Tree, Bars]:
-    """Bars, springs, rigid spans and massless stations in a tree, stiffnesses over eight decades."""
+def _random_train(random_tree, seed: int, held: str) -> tuple[Tree, Shafts]:
+    """Shafts, springs, rigid spans and massless stations in a tree, stiffnesses over eight decades."""
     rng = np.random.default_rng(seed)
     plain = random_tree(seed, size=14, held=held)
     inertia = np.where(rng.random(14) < 0.5, 0.0, plain.inertia)
     kind = rng.integers(0, 4, 14)
     flexibility = np.where((kind == 0) & ~plain.held, 0.0, 10.0 ** -rng.uniform(0, 8, 14))
     node = np.array([i for i in range(1, 14) if kind[i] > 1])
-    law = uniform_bars(
+    law = uniform_shafts(
         rng.uniform(0.1, 1.0, len(node)), 10.0 ** rng.uniform(0, 8, len(node)), 10.0 ** rng.uniform(-6, -2)
     )
     flexibility[node] = 0.0
-    return Tree(plain.parent, flexibility, inertia, plain.held), Bars(node, (law,))
+    return Tree(plain.parent, flexibility, inertia, plain.held), Shafts(node, (law,))
 
 
-def _exact_count(train: Tree, bars: Bars, w) -> int:
+def _exact_count(train: Tree, bars: Shafts, w) -> int:
     """Frequencies below w, from the pivots of the elimination in many digits; below the limit of every bar."""
     s, law, of = mp.mpf(float(w)) ** 2, bars.laws[0], {int(i): k for k, i in enumerate(bars.node)}
     h = [mp.mpf(float(v)) for v in train.flexibility]
@@ -341,27 +349,27 @@ def _exact_count(train: Tree, bars: Bars, w) -> int:
 @pytest.mark.parametrize("seed", range(8))
 def test_counts_in_many_digits_confirm_every_enclosure(random_tree, seed: int, held: str) -> None:
     train, bars = _random_train(random_tree, seed, held)
-    whole = BarTree(train, bars)
+    whole = replace(train, shafts=bars)
     count = int(count_below(whole, np.array([0.9 * bars.limit]))[0])
-    rigid = bar_modes(train, bars, 0).rigid
-    modes = bar_modes(train, bars, count - rigid)
+    rigid = _modes(train, bars, 0).rigid
+    modes = _modes(train, bars, count - rigid)
     assert np.all(modes.upper - modes.lower < 3e-13 * modes.frequency)
     for k, (low, high) in enumerate(zip(modes.lower, modes.upper, strict=True)):
         assert _exact_count(train, bars, low) <= rigid + k < _exact_count(train, bars, high)
     if count > rigid:
-        assert np.allclose(modes.kinetic.sum(axis=0), 1.0, rtol=1e-12)
-        assert np.allclose(modes.elastic.sum(axis=0), 1.0, rtol=1e-10)
+        assert np.allclose(modes.shafts.kinetic.sum(axis=0), 1.0, rtol=1e-12)
+        assert np.allclose(modes.shafts.elastic.sum(axis=0), 1.0, rtol=1e-10)
 
 
 def test_modes_above_what_the_pieces_resolve_are_refused(trains) -> None:
     train, bars = trains.chain(4), trains.pieces(1.0, 1.0, 1.0, 4)
-    assert len(bar_modes(train, bars, 3).frequency) == 3
+    assert len(_modes(train, bars, 3).frequency) == 3
     with pytest.raises(SolveError, match=r"only 3 of the natural frequencies .* divide the shafts more finely"):
-        bar_modes(train, bars, 4)
+        _modes(train, bars, 4)
 
 
 def test_no_mode_asked_for_is_none_given(trains) -> None:
-    modes = bar_modes(trains.chain(4), trains.pieces(1.0, 1.0, 1.0, 4), 0)
+    modes = _modes(trains.chain(4), trains.pieces(1.0, 1.0, 1.0, 4), 0)
     assert modes.frequency.shape == (0,)
     assert modes.angle.shape == (5, 0)
     assert modes.rigid == 1

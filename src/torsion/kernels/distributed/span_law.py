@@ -6,13 +6,15 @@ the piece with both ends held all three are positive, and Sturm counts need no c
 With a loss factor of the material, G becomes G (1 + i eta): h and s are divided by 1 + i eta, J is J(s/(1 + i eta)).
 """
 
+import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.tree import BoolArray, FloatArray
+from torsion.arrays import BoolArray, FloatArray
 
 Pi = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 UNIT_ROUNDOFF = 2.0**-53
@@ -20,7 +22,7 @@ UNIT_ROUNDOFF = 2.0**-53
 
 @dataclass(frozen=True)
 class Slopes:
-    """Values of the pi and their derivatives with respect to s = w^2; all (bars, m), but `square`."""
+    """Values of the pi and their derivatives with respect to s = w^2; all (shafts, m), but `square`."""
 
     square: FloatArray  # (m,) rad2/s2, s
     flexibility: FloatArray  # rad/(N m)
@@ -37,32 +39,39 @@ class Slopes:
         return cls(parts[0].square, *(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
-class Law(Protocol):
-    """The pi of bars of one sort, as a function of s = w^2."""
+class Law(ABC):
+    """The pi of shafts of one sort, as a function of s = w^2."""
 
     @property
+    @abstractmethod
     def size(self) -> int:
-        """Number of bars."""
+        """Number of shafts."""
 
     @property
+    @abstractmethod
     def limit(self) -> float:
         """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
 
     @property
     def reach(self) -> float:
         """Angular frequency (rad/s) up to which the law holds at all."""
+        return math.inf
 
+    @abstractmethod
     def at(self, square: NDArray[Any]) -> Pi:
-        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s (m,) or (bars, m)."""
+        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (shafts, m), at s (m,) or (shafts, m)."""
 
+    @abstractmethod
     def slopes(self, square: FloatArray) -> Slopes:
         """The same with their derivatives at s (m,), real."""
 
+    @abstractmethod
     def rounding(self, square: FloatArray) -> FloatArray:
         """Relative error (m,) that rounding may leave in the values at s (m,), besides that of s itself."""
 
+    @abstractmethod
     def turned(self, which: BoolArray) -> "Law":
-        """The same with inner and outer end exchanged in `which` (bars,)."""
+        """The same with inner and outer end exchanged in `which` (shafts,)."""
 
 
 def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:

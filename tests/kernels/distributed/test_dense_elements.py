@@ -1,19 +1,29 @@
 """The dense way of finite elements in any tree, its decomposition, scaled elements, and a start for counts."""
 
+from dataclasses import replace
+
 import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.bars.bends import bends
-from torsion.kernels.bars.dense import element_modes_dense, estimated_frequencies
-from torsion.kernels.bars.modes import bar_modes, modes_of
-from torsion.kernels.bars.singular import largest_right_vectors
-from torsion.kernels.bars.spans import Bars, ElementBars, element_bars
-from torsion.kernels.bars.tree import BarTree
+from torsion.kernels.distributed.dense_elements import dense_modes, estimated_frequencies
+from torsion.kernels.distributed.distributed_shafts import CondensedElements, Shafts, condensed_elements
+from torsion.kernels.distributed.singular import largest_right_vectors
+from torsion.kernels.distributed.static_bends import static_bends
+from torsion.kernels.natural_modes import TreeModes, tree_modes
+from torsion.kernels.reduction import rigidity
 from torsion.kernels.tree import Tree
 
 
-def _random_train(random_tree, trains, seed: int, held: str) -> tuple[Tree, Bars]:
+def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:
+    return tree_modes(replace(tree, shafts=shafts), count)
+
+
+def _part(modes: TreeModes, name: str) -> np.ndarray:
+    return getattr(modes if hasattr(modes, name) else modes.shafts, name)
+
+
+def _random_train(random_tree, trains, seed: int, held: str) -> tuple[Tree, Shafts]:
     """Elements of degree 5, springs, rigid spans and massless stations in a branched tree."""
     rng = np.random.default_rng(seed)
     plain = random_tree(seed, size=12, held=held)
@@ -22,33 +32,33 @@ def _random_train(random_tree, trains, seed: int, held: str) -> tuple[Tree, Bars
     node = np.array([i for i in range(1, 12) if kind[i] > 1])
     flexibility = np.where((kind == 0) & ~plain.held, 0.0, 10.0 ** rng.uniform(-2, 1, 12))
     flexibility[node] = 0.0
-    unit = element_bars(*(part[None] for part in trains.element(5, 1.0, np.exp, np.ones_like)))
+    unit = condensed_elements(*(part[None] for part in trains.element(5, 1.0, np.exp, np.ones_like)))
     law = unit.scaled(10.0 ** rng.uniform(0, 2, len(node)), 10.0 ** rng.uniform(-1, 0, len(node)))
-    return Tree(plain.parent, flexibility, inertia, plain.held), Bars(node, (law,))
+    return Tree(plain.parent, flexibility, inertia, plain.held), Shafts(node, (law,))
 
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 @pytest.mark.parametrize("seed", range(6))
 def test_in_any_tree_the_dense_way_finds_what_the_counts_find(random_tree, trains, seed: int, held: str) -> None:
     train, bars = _random_train(random_tree, trains, seed, held)
-    sure, dense = bar_modes(train, bars, 3), element_modes_dense(train, bars, 3)
+    sure, dense = _modes(train, bars, 3), dense_modes(replace(train, shafts=bars), 3)
     assert sure.certified
     assert np.allclose(dense.frequency, sure.frequency, rtol=2e-14)
-    for name in ("angle", "torque", "torque_outer", "kinetic", "elastic", "bar_kinetic", "rigid_angle"):
-        one, other = getattr(dense, name), getattr(sure, name)
+    for name in ("angle", "torque", "torque_outer", "kinetic", "elastic", "shaft_kinetic", "rigid_angle"):
+        one, other = _part(dense, name), _part(sure, name)
         assert np.allclose(one, other, rtol=0, atol=1e-11 * np.abs(other).max(initial=0.0)), name
 
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 def test_angles_of_the_coordinates_leave_rigid_motions_and_held_stations_at_rest(random_tree, trains, held) -> None:
     train, bars = _random_train(random_tree, trains, 3, held)
-    whole, element = BarTree(train, bars), bars.laws[0]
-    found = bends(whole, element)
+    whole, element = replace(train, shafts=bars), bars.laws[0]
+    found = static_bends(whole, bars, element)
     spring = found.spring
     twist = found.angle[spring] - found.angle[train.parent[spring]]
     scale = np.abs(found.angle).max()
     assert np.allclose(twist, found.root[:, None] * found.bend, rtol=0, atol=1e-14 * scale)
-    assert np.all(found.angle[whole.known.fixed] == 0.0)
+    assert np.all(found.angle[rigidity(whole.static).fixed] == 0.0)
     momentum = whole.static.moving_inertia @ found.angle
     momentum[found.inside.reshape(-1)] += element.coupling_turn.reshape(-1)
     if held == "none":
@@ -82,12 +92,12 @@ def test_vectors_are_as_right_as_those_of_a_decomposition(which: str) -> None:
 def test_an_element_scales_with_its_stiffness_and_its_inertia(trains, degree: int) -> None:
     k, m = trains.element(degree, 1.0, np.exp, np.ones_like)
     stiffness, inertia = np.array([3e6, 20.0]), np.array([0.7, 5e3])
-    scaled = element_bars(k[None], m[None]).scaled(stiffness, inertia)
-    plain = element_bars(k * stiffness[:, None, None], m * inertia[:, None, None])
+    scaled = condensed_elements(k[None], m[None]).scaled(stiffness, inertia)
+    plain = condensed_elements(k * stiffness[:, None, None], m * inertia[:, None, None])
     s = 0.3 * np.array([1.0, 0.5]) * (plain.limit if degree > 1 else 1.0) ** 2
     for one, other in zip(scaled.at(s), plain.at(s), strict=True):
         assert np.allclose(one, other, rtol=2e-14)
-    together = ElementBars.joined([scaled, plain])
+    together = CondensedElements.joined([scaled, plain])
     assert np.array_equal(together.at(s)[0], np.concatenate([scaled.at(s)[0], plain.at(s)[0]]))
 
 
@@ -103,8 +113,8 @@ def test_many_equal_elements_have_the_values_of_few(trains) -> None:
 @pytest.mark.parametrize("off", [0.0, 1e-4, 0.2])
 def test_counts_prove_or_correct_the_frequencies_they_start_from(trains, off: float) -> None:
     train, bars = trains.chain(6, {0: 0.3, 3: 2.0}), trains.elements(5, 6)
-    sure, dense = bar_modes(train, bars, 4), element_modes_dense(train, bars, 4)
-    found = modes_of(BarTree(train, bars), 4, start=dense.frequency * (1.0 + off))
+    sure, dense = _modes(train, bars, 4), dense_modes(replace(train, shafts=bars), 4)
+    found = tree_modes(replace(train, shafts=bars), 4, start=dense.frequency * (1.0 + off))
     assert found.certified
     assert np.all((sure.lower <= found.upper) & (found.lower <= sure.upper))
     assert np.allclose(found.frequency, sure.frequency, rtol=4e-15)
@@ -122,11 +132,11 @@ def test_one_mode_inside_each_bar_estimates_the_frequencies(trains, law: str, nu
         "elements": lambda: trains.elements(4, number),
     }[law]()
     train = trains.chain(number, {0: 0.4, number // 2: 1.0})
-    exact, found = bar_modes(train, bars, 3), estimated_frequencies(BarTree(train, bars), 3)
+    exact, found = _modes(train, bars, 3), estimated_frequencies(replace(train, shafts=bars), 3)
     assert np.all(np.diff(found) > 0.0)
     error = found / exact.frequency - 1.0
     assert np.all((error > 0.0) & (error < 0.08 * (exact.frequency / bars.limit) ** 4))
-    started = modes_of(BarTree(train, bars), 3, start=found)
+    started = tree_modes(replace(train, shafts=bars), 3, start=found)
     assert started.certified
     assert np.allclose(started.frequency, exact.frequency, rtol=2e-15)
     assert np.allclose(started.angle, exact.angle, rtol=0, atol=1e-13)

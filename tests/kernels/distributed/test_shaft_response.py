@@ -1,25 +1,34 @@
 """Response of trains with shafts as continua, against transfer matrices in many digits."""
 
+from dataclasses import replace
+
 import mpmath as mp
 import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.bars.modes import bar_modes
-from torsion.kernels.bars.spans import Bars, uniform_bars
+from torsion.kernels.distributed.distributed_shafts import Shafts, uniform_shafts
+from torsion.kernels.natural_modes import TreeModes, tree_modes
 from torsion.kernels.response import Status, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree
+
+
+def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:
+    return tree_modes(replace(tree, shafts=shafts), count)
+
 
 LENGTH, RIGIDITY, HEAVY = np.array([0.4, 0.9, 0.3]), np.array([2e6, 5e6, 1e6]), np.array([0.8, 2.0, 0.4])
 DISCS = [3.0, 0.0, 0.5, 8.0]
 
 
-def _train(cut: int) -> tuple[Tree, Bars]:
+def _train(cut: int) -> tuple[Tree, Shafts]:
     inertia = np.zeros(3 * cut + 1)
     inertia[::cut] = DISCS
-    law = uniform_bars(*(np.repeat(values, cut) for values in (LENGTH / cut, RIGIDITY, HEAVY)))
+    law = uniform_shafts(*(np.repeat(values, cut) for values in (LENGTH / cut, RIGIDITY, HEAVY)))
     size = 3 * cut + 1
-    return Tree(np.arange(-1, 3 * cut), np.zeros(size), inertia, np.zeros(size, bool)), Bars(np.arange(1, size), (law,))
+    return Tree(np.arange(-1, 3 * cut), np.zeros(size), inertia, np.zeros(size, bool)), Shafts(
+        np.arange(1, size), (law,)
+    )
 
 
 def _exact(trains, w: float, eta: float, force: list[complex]):
@@ -50,7 +59,7 @@ def test_the_response_equals_transfer_matrices(trains, eta: float, cut: int) -> 
     w = np.array([5.0, 300.0, 900.0, 2100.0, 4000.0])
     force = np.zeros(train.size, complex)
     force[::cut] = [1.0, 0.0, 0.5 - 2.0j, 3.0j]
-    found = tree_response(train, w, force, bars=bars, bar_loss=np.full(bars.size, eta))
+    found = tree_response(replace(train, shafts=bars), w, force, shaft_loss=np.full(bars.size, eta))
     assert np.all(status(found.amplification, found.residual) == Status.OK)
     assert found.residual.max() < 1e-14
     for column, speed in enumerate(w):
@@ -67,7 +76,7 @@ def test_loss_factors_may_differ_from_shaft_to_shaft(trains) -> None:
     """One lossy shaft between two others, against a bar whose law is evaluated at one complex s."""
     train, bars = _train(1)
     w, loss = np.array([700.0, 1500.0]), np.array([0.0, 0.1, 0.03])
-    found = tree_response(train, w, np.array([1.0, 0, 0, 0]), bars=bars, bar_loss=loss)
+    found = tree_response(replace(train, shafts=bars), w, np.array([1.0, 0, 0, 0]), shaft_loss=loss)
     for column, speed in enumerate(w):
         s = mp.mpf(speed) ** 2
         parts = []
@@ -88,8 +97,8 @@ def test_a_bar_without_density_responds_as_a_spring_with_loss() -> None:
     force = np.array([1.0, 0.0, 2.0, -1.0])
     plain = tree_response(train, w, force, compliance=h / (1 + 1j * eta))
     bare = Tree(train.parent, np.zeros(4), train.inertia, train.held)
-    bars = Bars(np.array([2, 1, 3]), (uniform_bars(1.0, 1.0 / h[[2, 1, 3]], 0.0),))
-    found = tree_response(bare, w, force, bars=bars, bar_loss=eta[[2, 1, 3]])
+    bars = Shafts(np.array([2, 1, 3]), (uniform_shafts(1.0, 1.0 / h[[2, 1, 3]], 0.0),))
+    found = tree_response(replace(bare, shafts=bars), w, force, shaft_loss=eta[[2, 1, 3]])
     assert np.allclose(found.angle, plain.angle, rtol=1e-12)
     assert np.allclose(found.torque, plain.torque, rtol=1e-12)
     assert np.allclose(found.torque_outer, plain.torque, rtol=1e-12)
@@ -102,8 +111,8 @@ def test_without_bars_both_ends_of_a_span_have_one_torque(random_tree) -> None:
 
 def test_exactly_at_resonance_a_line_is_marked(trains) -> None:
     train, bars = trains.chain(4, {4: 1.0}), trains.pieces(1.0, 1.0, 1.0, 4)
-    w = bar_modes(train, bars, 1).frequency
-    found = tree_response(train, np.append(w, 2.2), np.array([1.0, 0, 0, 0, 0]), bars=bars)
+    w = _modes(train, bars, 1).frequency
+    found = tree_response(replace(train, shafts=bars), np.append(w, 2.2), np.array([1.0, 0, 0, 0, 0]))
     marks = status(found.amplification, found.residual)
     assert marks[0] != Status.OK
     assert marks[1] == Status.OK
@@ -111,7 +120,7 @@ def test_exactly_at_resonance_a_line_is_marked(trains) -> None:
 
 def test_at_standstill_a_held_shaft_twists_by_its_flexibility(trains) -> None:
     train, bars = trains.chain(3, held=(0,)), trains.pieces(2.0, 5.0, 1.0, 3)
-    found = tree_response(train, np.zeros(1), np.array([0, 0, 0, 10.0]), bars=bars)
+    found = tree_response(replace(train, shafts=bars), np.zeros(1), np.array([0, 0, 0, 10.0]))
     assert np.allclose(found.angle[:, 0], [0, 4 / 3, 8 / 3, 4], rtol=1e-15)
     assert np.allclose(found.torque[1:, 0], -10.0, rtol=1e-15)
 
@@ -119,8 +128,8 @@ def test_at_standstill_a_held_shaft_twists_by_its_flexibility(trains) -> None:
 def test_an_answer_from_elsewhere_is_judged_by_its_residual(trains) -> None:
     train, bars = _train(2)
     w, force = np.array([100.0, 2000.0]), np.arange(7.0)
-    problem = pose(train, w, None, None, bars, np.full(6, 0.01))
-    answer = tree_response(train, w, force, bars=bars, bar_loss=np.full(6, 0.01))
+    problem = pose(replace(train, shafts=bars), w, None, None, np.full(6, 0.01))
+    answer = tree_response(replace(train, shafts=bars), w, force, shaft_loss=np.full(6, 0.01))
     assert residual_of(problem, force, None, answer).max() < 1e-14
     answer.torque[3] *= 1.0 + 1e-6
     assert residual_of(problem, force, None, answer).min() > 1e-9
@@ -129,12 +138,12 @@ def test_an_answer_from_elsewhere_is_judged_by_its_residual(trains) -> None:
 def test_a_twist_along_a_bar_is_refused() -> None:
     train, bars = _train(1)
     with pytest.raises(ValueError, match="twist is imposed on a span with distributed inertia"):
-        tree_response(train, np.ones(1), np.ones(4), twist=np.array([0, 1.0, 0, 0]), bars=bars)
-    with pytest.raises(ValueError, match=r"bar_loss has shape \(2,\); expected \(3,\)"):
-        tree_response(train, np.ones(1), np.ones(4), bars=bars, bar_loss=np.ones(2))
+        tree_response(replace(train, shafts=bars), np.ones(1), np.ones(4), twist=np.array([0, 1.0, 0, 0]))
+    with pytest.raises(ValueError, match=r"shaft_loss has shape \(2,\); expected \(3,\)"):
+        tree_response(replace(train, shafts=bars), np.ones(1), np.ones(4), shaft_loss=np.ones(2))
 
 
 def test_a_frequency_beyond_the_series_of_a_profile_is_refused(trains) -> None:
     bars = trains.tapered(lambda x: (1.0 + x) ** 4, 2)
     with pytest.raises(SolveError, match="divide the shafts more finely"):
-        tree_response(trains.chain(2), np.array([100.0]), np.ones(3), bars=bars)
+        tree_response(replace(trains.chain(2), shafts=bars), np.array([100.0]), np.ones(3))

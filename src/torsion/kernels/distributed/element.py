@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.kernels.bars.law import UNIT_ROUNDOFF, Pi, Slopes
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.span_law import UNIT_ROUNDOFF, Law, Pi, Slopes
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array
@@ -29,21 +29,20 @@ _NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the elemen
 
 
 @dataclass(frozen=True)
-class ElementBars:
-    """Condensed elements; modes inside, held at both ends, as (bars, inside)."""
+class CondensedElements(Law):
+    """Condensed elements; modes inside, held at both ends, as (shafts, inside)."""
 
-    stiffness: FloatArray  # (bars,) N m/rad, k of the static bend
-    across: FloatArray  # (bars,) kg m2, c
-    inner: FloatArray  # (bars,) kg m2, row sum at the inner end
-    outer: FloatArray  # (bars,) kg m2
-    modes: FloatArray  # (bars, inside) s2, c_j = 1/frequency^2
-    coupling_inner: FloatArray  # (bars, inside) g of the inner end
-    coupling_outer: FloatArray  # (bars, inside)
-    coupling_turn: FloatArray  # (bars, inside) g of the turning as a whole: not the rounded sum of the other two
+    stiffness: FloatArray  # (shafts,) N m/rad, k of the static bend
+    across: FloatArray  # (shafts,) kg m2, c
+    inner: FloatArray  # (shafts,) kg m2, row sum at the inner end
+    outer: FloatArray  # (shafts,) kg m2
+    modes: FloatArray  # (shafts, inside) s2, c_j = 1/frequency^2
+    coupling_inner: FloatArray  # (shafts, inside) g of the inner end
+    coupling_outer: FloatArray  # (shafts, inside)
+    coupling_turn: FloatArray  # (shafts, inside) g of the turning as a whole: not the rounded sum of the other two
 
     @property
     def size(self) -> int:
-        """Number of bars."""
         return len(self.stiffness)
 
     @cached_property
@@ -52,13 +51,8 @@ class ElementBars:
         largest = float(self.modes.max(initial=0.0))
         return 1.0 / math.sqrt(largest) if largest > 0.0 else math.inf
 
-    @property
-    def reach(self) -> float:
-        """Angular frequency (rad/s) up to which the law holds; no end."""
-        return math.inf
-
     @cached_property
-    def _distinct(self) -> tuple["ElementBars", IntArray]:
+    def _distinct(self) -> tuple["CondensedElements", IntArray]:
         """The different elements, and which one each bar is."""
         columns = [getattr(self, name) for name in self.__dataclass_fields__]
         table = np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1)
@@ -66,11 +60,11 @@ class ElementBars:
         position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
         first = np.zeros(len(number), dtype=np.int64)
         first[position[::-1]] = np.arange(self.size)[::-1]
-        return ElementBars(*(column[first] for column in columns)), position
+        return CondensedElements(*(column[first] for column in columns)), position
 
     @cached_property
     def _weights(self) -> FloatArray:
-        """(bars, 3, inside) of s/(1 - s c_j) in 1/h, less its static part, and in both end inertias."""
+        """(shafts, 3, inside) of s/(1 - s c_j) in 1/h, less its static part, and in both end inertias."""
         pairs = (
             (self.coupling_inner, self.coupling_outer),
             (self.coupling_inner, self.coupling_turn),
@@ -79,7 +73,6 @@ class ElementBars:
         return np.stack([one * other for one, other in pairs], axis=1)
 
     def at(self, square: NDArray[Any]) -> Pi:
-        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (bars, m), at s = w^2 (m,) or (bars, m)."""
         if square.ndim > 1:
             return self._values(square)
         if self.modes.size * len(square) <= _FEW:
@@ -97,7 +90,7 @@ class ElementBars:
         return spring, self.inner[:, None] + rows[:, 1], self.outer[:, None] + rows[:, 2]
 
     def _summed(self, s: NDArray[Any], answer: Callable[[NDArray[Any], FloatArray], NDArray[Any]]) -> NDArray[Any]:
-        """Sums (bars, 3, m) over the modes inside of `_weights` times `answer` of s (bars, m) and the modes."""
+        """Sums (shafts, 3, m) over the modes inside of `_weights` times `answer` of s (shafts, m) and the modes."""
         found = np.empty((self.size, 3, s.shape[1]), dtype=s.dtype)
         block = max(1, _AT_ONCE // max(self.modes.size, 1))
         for begin in range(0, s.shape[1], block):
@@ -106,7 +99,6 @@ class ElementBars:
         return found
 
     def slopes(self, square: FloatArray) -> Slopes:
-        """Values and derivatives with respect to s, each (bars, m), at s (m,)."""
         few, position = self._distinct
         s = np.broadcast_to(square, (few.size, len(square)))
         plain = few._summed(s, lambda part, modes: part / (1.0 - part * modes))
@@ -117,15 +109,13 @@ class ElementBars:
         return Slopes(square, *(row[position] for row in rows))
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """Relative error (m,) of the values at s (m,), besides that of s itself."""
         nearest = 1.0 - square * self.modes.max(initial=0.0)
         return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF / np.maximum(nearest, UNIT_ROUNDOFF))
 
-    def turned(self, which: BoolArray) -> "ElementBars":
-        """The same with inner and outer end exchanged in `which` (bars,)."""
+    def turned(self, which: BoolArray) -> "CondensedElements":
         row = np.asarray(which)
         swap = row[:, None]
-        return ElementBars(
+        return CondensedElements(
             self.stiffness,
             self.across,
             np.where(row, self.outer, self.inner),
@@ -136,14 +126,14 @@ class ElementBars:
             self.coupling_turn,
         )
 
-    def scaled(self, stiffness: ArrayLike, inertia: ArrayLike) -> "ElementBars":
-        """The elements with their stiffness and inertia multiplied by `stiffness` and `inertia` (bars,), positive.
+    def scaled(self, stiffness: ArrayLike, inertia: ArrayLike) -> "CondensedElements":
+        """The elements with their stiffness and inertia multiplied by `stiffness` and `inertia` (shafts,), positive.
 
         Of one element, as many as there are factors.
         """
         k, m = (np.asarray(factor, dtype=np.float64) for factor in (stiffness, inertia))
         g = (m / np.sqrt(k))[:, None]
-        return ElementBars(
+        return CondensedElements(
             self.stiffness * k,
             self.across * m,
             self.inner * m,
@@ -155,40 +145,40 @@ class ElementBars:
         )
 
     @classmethod
-    def joined(cls, parts: "Sequence[ElementBars]") -> "ElementBars":
+    def joined(cls, parts: "Sequence[CondensedElements]") -> "CondensedElements":
         """Elements of one degree, one part after another."""
         if len(parts) == 1:
             return parts[0]
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__))
 
 
-def element_bars(stiffness: ArrayLike, inertia: ArrayLike) -> ElementBars:
-    """Elements with matrices N m/rad and kg m2, (bars, unknowns, unknowns) each: first the inner, then the outer end.
+def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedElements:
+    """Elements with matrices N m/rad and kg m2, (shafts, unknowns, unknowns) each: first the inner, then the outer end.
 
     The unknowns inside may be angles (nodal elements) or factors of bubbles (hierarchic ones): which, is read off the
     stiffness. Raises ValueError where turning the element as a whole bends it.
     """
     k, m = (np.asarray(matrix, dtype=np.float64) for matrix in (stiffness, inertia))
     if k.ndim != 3 or k.shape != m.shape or k.shape[1] != k.shape[2] or k.shape[1] < 2:
-        raise ValueError(f"matrices have shapes {k.shape} and {m.shape}; expected (bars, unknowns, unknowns) twice")
+        raise ValueError(f"matrices have shapes {k.shape} and {m.shape}; expected (shafts, unknowns, unknowns) twice")
     if not len(k):
-        return ElementBars(*np.zeros((4, 0)), *np.zeros((4, 0, k.shape[1] - 2)))
+        return CondensedElements(*np.zeros((4, 0)), *np.zeros((4, 0, k.shape[1] - 2)))
     return _condensed(k, m) if k.shape[1] > 2 else _linear(k, m)
 
 
-def _linear(k: FloatArray, m: FloatArray) -> ElementBars:
+def _linear(k: FloatArray, m: FloatArray) -> CondensedElements:
     across = 0.5 * (m[:, 0, 1] + m[:, 1, 0])
     none = np.zeros((len(k), 0))
     spring = -0.5 * (k[:, 0, 1] + k[:, 1, 0])
-    return ElementBars(spring, across, m[:, 0, 0] + across, m[:, 1, 1] + across, none, none, none, none)
+    return CondensedElements(spring, across, m[:, 0, 0] + across, m[:, 1, 1] + across, none, none, none, none)
 
 
-def _condensed(k: FloatArray, m: FloatArray) -> ElementBars:
-    bars, unknowns, _ = k.shape
+def _condensed(k: FloatArray, m: FloatArray) -> CondensedElements:
+    number, unknowns, _ = k.shape
     inside = k[:, 2:, 2:]
-    bend = np.zeros((bars, unknowns))  # static, under the outer end's angle 1, the inner end held
+    bend = np.zeros((number, unknowns))  # static, under the outer end's angle 1, the inner end held
     bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
-    turn = np.ones((bars, unknowns))
+    turn = np.ones((number, unknowns))
     turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])
     other = turn - bend
     lower = np.linalg.cholesky(inside)
@@ -203,7 +193,7 @@ def _condensed(k: FloatArray, m: FloatArray) -> ElementBars:
     def coupling(shape: FloatArray) -> FloatArray:
         return np.asarray(np.einsum("bji,bjl,bl->bi", shapes, m[:, 2:], shape))
 
-    return ElementBars(
+    return CondensedElements(
         np.einsum("bi,bij,bj->b", bend, k, bend),
         product(other, bend),
         product(other, turn),
@@ -216,7 +206,7 @@ def _condensed(k: FloatArray, m: FloatArray) -> ElementBars:
 
 
 def _rigid(inside: FloatArray) -> FloatArray:
-    """Unknowns inside (bars, inside) when the element turns by 1, exactly 0 or 1, from what solving has left."""
+    """Unknowns inside (shafts, inside) when the element turns by 1, exactly 0 or 1, from what solving has left."""
     exact = np.rint(inside)
     if np.any(np.abs(inside - exact) > _NEARLY) or np.any((exact != 0.0) & (exact != 1.0)):
         raise ValueError("turning an element as a whole bends it: its stiffness has no rigid motion")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.kernels.counts import count_below
+from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import Tree
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 
 _SPREAD = 1e6  # of the squares of singular values, whose vectors the square leaves right to about 1e-9
 _MORE = 8  # columns beyond those wanted among which a gap is looked for

@@ -4,7 +4,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.bars.spans import Bars, element_bars, profile_bars, profile_points, uniform_bars
+from torsion.kernels.distributed.distributed_shafts import (
+    Shafts,
+    condensed_elements,
+    profile_points,
+    profile_shafts,
+    uniform_shafts,
+)
 
 LENGTH, RIGIDITY, HEAVY = 1.3, 2e6, 0.7
 
@@ -30,9 +36,9 @@ def _all(slopes):
 @pytest.mark.parametrize("law", ["uniform", "profile"])
 @pytest.mark.parametrize("share", [1e-9, 1e-3, 0.1, 0.4, 0.62, 0.65, 0.8, 0.9])
 def test_a_uniform_piece_has_the_closed_form_and_its_slopes(trains, law: str, share: float) -> None:
-    exact = uniform_bars(LENGTH, RIGIDITY, HEAVY)
+    exact = uniform_shafts(LENGTH, RIGIDITY, HEAVY)
     flat = np.ones((1, len(profile_points())))
-    found = exact if law == "uniform" else profile_bars(LENGTH, flat / RIGIDITY, flat * HEAVY)
+    found = exact if law == "uniform" else profile_shafts(LENGTH, flat / RIGIDITY, flat * HEAVY)
     s = (share * exact.limit) ** 2
     expected = [*_uniform_pi(mp.mpf(s)), *_slopes(_uniform_pi, mp.mpf(s))]
     assert trains.off(_all(found.slopes(np.array([s]))), expected) < 6e-15
@@ -66,7 +72,7 @@ def _cone_pi(ratio):
 @pytest.mark.parametrize("share", [0.05, 0.4, 0.8])
 def test_a_cone_has_the_elementary_solution(trains, ratio: float, share: float) -> None:
     section = (1.0 + (ratio - 1.0) * profile_points()) ** 4
-    law = profile_bars(1.0, 1.0 / section[None], section[None])
+    law = profile_shafts(1.0, 1.0 / section[None], section[None])
     s = (share * law.limit) ** 2
     exact = _cone_pi(ratio)
     assert trains.off(_all(law.slopes(np.array([s]))), [*exact(mp.mpf(s)), *_slopes(exact, mp.mpf(s))]) < 6e-15
@@ -77,7 +83,7 @@ def test_a_cone_has_the_elementary_solution(trains, ratio: float, share: float) 
 def test_the_limit_of_a_profile_is_at_most_the_lowest_frequency_with_both_ends_held() -> None:
     for ratio in (1.2, 3.0, 6.0):
         section = (1.0 + (ratio - 1.0) * profile_points(48)) ** 4
-        law = profile_bars(1.0, 1.0 / section[None], section[None])
+        law = profile_shafts(1.0, 1.0 / section[None], section[None])
         first = mp.findroot(lambda s, r=ratio: _cone_pi(r)(s)[0], mp.mpf(law.limit) ** 2 * mp.mpf("1.05"))
         assert 0.95 < law.limit / float(mp.sqrt(first)) < 1.0
 
@@ -97,7 +103,7 @@ def _condensed(k, m, s):
 def test_an_element_is_what_condensation_leaves(trains, degree: int, share: float) -> None:
     taper = lambda x: (1.0 + x) ** 4  # noqa: E731
     k, m = trains.element(degree, 0.8, taper, taper)
-    law = element_bars(k[None], m[None])
+    law = condensed_elements(k[None], m[None])
     s = (share * law.limit) ** 2
     exact = lambda square: _condensed(k, m, square)  # noqa: E731
     found = _all(law.slopes(np.array([s])))
@@ -109,9 +115,9 @@ def test_an_element_is_what_condensation_leaves(trains, degree: int, share: floa
 
 def test_the_lowest_frequency_of_an_element_with_held_ends_is_its_limit(trains) -> None:
     k, m = trains.element(10, 2.0, np.ones_like, np.ones_like)
-    assert element_bars(k[None], m[None]).limit == pytest.approx(np.pi / 2, rel=1e-13)
+    assert condensed_elements(k[None], m[None]).limit == pytest.approx(np.pi / 2, rel=1e-13)
     k, m = trains.element(1, 2.0, np.ones_like, np.ones_like)
-    assert element_bars(k[None], m[None]).limit == np.inf
+    assert condensed_elements(k[None], m[None]).limit == np.inf
 
 
 def test_nodal_and_hierarchic_unknowns_give_the_same_element(trains) -> None:
@@ -120,13 +126,13 @@ def test_nodal_and_hierarchic_unknowns_give_the_same_element(trains) -> None:
     change[2] /= -np.sqrt(1.5) / 2.0  # the hierarchic bubble in the middle
     nodal = [(change.T @ matrix @ change)[None] for matrix in (k, m)]
     s = np.array([0.0, 1.0, 4.0])
-    for one, other in zip(element_bars(*nodal).at(s), element_bars(k[None], m[None]).at(s), strict=True):
+    for one, other in zip(condensed_elements(*nodal).at(s), condensed_elements(k[None], m[None]).at(s), strict=True):
         assert np.allclose(one, other, rtol=2e-15)
 
 
 def test_all_of_the_inertia_turns_with_an_element_that_turns_as_a_whole(trains) -> None:
     k, m = trains.element(7, 1.0, lambda x: 1e9 * (1.0 + x) ** 4, lambda x: (1.0 + x) ** 4)
-    _, inner, outer = element_bars(k[None], m[None]).at(np.zeros(1))
+    _, inner, outer = condensed_elements(k[None], m[None]).at(np.zeros(1))
     assert inner[0, 0] + outer[0, 0] == pytest.approx(31.0 / 5.0, rel=1e-15)
 
 
@@ -134,13 +140,13 @@ def test_a_stiffness_without_a_rigid_motion_is_refused(trains) -> None:
     k, m = trains.element(3, 1.0, np.ones_like, np.ones_like)
     k[2, 0] = k[0, 2] = 0.3
     with pytest.raises(ValueError, match="no rigid motion"):
-        element_bars(k[None], m[None])
+        condensed_elements(k[None], m[None])
 
 
 def test_a_profile_too_steep_for_its_points_is_refused() -> None:
     section = np.exp(200.0 * profile_points() ** 2)
     with pytest.raises(ValueError, match="too steep"):
-        profile_bars(1.0, 1.0 / section[None], section[None])
+        profile_shafts(1.0, 1.0 / section[None], section[None])
 
 
 @pytest.mark.parametrize("eta", [0.0, 0.02, 0.3])
@@ -148,8 +154,8 @@ def test_a_lossy_material_is_a_complex_shear_modulus(trains, eta: float) -> None
     """Of laws of all sorts side by side, each in its closed form or, for elements, by complex condensation."""
     flat = np.ones((1, len(profile_points())))
     k, m = trains.element(6, LENGTH, lambda x: RIGIDITY + 0 * x, lambda x: HEAVY + 0 * x)
-    laws = (uniform_bars(LENGTH, RIGIDITY, HEAVY), profile_bars(LENGTH, flat / RIGIDITY, flat * HEAVY))
-    bars = Bars(np.array([3, 1, 2]), (*laws, element_bars(k[None], m[None])))
+    laws = (uniform_shafts(LENGTH, RIGIDITY, HEAVY), profile_shafts(LENGTH, flat / RIGIDITY, flat * HEAVY))
+    bars = Shafts(np.array([3, 1, 2]), (*laws, condensed_elements(k[None], m[None])))
     s = (0.5 * bars.limit) ** 2
     found = bars.lossy(np.array([s]), np.full(3, eta))
     turn = mp.mpc(1, eta)
@@ -163,5 +169,5 @@ def test_a_lossy_material_is_a_complex_shear_modulus(trains, eta: float) -> None
 
 
 def test_bars_of_a_wrong_number_are_refused() -> None:
-    with pytest.raises(ValueError, match="laws are those of 1 bars; expected 2"):
-        Bars(np.array([1, 2]), (uniform_bars(1.0, 1.0, 1.0),)).at(np.zeros(1))
+    with pytest.raises(ValueError, match="laws are those of 1 shafts; expected 2"):
+        Shafts(np.array([1, 2]), (uniform_shafts(1.0, 1.0, 1.0),)).at(np.zeros(1))

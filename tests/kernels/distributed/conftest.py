@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from torsion.kernels.bars.spans import Bars, element_bars, profile_bars, profile_points, uniform_bars
+from torsion.kernels.distributed.distributed_shafts import (
+    Shafts,
+    condensed_elements,
+    profile_points,
+    profile_shafts,
+    uniform_shafts,
+)
 from torsion.kernels.tree import Tree
 
 DIGITS = 60
@@ -36,16 +42,16 @@ def chain(bars: int, discs: dict[int, float] | None = None, held: tuple[int, ...
     return Tree(np.arange(-1, bars), np.zeros(bars + 1), inertia, np.isin(np.arange(bars + 1), held))
 
 
-def pieces(length: float, rigidity: float, heavy: float, number: int) -> Bars:
+def pieces(length: float, rigidity: float, heavy: float, number: int) -> Shafts:
     """A uniform shaft in equal pieces along a chain."""
-    law = uniform_bars(np.full(number, length / number), rigidity, heavy)
-    return Bars(np.arange(1, number + 1), (law,))
+    law = uniform_shafts(np.full(number, length / number), rigidity, heavy)
+    return Shafts(np.arange(1, number + 1), (law,))
 
 
-def tapered(profile: Callable[[np.ndarray], np.ndarray], number: int) -> Bars:
+def tapered(profile: Callable[[np.ndarray], np.ndarray], number: int) -> Shafts:
     """A shaft of length 1 with G I = rho I = `profile` in pieces along a chain, as a continuum."""
     at = profile((np.arange(number)[:, None] + profile_points()) / number)
-    return Bars(np.arange(1, number + 1), (profile_bars(np.full(number, 1.0 / number), 1.0 / at, at),))
+    return Shafts(np.arange(1, number + 1), (profile_shafts(np.full(number, 1.0 / number), 1.0 / at, at),))
 
 
 def elements(
@@ -54,11 +60,11 @@ def elements(
     length: float = 1.0,
     rigidity: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     heavy: Callable[[np.ndarray], np.ndarray] | None = None,
-) -> Bars:
+) -> Shafts:
     """Finite elements along a chain; `rigidity` and `heavy` (the same by default) are of x from 0 to 1."""
     made = [element(degree, length / number, rigidity, heavy or rigidity, i, number) for i in range(number)]
     stiffness, inertia = (np.array(part) for part in zip(*made, strict=True))
-    return Bars(np.arange(1, number + 1), (element_bars(stiffness, inertia),))
+    return Shafts(np.arange(1, number + 1), (condensed_elements(stiffness, inertia),))
 
 
 def element(degree, length, rigidity, heavy, position=0, number=1):

@@ -9,51 +9,53 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.bars.element import ElementBars
-from torsion.kernels.bars.tree import BarTree
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.distributed_shafts import Shafts
+from torsion.kernels.distributed.element import CondensedElements
+from torsion.kernels.reduction import Rigidity, rigidity
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)
 class Bends:
-    """What coordinates mean. A spring is a span that is not rigid; that of a bar has its flexibility at frequency 0."""
+    """What coordinates mean. A spring is a span that is not rigid; that of a shaft has its static flexibility."""
 
     spring: IntArray  # (springs,) outer station of each
     root: FloatArray  # (springs,) root of its flexibility, (rad/(N m))^1/2
     bend: FloatArray  # (springs, coordinates) angle of the outer end less that of the inner one, over `root`
     angle: FloatArray  # (stations, coordinates) rad
-    inside: IntArray  # (bars, modes) coordinate of each mode inside an element
+    inside: IntArray  # (shafts, modes) coordinate of each mode inside an element
 
 
-def bends(train: BarTree, element: ElementBars) -> Bends:
-    """The coordinates of a tree whose bars are `element`."""
-    tree, known = train.static, train.known
+def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:
+    """The coordinates of the tree `train`, whose shafts `shafts` are `element`."""
+    tree = train.static
+    known = rigidity(tree)
     spring = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0.0))
     root = np.sqrt(tree.flexibility[spring])
     bodies = np.unique(known.body[known.fixed])
     first = np.unique(known.component[bodies], return_index=True)[1]
-    angle = _angles(train, spring, bodies[first]) * root
+    angle = _angles(tree, known.component, spring, bodies[first]) * root
     bend, ties = np.eye(len(spring)), angle[np.delete(bodies, first)]
     if len(ties):
         ties = ties / np.linalg.norm(ties, axis=1, keepdims=True)
         bend = np.linalg.qr(ties.T, mode="complete")[0][:, len(ties) :]
         angle = angle @ bend
-    angle = np.concatenate((angle, _balance(train, element)), axis=1)
+    angle = np.concatenate((angle, _balance(tree, known, shafts, element)), axis=1)
     angle[known.fixed] = 0.0
     inside = bend.shape[1] + np.arange(element.modes.size).reshape(element.modes.shape)
     bend = np.concatenate((bend, np.zeros((len(spring), element.modes.size))), axis=1)
     return Bends(spring, root, bend, angle, inside)
 
 
-def _angles(train: BarTree, spring: IntArray, fixed: IntArray) -> FloatArray:
+def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) -> FloatArray:
     """Angles (stations, springs) for a twist of 1 in each, such that the weighted mean of a part's angles is zero.
 
     The weight is the inertia; in a part that is held it is only at the first of its `fixed` stations.
     """
-    component = train.known.component
-    weight = np.where(np.isin(component, component[fixed]), 0.0, train.static.moving_inertia)
+    weight = np.where(np.isin(component, component[fixed]), 0.0, tree.moving_inertia)
     weight[fixed] = 1.0
-    outward = _outward(train.static)[:, spring]
+    outward = _outward(tree)[:, spring]
     inward = (component[:, None] == component[spring]) & ~outward
     beyond, before = weight @ outward, weight @ inward
     whole = beyond + before
@@ -71,11 +73,11 @@ def _outward(tree: Tree) -> BoolArray:
     return beyond.T
 
 
-def _balance(train: BarTree, element: ElementBars) -> FloatArray:
+def _balance(tree: Tree, known: Rigidity, shafts: Shafts, element: CondensedElements) -> FloatArray:
     """Angle (stations, modes) by which a free part turns back as a whole, lest a mode inside carry it along."""
-    known, inertia = train.known, train.static.moving_inertia
+    inertia = tree.moving_inertia
     part = known.component[:, None] == known.component[known.free_roots]
     share = part / (inertia @ part)
-    turned = share @ part[train.bars.node].T
+    turned = share @ part[shafts.node].T
     balance: FloatArray = -np.repeat(turned, element.modes.shape[1], axis=1) * element.coupling_turn.reshape(-1)
     return balance

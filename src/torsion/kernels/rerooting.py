@@ -1,66 +1,69 @@
-"""A tree hung from its middle and numbered layer by layer, which halves the number of layers that a sweep passes."""
+"""A tree re-rooted at its middle and numbered layer by layer, which halves the number of layers that a sweep passes."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)
-class Hung:
+class Rerooted:
     """A tree with another root and numbering."""
 
     tree: Tree  # its stations are numbered layer by layer
-    station: IntArray | None  # (stations,) where each station of the given tree is now; None: where it was
-    span: IntArray | None  # (stations,) where each span of the given tree is now; None: where it was
+    station: IntArray  # (stations,) where each station of the given tree is now
+    span: IntArray  # (stations,) where each span of the given tree is now
     sign: FloatArray | None  # (stations, 1) -1 where a span of the given tree now runs the other way; None: nowhere
 
     def angles(self, angle: FloatArray) -> FloatArray:
         """Angles (stations, m) in the numbering of the given tree."""
-        return angle if self.station is None else angle.take(self.station, 0)
+        return angle.take(self.station, 0)
 
     def torques(self, torque: FloatArray) -> FloatArray:
         """Span torques (stations, m) in the numbering and with the signs of the given tree."""
-        given = torque if self.span is None else torque.take(self.span, 0)
+        given = torque.take(self.span, 0)
         if self.sign is not None:
             np.multiply(given, self.sign, out=given)
         return given
 
 
-def hung_from_the_middle(tree: Tree) -> Hung:
+def rerooted_at_middle(tree: Tree) -> Rerooted:
     """The same train with the middle of its longest path as the root.
 
     The root stays where there are several, and where a held one has more than one span: a held station is a leaf.
-    A chain stays as it is, for it is swept from both ends at once, and a small tree for it is not worth while.
+    A chain stays as it is, for it is swept from both ends at once; so do small trees, not worth while, and distributed
+    shafts, whose shapes are swept station by station.
     """
-    if tree.is_swept_by_stations:
-        return Hung(tree, None, None, None)
+    if tree.is_swept_by_stations or tree.shafts is not None:
+        none = np.arange(tree.size)
+        return Rerooted(tree, none, none, None)
     parents = tree.parents
     path = [] if not parents or parents.count(-1) > 1 else _to_the_middle(parents)
     if len(path) < 2 or (tree.held[0] and parents.count(0) > 1):
         return by_layers(tree)
-    inward, span, sign = parents.copy(), list(range(tree.size)), np.ones((tree.size, 1))
+    toward, span, sign = parents.copy(), list(range(tree.size)), np.ones((tree.size, 1))
     for outer, inner in zip(path[1:], path, strict=False):
-        inward[inner], span[inner] = outer, outer
-    inward[path[-1]], span[path[-1]] = -1, path[0]
+        toward[inner], span[inner] = outer, outer
+    toward[path[-1]], span[path[-1]] = -1, path[0]
     sign[path[1:]] = -1.0
-    return _renumbered(tree, inward, np.array(span), sign)
+    return _renumbered(tree, toward, np.array(span), sign)
 
 
-def by_layers(tree: Tree) -> Hung:
+def by_layers(tree: Tree) -> Rerooted:
     """The same train numbered layer by layer, its roots where they are."""
     return _renumbered(tree, tree.parents, np.arange(tree.size), None)
 
 
-def _renumbered(tree: Tree, inward: list[int], span: IntArray, sign: FloatArray | None) -> Hung:
-    """The train with parents `inward`; each station has the span that was numbered `span` (stations,)."""
-    order = _by_layers(inward)
+def _renumbered(tree: Tree, toward: list[int], span: IntArray, sign: FloatArray | None) -> Rerooted:
+    """The train with parents `toward`; each station has the span that was numbered `span` (stations,)."""
+    order = _by_layers(toward)
     station, span = _inverse(order), span[order]
     number = np.append(station, -1)  # the last one is what -1 finds
-    parent = number[np.array(inward, dtype=np.int64)[order]]
-    turned = Tree(parent, tree.flexibility[span], tree.inertia[order], tree.held[order])
-    return Hung(turned, station, _inverse(span), sign)
+    parent = number[np.array(toward, dtype=np.int64)[order]]
+    whole = Tree(parent, tree.flexibility[span], tree.inertia[order], tree.held[order])
+    return Rerooted(whole, station, _inverse(span), sign)
 
 
 def _to_the_middle(parents: list[int]) -> list[int]:
@@ -81,7 +84,7 @@ def _to_the_middle(parents: list[int]) -> list[int]:
 
 
 def _by_layers(parents: list[int]) -> IntArray:
-    """Stations in the order of their distance from a root, brothers side by side."""
+    """Stations in the order of their distance from a root, siblings side by side."""
     children: list[list[int]] = [[] for _ in parents]
     order: list[int] = []
     for station, parent in enumerate(parents):
