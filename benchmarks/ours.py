@@ -9,8 +9,7 @@ import numpy as np
 
 from benchmarks.cases import Case, folded
 from benchmarks.scenes import scene
-from torsion.kernels.chain import chain_frequencies
-from torsion.kernels.jacobi import plain_modes
+from torsion.kernels.factors import chain_frequencies, plain_modes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.response import complex_compliance, tree_response
 from torsion.kernels.tree import Tree

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.banded import banded_values
+from torsion.kernels.factors import banded_values
 from torsion.kernels.layers import add_children, layers_of, of_the_rest
 from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes

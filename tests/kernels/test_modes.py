@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.chain import chain_frequencies
+from torsion.kernels.factors import chain_frequencies
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 

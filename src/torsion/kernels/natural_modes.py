@@ -8,10 +8,9 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.banded import banded_values
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.enclosure import bisect, brackets, enclose
-from torsion.kernels.factors import start_frequencies
+from torsion.kernels.factors import banded_values, start_frequencies
 from torsion.kernels.long_chain.modes import long_chain_modes
 from torsion.kernels.mode_shapes import Shapes, shaft_elastic, shaft_inertia, shapes_at
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity

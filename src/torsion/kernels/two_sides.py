@@ -96,10 +96,10 @@ def _to_leaves(
     far: list[FloatArray],
 ) -> None:
     """From the roots to the leaves."""
-    zd, y, term, back = list(sides.rest), list(sides.rest_through), list(sides.branch_through), list(sides.rest_through)
-    shafts, base, ends = tree.shaft_of, list(own), zd
+    zd, y, term = list(sides.rest), list(sides.rest_through), list(sides.branch_through)
+    shafts, base, ends, back = tree.shaft_of, list(own), zd, y
     if tree.shafts is not None:
-        ends = list(sides.rest_end)
+        ends, back = list(sides.rest_end), list(y)
         for node in tree.shafts.node.tolist():
             term[node], back[node] = sides.branch_passed[node], sides.rest_passed[node]
     add, reciprocal = np.add, np.reciprocal

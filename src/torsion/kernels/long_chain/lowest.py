@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.errors import SolveError
-from torsion.kernels.long_chain.lapack import BidiagonalFactor, Twisted, negative_count, twisted_vector
 from torsion.kernels.long_chain.proof import Chain, quotient
+from torsion.kernels.long_chain.twisted import BidiagonalFactor, Twisted, negative_count, twisted_vector
 from torsion.kernels.tree import FloatArray
 
 Progress = Callable[[int, int], None]  # modes done, modes wanted

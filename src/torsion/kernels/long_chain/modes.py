@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.long_chain.lapack import are_available
 from torsion.kernels.long_chain.lowest import ChainMode, Progress, lowest_modes
 from torsion.kernels.long_chain.path import Path, path_of
 from torsion.kernels.long_chain.reduction import Reduction, reduce_path
+from torsion.kernels.long_chain.twisted import are_available
 from torsion.kernels.mode_shapes import Shapes
 from torsion.kernels.repeated import orthogonalise
 from torsion.kernels.tree import FloatArray, Tree

@@ -78,7 +78,7 @@ def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, Floa
     """All elastic frequencies, ascending, and the angles (stations, modes) of the stations with inertia."""
     reduced = reduce_tree(train.tree, known, (train.first, train.second, train.flexibility))
     factor = star_mesh_factor(reduced.inertia, conductance(reduced), reduced.ground)[:, : known.elastic]
-    left, values = jacobi_svd(factor, vectors=True)
+    left, values, _ = jacobi_svd(factor, "U")
     total = np.bincount(known.body, train.tree.moving_inertia, minlength=train.tree.size)
     heads = np.flatnonzero((total > 0.0) & ~known.fixed)
     angle = np.zeros((train.tree.size, len(values)))
