@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.kernels.distributed.dense_elements import dense_modes, estimated_frequencies
-from torsion.kernels.distributed.distributed_shafts import Shafts
 from torsion.kernels.distributed.element import CondensedElements
+from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.enclosure import SHARE_OF_LIMIT, brackets
 from torsion.kernels.natural_modes import TreeModes, tree_modes
 from torsion.kernels.reduction import rigidity

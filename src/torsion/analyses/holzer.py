@@ -12,7 +12,7 @@ from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
-    from torsion.kernels.distributed.distributed_shafts import Shafts
+    from torsion.kernels.distributed.span_laws import Shafts
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
-    from torsion.kernels.distributed.distributed_shafts import Shafts
+    from torsion.kernels.distributed.span_laws import Shafts
 
 
 @dataclass(frozen=True)

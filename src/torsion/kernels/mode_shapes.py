@@ -16,7 +16,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.back_ends import sides_of, spread
-from torsion.kernels.distributed.span_law import Slopes
+from torsion.kernels.distributed.span_laws import Slopes
 from torsion.kernels.tree import Tree
 from torsion.kernels.two_sides import TwoSides
 

@@ -1,4 +1,4 @@
-"""A tree re-rooted at its middle and numbered layer by layer, which halves the number of layers that a sweep passes."""
+"""A tree with another root, numbered layer by layer: from the middle a sweep passes half as many layers."""
 
 from dataclasses import dataclass
 
@@ -43,17 +43,36 @@ def rerooted_at_middle(tree: Tree) -> Rerooted:
     path = [] if not parents or parents.count(-1) > 1 else _to_the_middle(parents)
     if len(path) < 2 or (tree.held[0] and parents.count(0) > 1):
         return by_layers(tree)
-    toward, span, sign = parents.copy(), list(range(tree.size)), np.ones((tree.size, 1))
-    for outer, inner in zip(path[1:], path, strict=False):
-        toward[inner], span[inner] = outer, outer
-    toward[path[-1]], span[path[-1]] = -1, path[0]
-    sign[path[1:]] = -1.0
-    return _renumbered(tree, toward, np.array(span), sign)
+    return _rerooted(tree, path)
+
+
+def rerooted_at_end(tree: Tree) -> Rerooted | None:
+    """The same train with an end of the row in which its stations lie as the root; None where they are no row."""
+    size, roots = tree.size, np.flatnonzero(tree.parent < 0).tolist()
+    if tree.is_chain:
+        return Rerooted(tree, np.arange(size), np.arange(size), None)
+    if len(roots) != 1 or len(tree.children[roots[0]]) > 2 or int(np.bincount(tree.parent + 1)[1:].max()) > 2:
+        return None
+    path = [roots[0]]
+    while tree.children[path[-1]]:
+        path.append(tree.children[path[-1]][0])
+    row = _rerooted(tree, path if len(tree.children[roots[0]]) == 2 else path[:1])
+    return row if row.tree.is_chain else None
 
 
 def by_layers(tree: Tree) -> Rerooted:
     """The same train numbered layer by layer, its roots where they are."""
     return _renumbered(tree, tree.parents, np.arange(tree.size), None)
+
+
+def _rerooted(tree: Tree, path: list[int]) -> Rerooted:
+    """The train with the last station of a `path` from its root as the root."""
+    toward, span, sign = tree.parents.copy(), list(range(tree.size)), np.ones((tree.size, 1))
+    for outer, inner in zip(path[1:], path, strict=False):
+        toward[inner], span[inner] = outer, outer
+    toward[path[-1]], span[path[-1]] = -1, path[0]
+    sign[path[1:]] = -1.0
+    return _renumbered(tree, toward, np.array(span), sign)
 
 
 def _renumbered(tree: Tree, toward: list[int], span: IntArray, sign: FloatArray | None) -> Rerooted:

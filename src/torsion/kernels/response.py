@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.distributed.span_law import Pi
+from torsion.kernels.distributed.span_laws import Pi
 from torsion.kernels.outward import Answer, Equations, solve, values_or_rows
 from torsion.kernels.residual import Amplitudes, equilibrium_residual
 from torsion.kernels.sweeps import EPS, Layout, layout

@@ -11,7 +11,7 @@ from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.kernels.layers import Layer, layers_of
 
 if TYPE_CHECKING:
-    from torsion.kernels.distributed.distributed_shafts import Shafts
+    from torsion.kernels.distributed.span_laws import Shafts
 
 __all__ = ["BoolArray", "ComplexArray", "FloatArray", "IntArray", "Tree"]
 

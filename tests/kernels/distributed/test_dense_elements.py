@@ -6,10 +6,14 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.distributed.dense_elements import dense_modes, estimated_frequencies
-from torsion.kernels.distributed.distributed_shafts import CondensedElements, Shafts, condensed_elements
-from torsion.kernels.distributed.singular import largest_right_vectors
-from torsion.kernels.distributed.static_bends import static_bends
+from torsion.kernels.distributed.dense_elements import (
+    dense_modes,
+    estimated_frequencies,
+    largest_right_vectors,
+    static_bends,
+)
+from torsion.kernels.distributed.element import CondensedElements, condensed_elements
+from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.natural_modes import TreeModes, tree_modes
 from torsion.kernels.reduction import rigidity
 from torsion.kernels.tree import Tree

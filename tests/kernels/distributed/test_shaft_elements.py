@@ -8,7 +8,8 @@ import pytest
 
 from torsion.errors import SolveError
 from torsion.kernels.distributed.dense_elements import dense_modes
-from torsion.kernels.distributed.distributed_shafts import Shafts, condensed_elements
+from torsion.kernels.distributed.element import condensed_elements
+from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.natural_modes import TreeModes, tree_modes
 from torsion.kernels.tree import Tree
 

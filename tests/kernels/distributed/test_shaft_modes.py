@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.distributed.distributed_shafts import Shafts, uniform_shafts
+from torsion.kernels.distributed.span_laws import Shafts
+from torsion.kernels.distributed.uniform import uniform_shafts
 from torsion.kernels.natural_modes import TreeModes, tree_modes
 from torsion.kernels.sturm import count_below, count_bounds
 from torsion.kernels.tree import Tree

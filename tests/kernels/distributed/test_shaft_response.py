@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.distributed.distributed_shafts import Shafts, uniform_shafts
+from torsion.kernels.distributed.span_laws import Shafts
+from torsion.kernels.distributed.uniform import uniform_shafts
 from torsion.kernels.natural_modes import TreeModes, tree_modes
 from torsion.kernels.response import Status, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree

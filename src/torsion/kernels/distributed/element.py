@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_law import UNIT_ROUNDOFF, Law, Pi, Slopes
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array

@@ -16,7 +16,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import BoolArray, FloatArray
-from torsion.kernels.distributed.span_law import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating, alternating_slope
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating, alternating_slope
 
 POINTS = 32  # of Gauss along a piece
 TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_law import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating_slope
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating_slope
 
 _ROUNDINGS = 20.0  # of tan (4 units), what follows from it and the factors
 _SERIES_BELOW = 4.0  # square of the phase; above, differences lose less than a digit

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.kernels.long_chain.lowest import ChainMode, Progress, lowest_modes
-from torsion.kernels.long_chain.path import Path, path_of
-from torsion.kernels.long_chain.reduction import Reduction, reduce_path
+from torsion.kernels.long_chain.reduction import Reduction, reduce_row
 from torsion.kernels.long_chain.twisted import are_available
 from torsion.kernels.mode_shapes import Shapes
 from torsion.kernels.repeated import orthogonalise
-from torsion.kernels.tree import FloatArray, Tree
+from torsion.kernels.rerooting import Rerooted, rerooted_at_end
+from torsion.kernels.tree import Tree
 
 _CLOSE = 1e-2  # relative distance of frequencies, beyond which shapes differ by themselves
 _SAME = 1e-6  # inner product of two shapes, from which each is taken to hold a part of the other
@@ -37,12 +38,12 @@ def long_chain_modes(tree: Tree, count: int, *, progress: Progress | None = None
     """
     if not are_available():
         return None
-    path = path_of(tree)
-    known = None if path is None else reduce_path(path)
-    if path is None or known is None:
+    row = rerooted_at_end(tree)
+    known = None if row is None or row.tree.held[1:-1].any() else reduce_row(row.tree)
+    if row is None or known is None:
         return None
     wanted = min(count, len(known.chain.inertia) - int(known.chain.is_free))
-    result = _Collected(tree, path, known, wanted)
+    result = _Collected(tree, row, known, wanted)
     lowest_modes(known.chain, wanted, result.put, progress)
     modes = result.modes
     if not _are_distinct(tree, modes):
@@ -63,26 +64,21 @@ def _are_distinct(tree: Tree, modes: LongModes) -> bool:
 class _Collected:
     """Room for the modes, filled one by one, so that no more than one is held twice."""
 
-    def __init__(self, tree: Tree, path: Path, known: Reduction, wanted: int) -> None:
-        self.path, self.known = path, known
+    def __init__(self, tree: Tree, row: Rerooted, known: Reduction, wanted: int) -> None:
+        self.row, self.known, self.is_in_order = row, known, row.tree is tree
         angle, torque = np.zeros((2, wanted, tree.size))
         frequency, lower, upper = np.empty((3, wanted))
-        self.modes = LongModes(frequency, lower, upper, angle.T, torque.T, _rigid_angle(path, tree.size))
+        rigid = np.full((tree.size, 0 if tree.holds else 1), 1.0 / np.sqrt(row.tree.moving_inertia.sum()))
+        self.modes = LongModes(frequency, lower, upper, angle.T, torque.T, rigid)
 
     def put(self, mode: int, found: ChainMode) -> None:
         """Take one mode in."""
-        modes, rounding = self.modes, self.known.rounding
+        modes, rounding, row = self.modes, self.known.rounding, self.row
         modes.frequency[mode] = found.frequency
         modes.lower[mode], modes.upper[mode] = found.lower * (1.0 - rounding), found.upper * (1.0 + rounding)
         angle, torque = self.known.shape(found.angle, found.torque, found.frequency)
-        if self.path.is_in_order:
+        if self.is_in_order:
             modes.angle[:, mode], modes.torque[1:, mode] = angle, torque
             return
-        modes.angle[self.path.station, mode] = angle
-        modes.torque[self.path.span, mode] = self.path.sign * torque
-
-
-def _rigid_angle(path: Path, stations: int) -> FloatArray:
-    if path.first_held or path.last_held:
-        return np.empty((stations, 0))
-    return np.full((stations, 1), 1.0 / np.sqrt(path.inertia.sum()))
+        modes.angle[:, mode] = row.angles(angle[:, None])[:, 0]
+        modes.torque[:, mode] = row.torques(np.append(0.0, torque)[:, None])[:, 0]

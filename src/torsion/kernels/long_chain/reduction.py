@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.long_chain.path import Path
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.long_chain.proof import Chain
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)
@@ -66,17 +66,19 @@ class Reduction:
         )
 
 
-def reduce_path(path: Path) -> Reduction | None:
-    """The chain of a row; None where it has no elastic mode."""
-    soft = path.flexibility > 0.0
+def reduce_row(row: Tree) -> Reduction | None:
+    """The chain of a row, a tree that is one and held at its ends at most; None where it has no elastic mode."""
+    first_held, last_held = bool(row.held[0]), bool(row.held[-1]) and row.size > 1
+    inertia_of_all, flexibility = row.moving_inertia, row.flexibility[1:]
+    soft = flexibility > 0.0
     body = np.concatenate(([0], np.cumsum(soft)))
     starts = np.concatenate(([0], np.flatnonzero(soft) + 1))
-    mass, spring = np.add.reduceat(path.inertia, starts), path.flexibility[soft]
+    mass, spring = np.add.reduceat(inertia_of_all, starts), flexibility[soft]
     moves = mass > 0.0
-    moves[0] &= not path.first_held
-    moves[-1] &= not path.last_held
+    moves[0] &= not first_held
+    moves[-1] &= not last_held
     heavy = np.flatnonzero(moves)
-    held = path.first_held + path.last_held
+    held = first_held + last_held
     if len(heavy) == 0 or len(heavy) + (held > 0) < 2:
         return None
     near, far = heavy[0], heavy[-1]
@@ -85,17 +87,17 @@ def reduce_path(path: Path) -> Reduction | None:
     inertia = mass[heavy]
     if held == 2:
         chain = Chain(np.concatenate((first, between, last)), inertia)
-    elif path.first_held:
+    elif first_held:
         chain = Chain(inertia[::-1].copy(), np.concatenate((first, between))[::-1].copy())
     else:
-        chain = Chain(inertia, np.concatenate((between, last)) if path.last_held else between)
-    is_plain = held == 0 and len(heavy) == len(path.station)
+        chain = Chain(inertia, np.concatenate((between, last)) if last_held else between)
+    is_plain = held == 0 and len(heavy) == row.size
     before = np.searchsorted(heavy, np.arange(len(mass)), side="right") - 1
     edges = np.concatenate(([0], heavy, [len(spring)]))
     return Reduction(
-        chain, held == 2, path.first_held and held == 1, path.first_held, path.last_held,
+        chain, held == 2, first_held and held == 1, first_held, last_held,
         None if is_plain else _station_means(body, before, moves, spring),
-        None if is_plain else _span_means(path, body, before, moves),
+        None if is_plain else _span_means(row, body, before, moves),
         max(int(np.max(np.diff(np.append(starts, len(body))))), int(np.max(np.diff(edges)))),
     )  # fmt: skip
 
@@ -119,12 +121,12 @@ def _station_means(body: IntArray, before: IntArray, moves: BoolArray, spring: F
     return Means(one[body], np.where(moves, one, one + 1)[body], (weight / whole)[body], (rest / whole)[body])
 
 
-def _span_means(path: Path, body: IntArray, before: IntArray, moves: BoolArray) -> Means:
+def _span_means(row: Tree, body: IntArray, before: IntArray, moves: BoolArray) -> Means:
     """A rigid span inside a moving body carries a mean of the torques at both of its ends, weighted by inertia."""
     one = before[body[:-1]] + 1
-    inside = (path.flexibility == 0.0) & moves[body[:-1]]
-    outward = running_sum_in_groups(path.inertia, body)[:-1]
-    inward = running_sum_in_groups(path.inertia[::-1], body[::-1])[::-1][1:]
+    inside = (row.flexibility[1:] == 0.0) & moves[body[:-1]]
+    outward = running_sum_in_groups(row.moving_inertia, body)[:-1]
+    inward = running_sum_in_groups(row.moving_inertia[::-1], body[::-1])[::-1][1:]
     rest = np.where(inside, outward, 1.0)
     weight = np.where(inside, inward, 0.0)
     whole = weight + rest

@@ -1,30 +1,79 @@
-"""Spans with distributed inertia: which stations of a tree have one, and what it is like at each frequency."""
+"""What a span with distributed inertia looks like from its ends: a spring and two inertias, all of them of frequency.
 
+Seen from its ends, a piece of a shaft at s = w^2 is a symmetric reciprocal two-port, so that a pi stands for it: a
+flexibility h(s) between the end inertias Ji(s) at its inner and Jo(s) at its outer end. Below the lowest frequency of
+the piece with both ends held all three are positive, and Sturm counts need no correction (Wittrick and Williams 1971).
+With a loss factor of the material, G becomes G (1 + i eta): h and s are divided by 1 + i eta, J is J(s/(1 + i eta)).
+"""
+
+import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.element import CondensedElements, condensed_elements
-from torsion.kernels.distributed.profile import ProfileShafts, profile_points, profile_shafts
-from torsion.kernels.distributed.span_law import Law, Pi, Slopes
-from torsion.kernels.distributed.uniform import UniformShafts, uniform_shafts
 
-__all__ = [
-    "CondensedElements",
-    "Law",
-    "ProfileShafts",
-    "Shafts",
-    "UniformShafts",
-    "condensed_elements",
-    "one_mode_elements",
-    "profile_points",
-    "profile_shafts",
-    "uniform_shafts",
-]  # fmt: skip
+Pi = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
+UNIT_ROUNDOFF = 2.0**-53
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Values of the pi and their derivatives with respect to s = w^2; all (shafts, m), but `square`."""
+
+    square: FloatArray  # (m,) rad2/s2, s
+    flexibility: FloatArray  # rad/(N m)
+    inner: FloatArray  # kg m2
+    outer: FloatArray  # kg m2
+    flexibility_slope: FloatArray  # rad s2/(N m)
+    inner_slope: FloatArray  # kg m2 s2
+    outer_slope: FloatArray  # kg m2 s2
+
+    @classmethod
+    def joined(cls, parts: "list[Slopes]") -> "Slopes":
+        """One after another."""
+        names = list(cls.__dataclass_fields__)[1:]
+        return cls(parts[0].square, *(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+class Law(ABC):
+    """The pi of shafts of one sort, as a function of s = w^2."""
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """Number of shafts."""
+
+    @property
+    @abstractmethod
+    def limit(self) -> float:
+        """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
+
+    @property
+    def reach(self) -> float:
+        """Angular frequency (rad/s) up to which the law holds at all."""
+        return math.inf
+
+    @abstractmethod
+    def at(self, square: NDArray[Any]) -> Pi:
+        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (shafts, m), at s (m,) or (shafts, m)."""
+
+    @abstractmethod
+    def slopes(self, square: FloatArray) -> Slopes:
+        """The same with their derivatives at s (m,), real."""
+
+    @abstractmethod
+    def rounding(self, square: FloatArray) -> FloatArray:
+        """Relative error (m,) that rounding may leave in the values at s (m,), besides that of s itself."""
+
+    @abstractmethod
+    def turned(self, which: BoolArray) -> "Law":
+        """The same with inner and outer end exchanged in `which` (shafts,)."""
 
 
 @dataclass(frozen=True)
@@ -106,21 +155,18 @@ class Shafts:
         )
 
 
-def one_mode_elements(shafts: Shafts) -> CondensedElements:
-    """Elements with one mode inside that are near to shafts of a finite limit, up to half of it.
+def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
+    """sum_k (-v)^k c_k by Horner's rule; coefficients (..., terms), the leading axes as those of v."""
+    terms = coefficients.shape[-1]
+    minus = -v
+    total = np.broadcast_to(coefficients[..., terms - 1, None], v.shape).astype(v.dtype)
+    for k in range(terms - 2, -1, -1):
+        total *= minus
+        total += coefficients[..., k, None]
+    return total
 
-    Their values and slopes at frequency 0 are those of the shafts, which gives the coupling of the mode; its own
-    frequency follows from the end inertias at half the limit.
-    """
-    middle = 0.25 * shafts.limit**2
-    at, (_, inner, outer) = shafts.slopes(np.zeros(1)), shafts.at(np.array([middle]))
-    first, last = at.inner_slope[:, 0], at.outer_slope[:, 0]
-    turn = first + last
-    rise = inner[:, 0] - at.inner[:, 0] + (outer[:, 0] - at.outer[:, 0])
-    mode = 1.0 / middle - np.divide(turn, rise, out=np.full(shafts.size, 1.0 / middle), where=rise > 0.0)
-    root = np.sqrt(np.maximum(turn, 0.0))
-    share = np.divide(1.0, root, out=np.zeros(shafts.size), where=root > 0.0)
-    inside = (np.clip(mode, 0.0, 1.0 / shafts.limit**2), first * share, last * share, root)
-    across = -at.flexibility_slope[:, 0] / at.flexibility[:, 0] ** 2
-    ends = (1.0 / at.flexibility[:, 0], across, at.inner[:, 0], at.outer[:, 0])
-    return CondensedElements(*ends, *(values[:, None] for values in inside))
+
+def alternating_slope(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
+    """Derivative with respect to v of `alternating`."""
+    powers = np.arange(1, coefficients.shape[-1])
+    return -alternating(coefficients[..., 1:] * powers, v)
