@@ -92,7 +92,7 @@ def _referred_modes(
         from torsion.kernels.natural_modes import tree_modes
 
         return tree_modes(tree, count, progress=progress)
-    from torsion.kernels.loops.modes import graph_modes
+    from torsion.kernels.loops.looped_modes import graph_modes
 
     node = system.folded.node
     flexibility = (system.flexibility / system.span_ratio**2)[closing]

@@ -43,7 +43,7 @@ class TreeResponse:
     amplification: (
         FloatArray  # (frequencies,) growth of relative errors of the data; infinite where singular, NaN if not checked
     )
-    closing_torque: ComplexArray  # (closing spans, frequencies) N m of each closing span on its end
+    chord_torque: ComplexArray  # (chords, frequencies) N m of each chord of a loop on its end
     at_outer_end: ComplexArray | None = None  # (stations, frequencies) N m; None where no span has inertia
 
     @property
@@ -53,9 +53,9 @@ class TreeResponse:
 
     def part(self, part: slice) -> "TreeResponse":
         """A view of some frequencies."""
-        angle, torque, closing = self.angle[:, part], self.torque[:, part], self.closing_torque[:, part]
+        angle, torque, chord = self.angle[:, part], self.torque[:, part], self.chord_torque[:, part]
         outer = None if self.at_outer_end is None else self.at_outer_end[:, part]
-        return TreeResponse(angle, torque, self.residual[part], self.amplification[part], closing, outer)
+        return TreeResponse(angle, torque, self.residual[part], self.amplification[part], chord, outer)
 
     def store(self, block: "TreeResponse", lines: IntArray) -> None:
         """Replace the lines of these numbers."""
@@ -293,9 +293,9 @@ def blank_response(tree: Tree, frequencies: int) -> TreeResponse:
     """A response to be filled in place."""
     angle, torque = (np.zeros((tree.size, frequencies), dtype=np.complex128) for _ in range(2))
     residual, amplification = (np.full(frequencies, np.nan) for _ in range(2))
-    closing_torque = np.zeros((0, frequencies), dtype=np.complex128)
+    chord_torque = np.zeros((0, frequencies), dtype=np.complex128)
     outer = None if tree.shafts is None else torque.copy()
-    return TreeResponse(angle, torque, residual, amplification, closing_torque, outer)
+    return TreeResponse(angle, torque, residual, amplification, chord_torque, outer)
 
 
 def _check_shapes(stations: int, w: FloatArray, arrays: Mapping[str, NDArray[Any]]) -> None:

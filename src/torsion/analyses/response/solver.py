@@ -42,10 +42,10 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
         torque = bar_torques(system, found.torque, found.torque_outer)
     elif closing.size:
         found = _with_loops(system, tree, closing, w, sources, ground, compliance)
-        torque = span_torques(system, found.torque, closing, found.closing_torque)
+        torque = span_torques(system, found.torque, closing, found.chord_torque)
     else:
         found = tree_response(tree, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance)
-        torque = span_torques(system, found.torque, closing, found.closing_torque)
+        torque = span_torques(system, found.torque, closing, found.chord_torque)
     angle = found.angle[folded.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
 
@@ -90,13 +90,13 @@ def _with_loops(
     compliance: ComplexArray,
 ) -> TreeResponse:
     """The response with the spans `closing` that close loops."""
-    from torsion.kernels.loops.response import Closing, closed_response
+    from torsion.kernels.loops.looped_response import Chords, looped_response
 
     folded, ratio = system.folded, system.span_ratio[closing]
     flexibility, viscous = system.flexibility[closing] / ratio**2, system.viscous[closing] * ratio**2
     closing_compliance = complex_compliance(flexibility, viscous, system.loss_factor[closing], w)
     ends = folded.node[system.driving[closing]], folded.node[system.driven[closing]]
-    loops = Closing(*ends, closing_compliance, twist=np.zeros(len(closing)))
-    return closed_response(
+    loops = Chords(*ends, closing_compliance, twist=np.zeros(len(closing)))
+    return looped_response(
         tree, loops, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance
     )

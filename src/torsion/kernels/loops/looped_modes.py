@@ -1,4 +1,4 @@
-"""Natural frequencies and mode shapes of a train with closed loops (power splits): a tree and spans that close it."""
+"""Natural frequencies and mode shapes of a train with closed loops (power splits): a tree and the chords that close it."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,7 +8,7 @@ import numpy as np
 from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.factors import conductance, star_mesh_factor
 from torsion.kernels.lapack import jacobi_svd
-from torsion.kernels.loops.spanning import LoopedTrain, stiffest_tree
+from torsion.kernels.loops.chords import LoopedTrain, around, pairs, stiffest_tree
 from torsion.kernels.mode_shapes import Shapes
 from torsion.kernels.natural_modes import TreeModes, rigid_shapes, shape_sign, tree_modes
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
@@ -27,9 +27,9 @@ _STEPS = 3  # of inverse iteration; the Jacobi shapes it starts from are right t
 def graph_modes(
     tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray, count: int | None = None
 ) -> TreeModes:
-    """The lowest `count` elastic modes, or all, of `tree` with spans from `first` to `second` (loops,) that close it.
+    """The lowest `count` elastic modes, or all, of `tree` with chords from `first` to `second` (chords,).
 
-    `flexibility` (loops,) rad/(N m), positive. `loop_torque` is on the second station: (angle[first] - angle[second]) /
+    `flexibility` (chords,) rad/(N m), positive. `loop_torque` is on the second station: (angle[first] - angle[second]) /
     flexibility. No count proves these frequencies: `lower`, `upper` hold the error bound of the method, 4 rounding
     units a body (Jacobi's rotations of a star-mesh factor), and `certified` is False unless there is no loop but
     through held stations.
@@ -37,10 +37,10 @@ def graph_modes(
     if len(first) == 0:
         return tree_modes(tree, count)
     if not np.all(flexibility > 0.0):
-        raise ValueError("a span that closes a loop needs a positive flexibility; put rigid spans into the tree")
+        raise ValueError("a chord needs a positive flexibility; put rigid spans into the tree")
     train = stiffest_tree(tree, first, second, flexibility)
     if not len(train.first):  # the loops go through held stations alone
-        return _told(tree, train, tree_modes(train.tree, count))
+        return _given(tree, train, tree_modes(train.tree, count))
     known = rigidity(train.tree)
     solved = cut(train.tree, known) if needs_cutting(train.tree, known) else train.tree
     wanted = known.elastic if count is None else min(count, known.elastic)
@@ -53,7 +53,7 @@ def graph_modes(
     torque = _with_all_reactions(train, solved, known, torque)
     frequency = frequency[:wanted]
     margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(known.elastic, 1))
-    return _told(tree, train, TreeModes(
+    return _given(tree, train, TreeModes(
         frequency=frequency,
         lower=frequency - margin,
         upper=frequency + margin,
@@ -65,8 +65,8 @@ def graph_modes(
     ))  # fmt: skip
 
 
-def _told(tree: Tree, train: LoopedTrain, found: TreeModes) -> TreeModes:
-    """The modes of the spanning tree at the stations and spans of `tree` and at those that close it."""
+def _given(tree: Tree, train: LoopedTrain, found: TreeModes) -> TreeModes:
+    """The modes of the spanning tree at the stations and spans of `tree` and at the chords."""
     given = train.sign[:, None] * found.torque[train.source]
     return replace(
         found, angle=found.angle[train.station], rigid_angle=found.rigid_angle[train.station],
@@ -87,7 +87,7 @@ def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, Floa
 
 
 def _shapes(tree: Tree, train: LoopedTrain, frequency: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Angles (stations, m), torques (stations + loops, m), mass-normalised, by inverse iteration from `start`."""
+    """Angles (stations, m), torques (stations + chords, m), mass-normalised, by inverse iteration from `start`."""
     inertia = tree.moving_inertia[:, None]
     root = np.sqrt(inertia)
     groups = repeated_groups(frequency, np.ones(len(frequency), dtype=bool))
@@ -117,47 +117,26 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
 
     The twist of a torn span is the sum of those along its path in the tree, never a difference of angles.
     """
-    passes, path = two_sides(tree, w), _paths(tree, train)
-    stations, loops = tree.size, len(train.first)
-    pairs = []
-    for first, second in zip(train.first, train.second, strict=True):
-        pair = np.zeros((stations, len(w)))
-        pair[second] += 1.0
-        pair[first] -= 1.0
-        pair[tree.held] = 0.0
-        pairs.append(forced(tree, passes, pair))
-    twist = path * tree.flexibility
-    system = np.stack([-(twist @ torque).T for _, torque in pairs], axis=2) + np.diag(train.flexibility)
+    sides, ends = two_sides(tree, w), (train.first, train.second)
+    acting = np.where(tree.held, 0.0, pairs(tree.size, *ends))
+    units = [forced(tree, sides, np.repeat(row[:, None], len(w), axis=1)) for row in acting]
+    twist = around(tree, *ends) * tree.flexibility
+    system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(train.flexibility)
 
     def respond(load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        angle, torque = forced(tree, passes, load)
+        angle, torque = forced(tree, sides, load)
         torn = np.linalg.solve(system, (twist @ torque).T[:, :, None])[:, :, 0].T
-        for loop in range(loops):
-            angle = angle + torn[loop] * pairs[loop][0]
-            torque = torque + torn[loop] * pairs[loop][1]
+        for row, unit in zip(torn, units, strict=True):
+            angle, torque = angle + row * unit[0], torque + row * unit[1]
         return angle, np.vstack([torque, torn])
 
     return respond
 
 
-def _paths(tree: Tree, train: LoopedTrain) -> FloatArray:
-    """+1 and -1 (loops, stations) for the spans whose twists add up to angle[first] - angle[second]."""
-    path = np.zeros((len(train.first), tree.size))
-    for ends, sign in ((train.second, 1.0), (train.first, -1.0)):
-        for loop, end in enumerate(ends.tolist()):
-            station = end
-            while station >= 0 and tree.parent[station] >= 0:
-                path[loop, station] += sign
-                station = int(tree.parent[station])
-    return path
-
-
 def _with_all_reactions(train: LoopedTrain, solved: Tree, known: Rigidity, torque: FloatArray) -> FloatArray:
-    """Torques (stations + loops, m) with those of rigid spans between fixed stations."""
+    """Torques (stations + chords, m) with those of rigid spans between fixed stations."""
     if solved is train.tree:
         return torque
     size = train.tree.size
-    load = np.zeros((size, torque.shape[1]))
-    np.add.at(load, train.second, torque[size:])
-    np.add.at(load, train.first, -torque[size:])
+    load = pairs(size, train.first, train.second).T @ torque[size:]
     return np.vstack([with_reactions(train.tree, known, torque[:size], load), torque[size:]])

@@ -1,4 +1,4 @@
-"""Forced response of a train with closed loops: a tree, and spans that close it."""
+"""Forced response of a train with closed loops: a tree, and the chords that close it."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,26 +6,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.kernels.loops.chords import around, pairs
 from torsion.kernels.response import TreeResponse, pose, residual_of, tree_response
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
 
 
 @dataclass(frozen=True)
-class Closing:
-    """Spans that close loops in a tree: angle[end] = angle[begin] - compliance torque + twist.
+class Chords:
+    """The spans that close loops in a tree: angle[end] = angle[begin] - compliance torque + twist.
 
     The tree should hold the stiffest spans of every loop and these the softest; a tree of soft spans loses digits.
     """
 
-    begin: IntArray  # (closing spans,) station
-    end: IntArray  # (closing spans,) station, on which the torque is counted
-    compliance: NDArray[Any]  # (closing spans,) or (closing spans, frequencies) rad/(N m)
-    twist: NDArray[Any]  # (closing spans,) or (closing spans, frequencies) rad
+    begin: IntArray  # (chords,) station
+    end: IntArray  # (chords,) station, on which the torque is counted
+    compliance: NDArray[Any]  # (chords,) or (chords, frequencies) rad/(N m)
+    twist: NDArray[Any]  # (chords,) or (chords, frequencies) rad
 
 
-def closed_response(
+def looped_response(
     tree: Tree,
-    closing: Closing,
+    chords: Chords,
     w: FloatArray,
     force: NDArray[Any],
     *,
@@ -34,16 +35,15 @@ def closed_response(
     compliance: NDArray[Any] | None = None,
     check: bool = True,
 ) -> TreeResponse:
-    """Response of tree and closing spans; arguments as of `tree_response`, torques of closing spans in addition.
+    """Response of tree and chords; arguments as of `tree_response`, torques of chords in addition.
 
     Loop torques follow from the twist around each loop, summed span by span, of the open train under the sources and
-    under a pair of unit torques in place of each closing span. A line in which the open train by itself is in
-    resonance is marked as singular. Raises ValueError if a closing span joins parts that the tree does not join.
+    under a pair of unit torques in place of each chord. A line in which the open train by itself is in
+    resonance is marked as singular. Raises ValueError if a chord joins parts that the tree does not join.
     """
     w = np.asarray(w, dtype=np.float64)
     force = np.asarray(force)
-    sign = _around(tree, closing)
-    pair = _pairs(tree.size, closing)
+    sign, pair = around(tree, chords.begin, chords.end), pairs(tree.size, chords.begin, chords.end)
     given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance, "check": True}
     opened = [
         tree_response(tree, w, force, twist=twist, **given),
@@ -51,7 +51,7 @@ def closed_response(
     ]
     hc = _rows(tree.flexibility if compliance is None else compliance)
     with np.errstate(all="ignore"):
-        torque, loss = _loop_torques(closing, sign, opened, hc, twist)
+        torque, loss = _loop_torques(chords, sign, opened, hc, twist)
         loss = loss * np.max([part.amplification for part in opened], axis=0)
         angles, torques = (_sum([getattr(part, name) for part in opened], torque) for name in ("angle", "torque"))
         loss[~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0)) | np.isnan(loss)] = np.inf
@@ -59,7 +59,7 @@ def closed_response(
     if check:
         acting = _rows(force) + np.tensordot(pair.T, torque, axes=1)
         problem = pose(tree, w, ground_damping, compliance)
-        result.residual[:] = np.fmax(residual_of(problem, acting, twist, result), _closing_residual(closing, result))
+        result.residual[:] = np.fmax(residual_of(problem, acting, twist, result), _chord_residual(chords, result))
     return result
 
 
@@ -69,41 +69,17 @@ def _rows(values: NDArray[Any]) -> NDArray[Any]:
     return values[:, None] if values.ndim == 1 else values
 
 
-def _around(tree: Tree, closing: Closing) -> FloatArray:
-    """Direction, (closing spans, stations), in which each span is passed from `begin` to `end`; 0 where it is not."""
-    sign = np.zeros((len(closing.begin), tree.size))
-    parent = tree.parent.tolist()
-    for number, ends in enumerate(zip(closing.end.tolist(), closing.begin.tolist(), strict=True)):
-        here = list(ends)
-        for side, direction in ((0, 1.0), (1, -1.0)):
-            while parent[here[side]] >= 0:
-                sign[number, here[side]] += direction
-                here[side] = parent[here[side]]
-        if here[0] != here[1] and not tree.held[here].all():
-            raise ValueError(f"closing span {number} joins two parts that nothing else joins; expected it in the tree")
-    return sign
-
-
-def _pairs(stations: int, closing: Closing) -> FloatArray:
-    """Torques, (closing spans, stations), with which a unit torque in each closing span acts on the tree."""
-    pair = np.zeros((len(closing.begin), stations))
-    lines = np.arange(len(closing.begin))
-    np.add.at(pair, (lines, closing.end), 1.0)
-    np.add.at(pair, (lines, closing.begin), -1.0)
-    return pair
-
-
 def _loop_torques(
-    closing: Closing, sign: FloatArray, opened: list[TreeResponse], hc: NDArray[Any], twist: NDArray[Any] | None
+    chords: Chords, sign: FloatArray, opened: list[TreeResponse], hc: NDArray[Any], twist: NDArray[Any] | None
 ) -> tuple[ComplexArray, FloatArray]:
-    """Torques (closing spans, frequencies), and the loss of digits (frequencies,) of the equations they solve."""
-    own = np.broadcast_to(_rows(closing.compliance), (len(sign), opened[0].torque.shape[1]))
-    open_twist = _rows(closing.twist) + np.tensordot(sign, hc * opened[0].torque, axes=1)
+    """Torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve."""
+    own = np.broadcast_to(_rows(chords.compliance), (len(sign), opened[0].torque.shape[1]))
+    open_twist = _rows(chords.twist) + np.tensordot(sign, hc * opened[0].torque, axes=1)
     if twist is not None:
         open_twist = open_twist - np.tensordot(sign, _rows(twist), axes=1)
     matrix = np.stack([-np.tensordot(sign, hc * part.torque, axes=1) for part in opened[1:]], axis=-1)
     terms = sum(np.tensordot(np.abs(sign), np.abs(hc * part.torque), axes=1) for part in opened[1:]) + np.abs(own)
-    matrix = np.moveaxis(matrix, 1, 0)  # (frequencies, closing spans, closing spans)
+    matrix = np.moveaxis(matrix, 1, 0)  # (frequencies, chords, chords)
     lines = np.arange(len(sign))
     matrix[:, lines, lines] += own.T
     scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
@@ -124,9 +100,9 @@ def _sum(parts: list[ComplexArray], torque: ComplexArray) -> ComplexArray:
     return total
 
 
-def _closing_residual(closing: Closing, answer: TreeResponse) -> FloatArray:
-    wound = _rows(closing.compliance) * answer.closing_torque
-    begin, end, twist = answer.angle[closing.begin], answer.angle[closing.end], _rows(closing.twist)
+def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
+    wound = _rows(chords.compliance) * answer.chord_torque
+    begin, end, twist = answer.angle[chords.begin], answer.angle[chords.end], _rows(chords.twist)
     with np.errstate(all="ignore"):
         error = np.abs(end - begin + wound - twist) / (np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(twist))
     worst: FloatArray = np.fmax.reduce(error, axis=0, initial=0.0)

@@ -1,4 +1,4 @@
-"""The spanning tree of the stiffest spans of a train with closed loops."""
+"""The spanning tree of the stiffest spans of a train with closed loops, and the chords: the spans that close them."""
 
 from dataclasses import dataclass
 
@@ -9,28 +9,28 @@ from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 @dataclass(frozen=True)
 class LoopedTrain:
-    """A train with loops, renumbered; the torque of every given span is `sign` times that of span or loop `source`."""
+    """A train with loops, renumbered; the torque of every given span is `sign` times that of span or chord `source`."""
 
     tree: Tree
-    first: IntArray  # (loops,) new stations at both ends of each span that closes a loop
+    first: IntArray  # (chords,) new stations at both ends of each chord
     second: IntArray
-    flexibility: FloatArray  # (loops,) rad/(N m)
+    flexibility: FloatArray  # (chords,) rad/(N m)
     station: IntArray  # (stations,) new number of each given station
-    source: IntArray  # (given stations + given loops,) row among the new stations, then the loops
-    sign: FloatArray  # (given stations + given loops,)
+    source: IntArray  # (given stations + given chords,) row among the new stations, then the chords
+    sign: FloatArray  # (given stations + given chords,)
 
 
 def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray) -> LoopedTrain:
     """Tear every loop at its softest span (Kruskal 1956): what is torn is then a correction, not the main path.
 
     The root of a part is a held station wherever there is one, so that angles are sums of twists from the ground.
-    Spans are those of `tree`, from parent to station, and (loops,) ones from `first` to `second`.
+    Spans are those of `tree`, from parent to station, and (chords,) ones from `first` to `second`.
     """
     near, far = np.append(tree.parent, first), np.append(np.arange(tree.size), second)
     soft = np.append(tree.flexibility, flexibility)
     chosen = _lightest(tree.size, near, far, soft)
     roots = np.argsort(~tree.held, kind="stable").tolist()
-    order, above, through = _outward(roots, near, far, chosen)
+    order, above, through = _toward_leaves(roots, near, far, chosen)
     station = np.empty(tree.size, dtype=np.int64)
     station[order] = np.arange(tree.size)
     span = np.array([through[i] for i in order], dtype=np.int64)
@@ -67,10 +67,10 @@ def _lightest(size: int, near: IntArray, far: IntArray, weight: FloatArray) -> l
     return chosen
 
 
-def _outward(
+def _toward_leaves(
     roots: list[int], near: IntArray, far: IntArray, chosen: list[int]
 ) -> tuple[list[int], list[int], list[int]]:
-    """Stations outward of the first of `roots` in each part; of each the one before it and the span, -1 at a root."""
+    """Stations from the first of `roots` in each part to the leaves; of each the one before it and the span, -1 at a root."""
     size = len(roots)
     joined: list[list[tuple[int, int]]] = [[] for _ in range(size)]
     for span in chosen:
@@ -89,3 +89,28 @@ def _outward(
                         branch.append(other)
             order += branch
     return order, above, through
+
+
+def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
+    """+1 and -1 (chords, stations) for the spans whose twists add up to angle[first] - angle[second]; else 0.
+
+    Raises ValueError for a chord between parts that nothing else joins.
+    """
+    sign = np.zeros((len(first), tree.size))
+    for chord, ends in enumerate(zip(second.tolist(), first.tolist(), strict=True)):
+        here = list(ends)
+        for side, direction in ((0, 1.0), (1, -1.0)):
+            while tree.parents[here[side]] >= 0:
+                sign[chord, here[side]] += direction
+                here[side] = tree.parents[here[side]]
+        if here[0] != here[1] and not tree.held[here].all():
+            raise ValueError(f"chord {chord} joins two parts that nothing else joins; expected it in the tree")
+    return sign
+
+
+def pairs(stations: int, first: IntArray, second: IntArray) -> FloatArray:
+    """Torques (chords, stations) with which a unit torque in each chord acts on the tree."""
+    pair, chord = np.zeros((len(first), stations)), np.arange(len(first))
+    np.add.at(pair, (chord, second), 1.0)
+    np.add.at(pair, (chord, first), -1.0)
+    return pair
