@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.damping.modes import damped_modes
+from torsion.kernels.damping.damped_tree_modes import damped_modes
 from torsion.kernels.response import tree_response
 from torsion.kernels.tree import Tree
 

@@ -1,4 +1,4 @@
-"""Natural frequencies and mode shapes of a train with closed loops (power splits): a tree and the chords that close it."""
+"""Natural frequencies and mode shapes of a train with closed loops (power splits): a tree and chords."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -29,8 +29,8 @@ def graph_modes(
 ) -> TreeModes:
     """The lowest `count` elastic modes, or all, of `tree` with chords from `first` to `second` (chords,).
 
-    `flexibility` (chords,) rad/(N m), positive. `loop_torque` is on the second station: (angle[first] - angle[second]) /
-    flexibility. No count proves these frequencies: `lower`, `upper` hold the error bound of the method, 4 rounding
+    `flexibility` (chords,) rad/(N m), positive. `loop_torque` is on the second station: (angle[first] - angle[second])
+    / flexibility. No count proves these frequencies: `lower`, `upper` hold the error bound of the method, 4 rounding
     units a body (Jacobi's rotations of a star-mesh factor), and `certified` is False unless there is no loop but
     through held stations.
     """

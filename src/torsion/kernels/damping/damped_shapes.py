@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
-from torsion.kernels.damping.first_order import Damping
+from torsion.kernels.damping.first_order_form import DampedTree
 from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum, share
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
 
@@ -22,11 +22,11 @@ class BothSides:
     whole: ComplexArray  # (stations, roots) Z, N m/rad, of the whole train at a station; infinite where prescribed
 
 
-def both_sides(tree: Tree, plan: Layout, damping: Damping, root: ComplexArray, lossy: float) -> BothSides:
+def both_sides(train: DampedTree, root: ComplexArray, lossy: float) -> BothSides:
     """Dynamic stiffness l^2 J + l C + K(1 + i eta) of the train as every station sees it."""
-    size = plan.size
-    own = [damping.ground[i] * root + tree.inertia[i] * root * root for i in range(size)]
-    hc = [_compliance(tree, damping, root, lossy, i) for i in range(size)]
+    plan, size = train.plan, train.plan.size
+    own = [train.ground[i] * root + train.tree.inertia[i] * root * root for i in range(size)]
+    hc = [_compliance(train, root, lossy, i) for i in range(size)]
     found = branches(plan, own, hc, [0.0] * size, guard=True)
     outward: Rows = [None] * size
     whole = np.full((size, len(root)), np.inf, dtype=np.complex128)
@@ -49,11 +49,11 @@ def both_sides(tree: Tree, plan: Layout, damping: Damping, root: ComplexArray, l
     return BothSides(hc, found.stiffness, outward, whole)
 
 
-def _compliance(tree: Tree, damping: Damping, root: ComplexArray, lossy: float, station: int) -> ComplexArray:
-    h, c = tree.flexibility[station], damping.viscous[station]
-    if h == 0 or tree.parent[station] < 0:
+def _compliance(train: DampedTree, root: ComplexArray, lossy: float, station: int) -> ComplexArray:
+    h, c = train.tree.flexibility[station], train.viscous[station]
+    if h == 0 or train.tree.parent[station] < 0:
         return np.zeros(len(root), dtype=np.complex128)
-    hc: ComplexArray = 1 / ((1 + 1j * lossy * damping.loss_factor[station]) / h + c * root)
+    hc: ComplexArray = 1 / ((1 + 1j * lossy * train.loss_factor[station]) / h + c * root)
     return hc
 
 
@@ -110,31 +110,24 @@ def liveliest(tree: Tree, whole: ComplexArray) -> IntArray:
 
 
 def newton_step(
-    tree: Tree,
-    damping: Damping,
-    at: BothSides,
-    root: ComplexArray,
-    pushed: IntArray,
-    shape: ComplexArray,
-    torque: ComplexArray,
+    train: DampedTree, at: BothSides, root: ComplexArray, pushed: IntArray, shape: ComplexArray, torque: ComplexArray
 ) -> ComplexArray:
     """Correction of each root, -Z/Z', from the shape in which station `pushed` turns by 1."""
     wound = np.array(at.compliance) * torque
-    slope = ((damping.ground[:, None] + 2 * root * tree.inertia[:, None]) * shape * shape).sum(axis=0)
-    slope += (damping.viscous[:, None] * wound * wound).sum(axis=0)
+    slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(axis=0)
+    slope += (train.viscous[:, None] * wound * wound).sum(axis=0)
     step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope
     return step
 
 
-def independent_shapes(
-    tree: Tree, plan: Layout, damping: Damping, root: complex, count: int, lossy: float
-) -> tuple[ComplexArray, ComplexArray] | None:
+def independent_shapes(train: DampedTree, root: complex, count: int) -> tuple[ComplexArray, ComplexArray] | None:
     """Angles and torques (stations, count) of a root that comes `count` times, orthogonal as J weighs them.
 
     The train is pushed at every station in turn; the best independent answers are kept. None if there are too few.
     """
-    at = both_sides(tree, plan, damping, np.full(plan.size, root), lossy)
-    angle, torque = shapes_from(plan, at, np.arange(plan.size))
+    tree, size = train.tree, train.plan.size
+    at = both_sides(train, np.full(size, root), 1.0)
+    angle, torque = shapes_from(train.plan, at, np.arange(size))
     weight = np.sqrt(np.where(tree.held, 0.0, tree.inertia))
     receptance = np.diag(at.whole)
     floor = EPS * np.abs(root * root) * tree.inertia
@@ -150,17 +143,17 @@ def independent_shapes(
 
 
 def decay(
-    tree: Tree, damping: Damping, at: BothSides, root: ComplexArray, shape: ComplexArray, torque: ComplexArray
+    train: DampedTree, at: BothSides, root: ComplexArray, shape: ComplexArray, torque: ComplexArray
 ) -> FloatArray:
     """Real part of each root, (roots,) 1/s, to full relative accuracy however small: x* T(l) x = 0 is a quadratic.
 
     l^2 m + l c + k(1 + i eta) = 0 with m, c, k sums of positive terms gives Re l = -(c + sum k eta |.|^2/Im l)/(2m).
     """
     wound = np.abs(np.array(at.compliance) * torque) ** 2
-    inertia = (tree.inertia[:, None] * np.abs(shape) ** 2).sum(axis=0)
-    lost = (damping.ground[:, None] * np.abs(shape) ** 2).sum(axis=0) + (damping.viscous[:, None] * wound).sum(axis=0)
-    loss = np.where(damping.loss_factor > 0, damping.loss_factor, 0.0)
-    stiffness = np.divide(loss, tree.flexibility, out=np.zeros_like(loss), where=tree.flexibility > 0)
+    inertia = (train.tree.inertia[:, None] * np.abs(shape) ** 2).sum(axis=0)
+    lost = (train.ground[:, None] * np.abs(shape) ** 2).sum(axis=0) + (train.viscous[:, None] * wound).sum(axis=0)
+    loss = np.where(train.loss_factor > 0, train.loss_factor, 0.0)
+    stiffness = np.divide(loss, train.tree.flexibility, out=np.zeros_like(loss), where=train.tree.flexibility > 0)
     lost = lost + (stiffness[:, None] * wound).sum(axis=0) / root.imag
     real: FloatArray = -lost / (2 * inertia)
     return real

@@ -1,38 +1,47 @@
 """First-order form of a damped tree: rough eigenvalues to start from, and how many roots there are in truth."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from torsion.kernels.sweeps import Layout
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.sweeps import Layout, layout
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)
-class Damping:
-    """Damping of a tree, one value a station or span."""
+class DampedTree:
+    """A tree and its damping, one value a station or span."""
 
+    tree: Tree
     ground: FloatArray  # (stations,) N m s/rad, viscous to ground
     viscous: FloatArray  # (stations,) N m s/rad, viscous in span i
     loss_factor: FloatArray  # (stations,) of span i
 
+    @cached_property
+    def plan(self) -> Layout:
+        """What sweeps need to know of the tree."""
+        return layout(self.tree, self.tree.flexibility)
 
-def zero_roots(tree: Tree, plan: Layout, damping: Damping) -> tuple[int, int]:
+
+def zero_roots(train: DampedTree) -> tuple[int, int]:
     """How often 0 is a root of det T, and of the first-order form: parts free to turn count, once or twice.
 
     A part that no spring ties to ground can stand at any angle, one that no damper ties either can turn at any speed.
     A part held at several places can hold torques against itself, which only the first-order form sees.
     """
-    springs = _parts(tree, np.array(plan.rigid) | np.isfinite(tree.flexibility))
+    tree = train.tree
+    springs = _parts(tree, np.array(train.plan.rigid) | np.isfinite(tree.flexibility))
     everything = _parts(tree, np.ones(tree.size, dtype=bool))
     standing = set(springs.tolist()) - set(springs[tree.held].tolist())
-    turning = set(everything.tolist()) - set(everything[tree.held | (damping.ground > 0)].tolist())
+    turning = set(everything.tolist()) - set(everything[tree.held | (train.ground > 0)].tolist())
     for part in turning:
         if not (tree.inertia[everything == part] > 0).any():
             raise ValueError("a part of the train has neither inertia nor a support; expected one of them")
-    group = _parts(tree, np.array(plan.rigid))
+    group = _parts(tree, np.array(train.plan.rigid))
     movable = set(group.tolist()) - set(group[tree.held].tolist())
-    elastic = np.count_nonzero((tree.parent >= 0) & ~np.array(plan.rigid) & np.isfinite(tree.flexibility))
+    elastic = np.count_nonzero((tree.parent >= 0) & ~np.array(train.plan.rigid) & np.isfinite(tree.flexibility))
     locked = int(elastic) - (len(movable) - len(standing))
     return len(standing) + len(turning), len(turning) + locked
 
@@ -46,13 +55,13 @@ def _parts(tree: Tree, joined: np.ndarray) -> IntArray:
     return part
 
 
-def first_order_eigenvalues(tree: Tree, plan: Layout, damping: Damping) -> np.ndarray:
+def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
     """Eigenvalues of the first-order form in sqrt(J) speed and torque/sqrt(k), skew-symmetric where undamped.
 
     Rigid spans are merged, massless stations are eliminated: where dampers act on them by their speeds, else by
     the balance of torques. All eigenvalues are returned, the structural zeros among them.
     """
-    inertia, ground, ends, spans = _merge(tree, plan, damping)
+    tree, (inertia, ground, ends, spans) = train.tree, _merge(train)
     count = len(inertia)
     elastic = [i for i in spans if np.isfinite(tree.flexibility[i])]
     G = np.zeros((len(elastic), count))
@@ -61,24 +70,23 @@ def first_order_eigenvalues(tree: Tree, plan: Layout, damping: Damping) -> np.nd
     C = np.diag(ground)
     for i in spans:
         direction = _relative(ends[i], count)
-        C += damping.viscous[i] * np.outer(direction, direction)
-    groups = _slow_groups(inertia, ground, [ends[i] for i in spans if damping.viscous[i] > 0])
+        C += train.viscous[i] * np.outer(direction, direction)
+    groups = _slow_groups(inertia, ground, [ends[i] for i in spans if train.viscous[i] > 0])
     return np.linalg.eigvals(_condense(inertia, C, G, groups))
 
 
-def _merge(
-    tree: Tree, plan: Layout, damping: Damping
-) -> tuple[FloatArray, FloatArray, dict[int, tuple[int, int]], list[int]]:
+def _merge(train: DampedTree) -> tuple[FloatArray, FloatArray, dict[int, tuple[int, int]], list[int]]:
     """Inertia and ground damping of the rigid groups that can move; the groups that each elastic span joins."""
-    group = _parts(tree, np.array(plan.rigid))
+    tree = train.tree
+    group = _parts(tree, np.array(train.plan.rigid))
     fixed = set(group[tree.held].tolist())
     number = {part: place for place, part in enumerate(sorted(set(group.tolist()) - fixed))}
     inertia, ground = np.zeros(len(number)), np.zeros(len(number))
     for station, part in enumerate(group.tolist()):
         if part not in fixed:
             inertia[number[part]] += tree.inertia[station]
-            ground[number[part]] += damping.ground[station]
-    spans = [i for i in range(tree.size) if tree.parent[i] >= 0 and not plan.rigid[i]]
+            ground[number[part]] += train.ground[station]
+    spans = [i for i in range(tree.size) if tree.parent[i] >= 0 and not train.plan.rigid[i]]
     place = [number.get(part, -1) for part in group.tolist()]
     return inertia, ground, {i: (place[i], place[int(tree.parent[i])]) for i in spans}, spans
 

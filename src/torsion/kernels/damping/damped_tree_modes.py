@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.damping.first_order import Damping, first_order_eigenvalues, zero_roots
-from torsion.kernels.damping.shapes import (
+from torsion.kernels.damping.damped_shapes import (
     BothSides,
     both_sides,
     decay,
@@ -15,9 +15,10 @@ from torsion.kernels.damping.shapes import (
     newton_step,
     shapes_from,
 )
+from torsion.kernels.damping.first_order_form import DampedTree, first_order_eigenvalues, zero_roots
 from torsion.kernels.damping.simultaneous import doubled, polish_together
-from torsion.kernels.sweeps import EPS, Layout, layout
-from torsion.kernels.tree import ComplexArray, FloatArray, Tree
+from torsion.kernels.sweeps import EPS
+from torsion.kernels.tree import Tree
 
 LARGEST_FIRST_ORDER = 300  # stations: the dense start costs their cube
 OVERDAMPED = 1e-7  # |Im|/|root| of a critically damped pair in double precision: below it, roots count as real
@@ -54,21 +55,16 @@ def damped_modes(
     the real roots only those met on the way are then listed). Loss factors act on oscillating modes alone.
     Raises SolveError if roots do not settle, ValueError for arrays that do not fit.
     """
-    tree = _only_what_counts(tree)
-    damping = Damping(*(_per_station(tree, values) for values in (ground_damping, viscous, loss_factor)))
-    plan = layout(tree, tree.flexibility)
-    zeros, still = zero_roots(tree, plan, damping)
-    if start is None:
-        upper, real = _all_roots(tree, plan, damping, zeros, still)
-    else:
-        upper, real = _roots_from(tree, plan, damping, zeros, np.asarray(start, dtype=np.float64))
-    return _with_shapes(tree, plan, damping, upper, np.sort(real)[::-1])
-
-
-def _only_what_counts(tree: Tree) -> Tree:
-    """The tree with 0 where the value has no meaning."""
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)
-    return Tree(tree.parent, flexibility, np.where(tree.held, 0.0, tree.inertia), tree.held)
+    tree = Tree(tree.parent, flexibility, tree.moving_inertia, tree.held)
+    damping = (_per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
+    train = DampedTree(tree, *damping)
+    zeros, still = zero_roots(train)
+    if start is None:
+        upper, real = _all_roots(train, zeros, still)
+    else:
+        upper, real = _roots_from(train, zeros, np.asarray(start, dtype=np.float64))
+    return _with_shapes(train, upper, np.sort(real)[::-1])
 
 
 def _per_station(tree: Tree, values: FloatArray | None) -> FloatArray:
@@ -78,72 +74,68 @@ def _per_station(tree: Tree, values: FloatArray | None) -> FloatArray:
     return result
 
 
-def _all_roots(tree: Tree, plan: Layout, damping: Damping, zeros: int, still: int) -> tuple[ComplexArray, FloatArray]:
-    movable = int(np.count_nonzero(~np.array(plan.prescribed)))
+def _all_roots(train: DampedTree, zeros: int, still: int) -> tuple[ComplexArray, FloatArray]:
+    movable = int(np.count_nonzero(~np.array(train.plan.prescribed)))
     if movable > LARGEST_FIRST_ORDER:
         raise SolveError(
             f"damped modes: {movable} movable stations, expected at most {LARGEST_FIRST_ORDER}; "
             "give undamped frequencies as start"
         )
-    rough: ComplexArray = first_order_eigenvalues(tree, plan, damping).astype(np.complex128)
+    rough: ComplexArray = first_order_eigenvalues(train).astype(np.complex128)
     rough = rough[np.argsort(np.abs(rough))[still:]]
-    root = polish_together(tree, plan, damping, rough, zeros, lossy=0.0)
+    root = polish_together(train, rough, zeros, lossy=0.0)
     real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
     upper = (root.imag > 0) & ~real
     if 2 * np.count_nonzero(upper) + np.count_nonzero(real) != len(root):
         raise SolveError("damped modes: roots without a conjugate; try undamped frequencies as start")
-    lossy = _with_loss(tree, plan, damping, root[np.argsort(~upper, kind="stable")], zeros)
+    lossy = _with_loss(train, root[np.argsort(~upper, kind="stable")], zeros)
     return lossy[: np.count_nonzero(upper)], root[real].real
 
 
-def _roots_from(
-    tree: Tree, plan: Layout, damping: Damping, zeros: int, start: FloatArray
-) -> tuple[ComplexArray, FloatArray]:
+def _roots_from(train: DampedTree, zeros: int, start: FloatArray) -> tuple[ComplexArray, FloatArray]:
     if start.ndim != 1 or not (start > 0).all():
         raise ValueError("start must be a list of circular frequencies above 0")
     rising: ComplexArray = (1j * start).astype(np.complex128)
-    root = polish_together(tree, plan, damping, rising, zeros, lossy=0.0, mirrored=True)
+    root = polish_together(train, rising, zeros, lossy=0.0, mirrored=True)
     real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
     upper = np.where(root.imag > 0, root, root.conj())[~real]
-    return _with_loss(tree, plan, damping, upper, zeros), root[real].real
+    return _with_loss(train, upper, zeros), root[real].real
 
 
-def _with_loss(tree: Tree, plan: Layout, damping: Damping, root: ComplexArray, zeros: int) -> ComplexArray:
+def _with_loss(train: DampedTree, root: ComplexArray, zeros: int) -> ComplexArray:
     """Roots at the full loss factors, by continuation from none."""
-    stages = int(np.ceil(damping.loss_factor.max(initial=0.0) / LOSS_STAGE))
+    stages = int(np.ceil(train.loss_factor.max(initial=0.0) / LOSS_STAGE))
     for stage in range(1, stages + 1):
-        root = polish_together(tree, plan, damping, root, zeros, lossy=stage / stages)
+        root = polish_together(train, root, zeros, lossy=stage / stages)
     return root
 
 
-def _with_shapes(tree: Tree, plan: Layout, damping: Damping, root: ComplexArray, real: FloatArray) -> DampedTreeModes:
+def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> DampedTreeModes:
     root = root[np.argsort(np.abs(root), kind="stable")]
     with np.errstate(all="ignore"):
-        at, root, angle, torque = _polished(tree, plan, damping, root)
+        at, root, angle, torque = _polished(train, root)
         for group in doubled(root, REPEATED):
             if len(group) > 1:
-                several = independent_shapes(tree, plan, damping, complex(root[group].mean()), len(group), 1.0)
+                several = independent_shapes(train, complex(root[group].mean()), len(group))
                 if several is not None:
                     angle[:, group], torque[:, group] = several
         light = np.abs(root.real) <= LIGHT * np.abs(root)
-        root = np.where(light, decay(tree, damping, at, root, angle, torque) + 0.0 + 1j * root.imag, root)
+        root = np.where(light, decay(train, at, root, angle, torque) + 0.0 + 1j * root.imag, root)
     largest = angle[np.argmax(np.abs(angle), axis=0), np.arange(len(root))]
     return DampedTreeModes(root, real, angle / largest, torque / largest)
 
 
-def _polished(
-    tree: Tree, plan: Layout, damping: Damping, root: ComplexArray
-) -> tuple[BothSides, ComplexArray, ComplexArray, ComplexArray]:
+def _polished(train: DampedTree, root: ComplexArray) -> tuple[BothSides, ComplexArray, ComplexArray, ComplexArray]:
     """Dynamic stiffness, roots, angles and torques after a few Newton steps, each of which must stay where it is."""
     apart = np.abs(root[:, None] - root)
     np.fill_diagonal(apart, np.inf)
     gap = apart.min(axis=1, initial=np.inf)
     repeated = gap <= REPEATED * np.abs(root)
     for _ in range(NEWTON_STEPS):
-        at = both_sides(tree, plan, damping, root, 1.0)
-        pushed = liveliest(tree, at.whole)
-        angle, torque = shapes_from(plan, at, pushed)
-        step = newton_step(tree, damping, at, root, pushed, angle, torque)
+        at = both_sides(train, root, 1.0)
+        pushed = liveliest(train.tree, at.whole)
+        angle, torque = shapes_from(train.plan, at, pushed)
+        step = newton_step(train, at, root, pushed, angle, torque)
         size = np.abs(step)
         root = np.where((size <= NEWTON_REACH * np.abs(root)) & (repeated | (size <= 0.1 * gap)), root + step, root)
         if (size <= 4 * EPS * np.abs(root)).all():
