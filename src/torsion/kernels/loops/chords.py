@@ -70,7 +70,7 @@ def _lightest(size: int, near: IntArray, far: IntArray, weight: FloatArray) -> l
 def _toward_leaves(
     roots: list[int], near: IntArray, far: IntArray, chosen: list[int]
 ) -> tuple[list[int], list[int], list[int]]:
-    """Stations from the first of `roots` in each part to the leaves; of each the one before it and the span, -1 at a root."""
+    """Stations from the first of `roots` in each part to the leaves; the one before each and the span, -1 at a root."""
     size = len(roots)
     joined: list[list[tuple[int, int]]] = [[] for _ in range(size)]
     for span in chosen:
