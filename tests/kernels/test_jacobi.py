@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from torsion.kernels.factors import plain_modes
-from torsion.kernels.natural_modes import shape_sign, tree_modes
+from torsion.kernels.mode_shapes import shape_sign
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 

@@ -9,7 +9,8 @@ from torsion.kernels.distributed.dense_elements import dense_modes, estimated_fr
 from torsion.kernels.distributed.element import CondensedElements
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.enclosure import SHARE_OF_LIMIT, brackets
-from torsion.kernels.natural_modes import TreeModes, tree_modes
+from torsion.kernels.mode_shapes import TreeModes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import rigidity
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import Tree

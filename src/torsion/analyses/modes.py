@@ -16,7 +16,7 @@ from torsion.fields import Declared, given
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
-    from torsion.kernels.natural_modes import ShaftModes, TreeModes
+    from torsion.kernels.mode_shapes import ShaftModes, TreeModes
 
 
 class Asked(Declared):

@@ -10,7 +10,7 @@ a shaft has t^2 dh/ds + a^2 d(s Ji)/ds + b^2 d(s Jo)/ds of it, with its end angl
 in its flexibility; its elastic energy is, twice, t^2 d(s h)/ds + s^2 (a^2 dJi/ds + b^2 dJo/ds).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from torsion.kernels.two_sides import TwoSides
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
 _NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
+_EQUAL_SIZE = 1e-6  # relative; components that near count as equal when the sign of a shape is chosen
 _OF_STATIONS, _OF_MODES = ("angle", "torque", "inner", "outer"), ("correction", "passed")
 
 
@@ -74,6 +75,32 @@ class Shapes:
         for name in _OF_STATIONS:
             values = getattr(self, name)
             values[:, columns] -= values[:, columns] @ share
+
+
+@dataclass(frozen=True)
+class ShaftModes:
+    """What distributed shafts add to modes."""
+
+    torque_outer: FloatArray  # (stations, m) N m on station i at the outer end of its span; a spring's `torque`
+    kinetic: FloatArray  # (stations, m) share of the kinetic energy: the station's own and half of each shaft at it
+    elastic: FloatArray  # (stations, m) share of the elastic energy in span i
+    shaft_kinetic: FloatArray  # (shafts, m) share of the kinetic energy in each shaft
+
+
+@dataclass(frozen=True)
+class TreeModes:
+    """Elastic modes of a tree in ascending order, of generalised inertia 1, and its rigid motions."""
+
+    frequency: FloatArray  # (m,) rad/s
+    lower: FloatArray  # (m,) rad/s, proven to be no more than the frequency of the given train
+    upper: FloatArray  # (m,) rad/s, proven to be no less
+    angle: FloatArray  # (stations, m) rad; the first of the largest components positive
+    torque: FloatArray  # (stations, m) N m, at the root end of span i as it acts on the side of the leaves; 0 at a root
+    rigid: int  # number of rigid motions, known from the graph
+    rigid_angle: FloatArray  # (stations, rigid) rad; constant over each free part, generalised inertia 1
+    certified: bool = True  # whether `lower` and `upper` are proven, up to the stated rounding of the laws of shafts
+    loop_torque: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (loops, m) N m, on the second station
+    shafts: ShaftModes | None = None
 
 
 def shapes_at(tree: Tree, frequency: FloatArray) -> Shapes:
@@ -166,3 +193,11 @@ def _of_shafts(tree: Tree, angle: FloatArray, torque: FloatArray) -> tuple[Float
     """Angles (shafts, m) at the inner and the outer end, and the torques between them."""
     node = tree.springs[:0] if tree.shafts is None else tree.shafts.node
     return angle[tree.shaft_parent], angle[node], torque[node]
+
+
+def shape_sign(angle: FloatArray) -> FloatArray:
+    """Sign (m,) of the first angle in each shape (stations, m) that is, to rounding, as large as any."""
+    size = np.abs(angle)
+    first = np.argmax(size >= (1.0 - _EQUAL_SIZE) * size.max(axis=0), axis=0)
+    sign: FloatArray = np.sign(angle[first, np.arange(angle.shape[1])])
+    return sign

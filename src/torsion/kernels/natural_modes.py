@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,8 +12,16 @@ from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.enclosure import bisect, brackets, enclose
 from torsion.kernels.factors import banded_values, start_frequencies
 from torsion.kernels.long_chain.modes import long_chain_modes
-from torsion.kernels.mode_shapes import Shapes, shaft_elastic, shaft_inertia, shapes_at
-from torsion.kernels.reduction import Rigidity, reduce_tree, rigidity
+from torsion.kernels.mode_shapes import (
+    ShaftModes,
+    Shapes,
+    TreeModes,
+    shaft_elastic,
+    shaft_inertia,
+    shape_sign,
+    shapes_at,
+)
+from torsion.kernels.reduction import Rigidity, reduce_tree, rigid_shapes, rigidity
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.rerooting import rerooted_at_middle
 from torsion.kernels.tree import Tree
@@ -31,33 +39,6 @@ _FEW = 0.05  # of all modes
 _FULL_BISECTION = 2.0**-52
 _LONG = 2000  # stations in a row from which few modes are faster found one by one (measured)
 _STATIONS_A_MODE = 64  # at least, for that to be the faster (measured)
-_EQUAL_SIZE = 1e-6  # relative; components that near count as equal when the sign of a shape is chosen
-
-
-@dataclass(frozen=True)
-class ShaftModes:
-    """What distributed shafts add to modes."""
-
-    torque_outer: FloatArray  # (stations, m) N m on station i at the outer end of its span; a spring's `torque`
-    kinetic: FloatArray  # (stations, m) share of the kinetic energy: the station's own and half of each shaft at it
-    elastic: FloatArray  # (stations, m) share of the elastic energy in span i
-    shaft_kinetic: FloatArray  # (shafts, m) share of the kinetic energy in each shaft
-
-
-@dataclass(frozen=True)
-class TreeModes:
-    """Elastic modes of a tree in ascending order, of generalised inertia 1, and its rigid motions."""
-
-    frequency: FloatArray  # (m,) rad/s
-    lower: FloatArray  # (m,) rad/s, proven to be no more than the frequency of the given train
-    upper: FloatArray  # (m,) rad/s, proven to be no less
-    angle: FloatArray  # (stations, m) rad; the first of the largest components positive
-    torque: FloatArray  # (stations, m) N m, at the root end of span i as it acts on the side of the leaves; 0 at a root
-    rigid: int  # number of rigid motions, known from the graph
-    rigid_angle: FloatArray  # (stations, rigid) rad; constant over each free part, generalised inertia 1
-    certified: bool = True  # whether `lower` and `upper` are proven, up to the stated rounding of the laws of shafts
-    loop_torque: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (loops, m) N m, on the second station
-    shafts: ShaftModes | None = None
 
 
 def tree_modes(
@@ -77,7 +58,7 @@ def tree_modes(
     0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
     """
     if count is not None and tree.shafts is None and tree.size >= _LONG and 0 < count * _STATIONS_A_MODE <= tree.size:
-        long = _of_long_chain(tree, count, progress)
+        long = long_chain_modes(tree, count, progress=progress)
         if long is not None:
             return long
     known = rigidity(tree.static)
@@ -105,27 +86,6 @@ def tree_modes(
         torque, of_shafts = _with_reactions(tree, known, torque, of_shafts)
     rigid_angle = rigid_shapes(tree.static, known)
     return TreeModes(frequency, lower, upper, shapes.angle, torque, rigid, rigid_angle, shafts=of_shafts)
-
-
-def _of_long_chain(tree: Tree, count: int, progress: Callable[[int, int], None] | None) -> TreeModes | None:
-    """The modes by the passes of one chain; None where the tree is none, or is better solved as any tree."""
-    found = long_chain_modes(tree, count, progress=progress)
-    if found is None:
-        return None
-    sign = shape_sign(found.angle)
-    np.multiply(found.angle, sign, out=found.angle)
-    np.multiply(found.torque, sign, out=found.torque)
-    rigid = found.rigid_angle
-    return TreeModes(found.frequency, found.lower, found.upper, found.angle, found.torque, rigid.shape[1], rigid)
-
-
-def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
-    """Angles (stations, rigid motions) rad, constant over each free part and mass-normalised."""
-    if tree.is_plain:
-        return np.full((tree.size, 1), 1.0 / math.sqrt(tree.inertia.sum()))
-    part = known.component[:, None] == known.free_roots
-    scaled: FloatArray = part / np.sqrt(tree.moving_inertia @ part)
-    return scaled
 
 
 def _start(
@@ -234,11 +194,3 @@ def _with_reactions(
     outer = with_reactions(tree, known, of_shafts.torque_outer, taken)
     torque[tree.springs] = outer[tree.springs]
     return torque, replace(of_shafts, torque_outer=outer)
-
-
-def shape_sign(angle: FloatArray) -> FloatArray:
-    """Sign (m,) of the first angle in each shape (stations, m) that is, to rounding, as large as any."""
-    size = np.abs(angle)
-    first = np.argmax(size >= (1.0 - _EQUAL_SIZE) * size.max(axis=0), axis=0)
-    sign: FloatArray = np.sign(angle[first, np.arange(angle.shape[1])])
-    return sign

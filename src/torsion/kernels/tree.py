@@ -141,6 +141,8 @@ class Tree:
     @cached_property
     def _rounds(self) -> tuple[IntArray, ...]:
         """The shafts in groups within which no two begin at one station."""
+        if len(set(self.shaft_parent.tolist())) == len(self.shaft_parent):
+            return (np.arange(len(self.shaft_parent)),)
         order = np.argsort(self.shaft_parent, kind="stable")
         _, first, length = np.unique(self.shaft_parent[order], return_index=True, return_counts=True)
         rank = np.arange(len(order)) - np.repeat(first, length)

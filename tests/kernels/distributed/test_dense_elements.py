@@ -14,7 +14,8 @@ from torsion.kernels.distributed.dense_elements import (
 )
 from torsion.kernels.distributed.element import CondensedElements, condensed_elements
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.natural_modes import TreeModes, tree_modes
+from torsion.kernels.mode_shapes import TreeModes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import rigidity
 from torsion.kernels.tree import Tree
 

@@ -10,7 +10,8 @@ from torsion.errors import SolveError
 from torsion.kernels.distributed.dense_elements import dense_modes
 from torsion.kernels.distributed.element import condensed_elements
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.natural_modes import TreeModes, tree_modes
+from torsion.kernels.mode_shapes import TreeModes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 

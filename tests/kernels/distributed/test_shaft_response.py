@@ -9,7 +9,8 @@ import pytest
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.distributed.uniform import uniform_shafts
-from torsion.kernels.natural_modes import TreeModes, tree_modes
+from torsion.kernels.mode_shapes import TreeModes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.response import Status, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree
 

@@ -16,8 +16,8 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.element import CondensedElements
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.natural_modes import ShaftModes, TreeModes, rigid_shapes, shape_sign
-from torsion.kernels.reduction import Rigidity, rigidity
+from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
+from torsion.kernels.reduction import Rigidity, rigid_shapes, rigidity
 from torsion.kernels.tree import Tree
 
 _LEAST = 1e-11  # of the largest singular value; one that is less is not right to 1e-4

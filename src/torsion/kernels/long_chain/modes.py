@@ -1,14 +1,11 @@
 """Modes of a tree whose stations lie in one long row: solved as a chain, told in the tree's own numbers."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from torsion.arrays import FloatArray
 from torsion.kernels.long_chain.lowest import ChainMode, Progress, lowest_modes
 from torsion.kernels.long_chain.reduction import Reduction, reduce_row
 from torsion.kernels.long_chain.twisted import are_available
-from torsion.kernels.mode_shapes import Shapes
+from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.repeated import orthogonalise
 from torsion.kernels.rerooting import Rerooted, rerooted_at_end
 from torsion.kernels.tree import Tree
@@ -17,19 +14,7 @@ _CLOSE = 1e-2  # relative distance of frequencies, beyond which shapes differ by
 _SAME = 1e-6  # inner product of two shapes, from which each is taken to hold a part of the other
 
 
-@dataclass(frozen=True)
-class LongModes:
-    """The lowest elastic modes, as `TreeModes` tells them; every enclosure is proven."""
-
-    frequency: FloatArray  # (m,) rad/s
-    lower: FloatArray  # (m,) rad/s
-    upper: FloatArray  # (m,) rad/s
-    angle: FloatArray  # (stations, m) rad
-    torque: FloatArray  # (stations, m) N m
-    rigid_angle: FloatArray  # (stations, rigid motions) rad
-
-
-def long_chain_modes(tree: Tree, count: int, *, progress: Progress | None = None) -> LongModes | None:
+def long_chain_modes(tree: Tree, count: int, *, progress: Progress | None = None) -> TreeModes | None:
     """The lowest `count` elastic modes of a tree that is a row of stations, in a time that grows with both alike.
 
     None where it is no row, has no elastic mode, two of them are one to rounding, or this scipy lacks the routines:
@@ -48,11 +33,13 @@ def long_chain_modes(tree: Tree, count: int, *, progress: Progress | None = None
     modes = result.modes
     if not _are_distinct(tree, modes):
         return None
-    orthogonalise(tree, modes.frequency, Shapes.of_springs(modes.angle, modes.torque))
+    shapes = Shapes.of_springs(modes.angle, modes.torque)
+    orthogonalise(tree, modes.frequency, shapes)
+    shapes.scale(shape_sign(shapes.angle))
     return modes
 
 
-def _are_distinct(tree: Tree, modes: LongModes) -> bool:
+def _are_distinct(tree: Tree, modes: TreeModes) -> bool:
     """Whether shapes of close frequencies came out as different ones."""
     for mode in np.flatnonzero(np.diff(modes.frequency) < _CLOSE * modes.frequency[1:]).tolist():
         one, other = modes.angle[:, mode], modes.angle[:, mode + 1]
@@ -69,7 +56,7 @@ class _Collected:
         angle, torque = np.zeros((2, wanted, tree.size))
         frequency, lower, upper = np.empty((3, wanted))
         rigid = np.full((tree.size, 0 if tree.holds else 1), 1.0 / np.sqrt(row.tree.moving_inertia.sum()))
-        self.modes = LongModes(frequency, lower, upper, angle.T, torque.T, rigid)
+        self.modes = TreeModes(frequency, lower, upper, angle.T, torque.T, rigid.shape[1], rigid)
 
     def put(self, mode: int, found: ChainMode) -> None:
         """Take one mode in."""
