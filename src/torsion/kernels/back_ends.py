@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.layers import add_children, of_the_rest
+from torsion.kernels.layers import add_children, of_the_rest, sweep_to_roots
 from torsion.kernels.tree import Tree
 from torsion.kernels.two_sides import TwoSides, two_sides
 
@@ -109,14 +109,8 @@ def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
     passed[size] = 0.0
     roots = slice(0, tree.parents.count(-1))
     passed[roots] = returned[roots] = outward[roots] = inward[roots] = 0.0
+    sweep_to_roots(tree.layers or (), total, passed, outward)
     reciprocal, add = np.reciprocal, np.add
-    for layer in reversed(tree.layers or ()):
-        stations = layer.stations
-        inverse, through = outward[stations], passed[stations]
-        reciprocal(total[stations], inverse)
-        add(through, inverse, through)
-        reciprocal(through, through)
-        add_children(layer, passed, total[layer.above])
     _transmission(tree, passed[:size], outward, total)
     for layer in tree.layers or ():
         stations, above = layer.stations, layer.above

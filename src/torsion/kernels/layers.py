@@ -1,5 +1,6 @@
 """Stations in layers of equal distance from their root, so that one numpy call sweeps a whole layer."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -67,6 +68,30 @@ def _round_families(parent: IntArray, number: IntArray, end: IntArray, distance:
     there, size = np.arange(len(parent)) + distance, number[parent]
     there -= np.where(there >= end[parent], size, 0)
     return np.asarray(np.where(size > distance, there, len(parent)))
+
+
+def sweep_to_roots(
+    layers: tuple[Layer, ...],
+    total: FloatArray,
+    passed: FloatArray,
+    inverse: FloatArray,
+    after: Callable[[FloatArray, FloatArray], None] | None = None,
+) -> None:
+    """Dynamic stiffness of all branches, layer by layer from the leaves: zz = 1/(h + 1/z), added at the parent.
+
+    `total` (stations, m): of each station alone, then with all beyond it. `passed` (stations + 1, m): the flexibility
+    of each span, then what it passes on. `inverse` (stations, m) becomes 1/z; `after` may change what is passed on and
+    use it as room.
+    """
+    reciprocal, add = np.reciprocal, np.add
+    for layer in reversed(layers):
+        through, turned = passed[layer.stations], inverse[layer.stations]
+        reciprocal(total[layer.stations], turned)
+        add(through, turned, through)
+        reciprocal(through, through)
+        if after is not None:
+            after(through, turned)
+        add_children(layer, passed, total[layer.above])
 
 
 def add_children(layer: Layer, passed: FloatArray, total: FloatArray) -> None:

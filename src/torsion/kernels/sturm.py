@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.layers import add_children
+from torsion.kernels.layers import sweep_to_roots
 from torsion.kernels.rerooting import by_layers, rerooted_at_middle
 from torsion.kernels.tree import Tree
 
@@ -106,7 +106,9 @@ def _negative(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
     if tree.is_swept_by_stations or tree.layers is None:
         _by_stations(tree, station, passed, margin)
     else:
-        _by_layers(tree, station, passed, margin)
+        passed[: tree.parents.count(-1)] = 0.0
+        lessen = None if margin is None else lambda through, room: _lessen(through, margin, room)
+        sweep_to_roots(tree.layers, station, passed, np.empty_like(station), lessen)
     is_counted = station < 0.0
     is_counted &= ~np.signbit(passed[:size])
     return _sum_of_rows(is_counted)
@@ -121,20 +123,6 @@ def _by_stations(tree: Tree, station: FloatArray, passed: FloatArray, margin: Fl
             add(seen[parent], through[i], seen[parent])
         else:
             through[i].fill(0.0)
-
-
-def _by_layers(tree: Tree, station: FloatArray, passed: FloatArray, margin: FloatArray | None) -> None:
-    """Fill `station` and `passed` from the leaves to the roots, layer by layer."""
-    room, reciprocal, add = np.empty_like(station), np.reciprocal, np.add
-    passed[: tree.parents.count(-1)] = 0.0
-    for layer in reversed(tree.layers or ()):
-        through, factor = passed[layer.stations], room[layer.stations]
-        reciprocal(station[layer.stations], factor)
-        add(through, factor, through)
-        reciprocal(through, through)
-        if margin is not None:
-            _lessen(through, margin, factor)
-        add_children(layer, passed, station[layer.above])
 
 
 def _bound_in_chain(own: FloatArray, flexibility: FloatArray, margin: FloatArray) -> IntArray:

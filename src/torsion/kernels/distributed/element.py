@@ -12,7 +12,7 @@ Without unknowns inside, 1/h = k + s c and J is constant: linear elements keep f
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -113,17 +113,13 @@ class CondensedElements(Law):
         return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF / np.maximum(nearest, UNIT_ROUNDOFF))
 
     def turned(self, which: BoolArray) -> "CondensedElements":
-        row = np.asarray(which)
-        swap = row[:, None]
-        return CondensedElements(
-            self.stiffness,
-            self.across,
-            np.where(row, self.outer, self.inner),
-            np.where(row, self.inner, self.outer),
-            self.modes,
-            np.where(swap, self.coupling_outer, self.coupling_inner),
-            np.where(swap, self.coupling_inner, self.coupling_outer),
-            self.coupling_turn,
+        swap = np.asarray(which)[:, None]
+        return replace(
+            self,
+            inner=np.where(which, self.outer, self.inner),
+            outer=np.where(which, self.inner, self.outer),
+            coupling_inner=np.where(swap, self.coupling_outer, self.coupling_inner),
+            coupling_outer=np.where(swap, self.coupling_inner, self.coupling_outer),
         )
 
     def scaled(self, stiffness: ArrayLike, inertia: ArrayLike) -> "CondensedElements":
@@ -133,16 +129,9 @@ class CondensedElements(Law):
         """
         k, m = (np.asarray(factor, dtype=np.float64) for factor in (stiffness, inertia))
         g = (m / np.sqrt(k))[:, None]
-        return CondensedElements(
-            self.stiffness * k,
-            self.across * m,
-            self.inner * m,
-            self.outer * m,
-            self.modes * (m / k)[:, None],
-            self.coupling_inner * g,
-            self.coupling_outer * g,
-            self.coupling_turn * g,
-        )
+        ends, couplings = (self.across, self.inner, self.outer), (self.coupling_inner, self.coupling_outer)
+        inside = (self.modes * (m / k)[:, None], *(coupling * g for coupling in (*couplings, self.coupling_turn)))
+        return CondensedElements(self.stiffness * k, *(end * m for end in ends), *inside)
 
     @classmethod
     def joined(cls, parts: "Sequence[CondensedElements]") -> "CondensedElements":
