@@ -11,8 +11,8 @@ from benchmarks.cases import Case, folded
 from benchmarks.scenes import scene
 from torsion.kernels.factors import chain_frequencies, plain_modes
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.response import complex_compliance, tree_response
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import complex_compliance, tree_response
 
 NAME = "torsion"
 FEW = 20  # lowest modes, which is what an engineer asks of a large train

@@ -19,7 +19,7 @@ from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.errors import InputError
 from torsion.findings import run
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.schema.read import parse
 from torsion.train import train
 

@@ -11,7 +11,7 @@ import pytest
 
 import torsion
 from torsion.analyses.holzer import holzer
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
 SHAFT = math.pi / 20.0  # kg m2, inertia of the shaft of both closed forms

@@ -11,8 +11,8 @@ from torsion.assembly.element_error import element_error, phase_error, section_e
 from torsion.assembly.element_matrices import element_law
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError, SolveError
-from torsion.kernels.distributed.element import condensed_elements
-from torsion.kernels.sections import polar_area_moment
+from torsion.kernels.distributed.condensed_element import condensed_elements
+from torsion.kernels.round_sections import polar_area_moment
 
 G, RHO = 80e9, 8000.0
 TRAIN = """

@@ -15,7 +15,7 @@ from rich.console import Console
 import torsion
 from torsion.analyses.lateral.response import extent
 from torsion.findings import Findings, run
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.report import lateral_tables
 from torsion.report.blocks import Figure, Paragraph, Table
 from torsion.report.chapters.lateral import chapter

@@ -8,7 +8,7 @@ import numpy as np
 from rich.console import Console
 
 from torsion.findings import Findings
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.report.numbers import number, rpm
 from torsion.report.reading import unreliable
 from torsion.report.terminal.tables import progress, show

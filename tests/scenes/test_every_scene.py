@@ -11,7 +11,7 @@ import pytest
 
 import torsion
 from torsion.findings import Findings
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.schema.json_schema import json_schema
 from torsion.schema.source import parse_source
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsion.kernels.distributed.condensed_element import CondensedElements
 from torsion.kernels.distributed.dense_elements import dense_modes, estimated_frequencies
-from torsion.kernels.distributed.element import CondensedElements
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.enclosure import SHARE_OF_LIMIT, brackets
 from torsion.kernels.mode_shapes import TreeModes

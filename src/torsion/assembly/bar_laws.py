@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.assembly.shafts import is_uniform
-from torsion.kernels.distributed.profile import profile_points, profile_shafts
+from torsion.kernels.distributed.profiled_shaft import profile_points, profile_shafts
 from torsion.kernels.distributed.span_laws import Law, Shafts
-from torsion.kernels.distributed.uniform import uniform_shafts
+from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 import skfem
 
 from torsion.assembly.shafts import is_uniform, uniform_area
-from torsion.kernels.distributed.element import CondensedElements, condensed_elements
+from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 from torsion.kernels.tree import FloatArray
 
 if TYPE_CHECKING:

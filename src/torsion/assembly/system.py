@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.assembly.folding import Folded, fold
 from torsion.assembly.spans import Row, Span
-from torsion.kernels.sections import polar_area_moment
+from torsion.kernels.round_sections import polar_area_moment
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train

@@ -8,10 +8,9 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.clamped import cut, needs_cutting, with_reactions
 from torsion.kernels.enclosure import bisect, brackets, enclose
 from torsion.kernels.factors import banded_values, start_frequencies
-from torsion.kernels.long_chain.modes import long_chain_modes
+from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
 from torsion.kernels.mode_shapes import (
     ShaftModes,
     Shapes,
@@ -21,6 +20,7 @@ from torsion.kernels.mode_shapes import (
     shape_sign,
     shapes_at,
 )
+from torsion.kernels.reactions import cut, needs_cutting, with_reactions
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigid_shapes, rigidity
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.rerooting import rerooted_at_middle

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kernels.outward import Equations
-from torsion.kernels.sweeps import Layout
+from torsion.kernels.sweeps import Equations, Layout
 
 BLOCK_VALUES = 2**14  # stations times columns treated at once: 256 KiB of each array
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from torsion.analyses.response.over_speed import Response
 from torsion.findings import Findings
-from torsion.kernels.response import Status
 from torsion.kernels.tree import BoolArray, FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.report.numbers import RPM, given, number
 from torsion.rules.check import BarredRange, Check
 from torsion.rules.evidence import Evidence

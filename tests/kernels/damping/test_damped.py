@@ -6,8 +6,8 @@ import pytest
 
 from torsion.errors import SolveError
 from torsion.kernels.damping.damped_tree_modes import damped_modes
-from torsion.kernels.response import tree_response
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import tree_response
 
 DIGITS = 100
 

@@ -6,13 +6,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 from torsion.kernels.distributed.dense_elements import (
     dense_modes,
     estimated_frequencies,
     largest_right_vectors,
     static_bends,
 )
-from torsion.kernels.distributed.element import CondensedElements, condensed_elements
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes

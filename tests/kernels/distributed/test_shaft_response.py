@@ -8,11 +8,11 @@ import pytest
 
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.distributed.uniform import uniform_shafts
+from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.response import Status, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import Status, pose, residual_of, status, tree_response
 
 
 def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:

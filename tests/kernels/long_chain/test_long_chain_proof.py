@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from torsion.kernels.lapack import is_expected
-from torsion.kernels.long_chain.lowest import Counts, _counted, factor_of
-from torsion.kernels.long_chain.proof import Chain, quotient, running_sum
-from torsion.kernels.long_chain.reduction import running_sum_in_groups
+from torsion.kernels.long_chain.lowest_modes import Counts, _counted, factor_of
+from torsion.kernels.long_chain.row_as_chain import running_sum_in_groups
+from torsion.kernels.long_chain.temple import Chain, quotient, running_sum
 from torsion.kernels.long_chain.twisted import are_available, negative_count, twisted_vector
 
 DOUBLES = "__pyx_t_5scipy_6linalg_13cython_lapack_d *"

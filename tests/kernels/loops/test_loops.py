@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from torsion.kernels.loops.looped_response import Chords, looped_response
-from torsion.kernels.response import Status, status, tree_response
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import Status, status, tree_response
 
 
 def closing(begin, end, compliance, twist=None):

@@ -12,8 +12,8 @@ from torsion.analyses.steady import steady_if_known
 from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
 from torsion.errors import InputError
-from torsion.kernels.response import Status
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.study import Study
 
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from torsion.analyses.lateral.planes import EPS, Planes
 from torsion.analyses.lateral.whirl import Critical, criticals
 from torsion.assembly.lateral.places import places
-from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 
 SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is told
 UNDAMPED = 1e-9  # damping ratio below which the height of a resonance is not known

@@ -22,7 +22,7 @@ class Response:
     torque: ComplexArray  # (speeds, lines, spans) N m, elastic and damping share together
     mean: FloatArray  # (speeds, spans) N m, order 0
     residual: FloatArray  # (speeds, lines) relative equilibrium residual
-    status: np.ndarray  # (speeds, lines) uint8: kernels.response.Status
+    status: np.ndarray  # (speeds, lines) uint8: kernels.tree_response.Status
     joint_error: FloatArray  # (speeds, lines) estimated relative error of the first-order joint model; 0 without joints
     remark: str = ""  # what the refinement around resonances had to leave out
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not asked for
@@ -50,7 +50,7 @@ class FrequencyResponse:
     angle: ComplexArray  # (frequencies, stations) rad at own speed
     torque: ComplexArray  # (frequencies, spans) N m, elastic and damping share together
     residual: FloatArray  # (frequencies,) relative equilibrium residual
-    status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
+    status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     remark: str = ""  # what the refinement around resonances had to leave out
 
 

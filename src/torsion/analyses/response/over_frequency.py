@@ -14,8 +14,8 @@ from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import operating_speed, steady_if_known
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 

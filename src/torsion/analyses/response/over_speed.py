@@ -21,8 +21,8 @@ from torsion.analyses.steady import steady_if_known
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
-from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 Progress = Callable[[str, float], None]  # (what, share done 0..1)

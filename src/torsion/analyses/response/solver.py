@@ -9,8 +9,8 @@ from torsion.analyses.response.excitation import Sources
 from torsion.analyses.steady import Steady
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.response import TreeResponse, complex_compliance, status, tree_response
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree_response import TreeResponse, complex_compliance, status, tree_response
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Answer:
     angle: ComplexArray  # (frequencies, stations) rad at own speed
     torque: ComplexArray  # (frequencies, spans) N m at the driving station's speed, elastic and damping share
     residual: FloatArray  # (frequencies,) relative
-    status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
+    status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
 
 
 def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray) -> Answer:

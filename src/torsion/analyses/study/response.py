@@ -18,8 +18,8 @@ from torsion.analyses.study.rows import TimedQuantity
 from torsion.analyses.study.timing import Effort, Method, Progress, timed
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
 from torsion.kernels.tree import BoolArray, ComplexArray
+from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.study import Study
 
 DEGREES = (1, 2, 4, 8)  # of finite elements, where there are many other methods

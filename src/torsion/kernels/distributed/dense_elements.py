@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.element import CondensedElements
+from torsion.kernels.distributed.condensed_element import CondensedElements
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
 from torsion.kernels.reduction import Rigidity, rigid_shapes, rigidity

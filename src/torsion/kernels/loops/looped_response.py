@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.kernels.loops.chords import around, pairs
-from torsion.kernels.response import TreeResponse, pose, residual_of, tree_response
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree_response import TreeResponse, pose, residual_of, tree_response
 
 
 @dataclass(frozen=True)

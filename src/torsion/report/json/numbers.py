@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 
 WORDS = {status: status.name.lower().replace("_", "-") for status in Status}
 

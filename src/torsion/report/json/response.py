@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from torsion.assembly.system import System
 from torsion.findings import Findings
-from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.report.elements import elements
 from torsion.report.json.numbers import exact, finite, numbers, pairs, statuses
 from torsion.report.told import told

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.long_chain.proof import Chain
+from torsion.kernels.long_chain.temple import Chain
 from torsion.kernels.tree import Tree
 
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.errors import SolveError
-from torsion.kernels.long_chain.proof import Chain, quotient
+from torsion.kernels.long_chain.temple import Chain, quotient
 from torsion.kernels.long_chain.twisted import BidiagonalFactor, Twisted, negative_count, twisted_vector
 from torsion.kernels.tree import FloatArray
 

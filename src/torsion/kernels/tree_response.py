@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.outward import Answer, Equations, solve, values_or_rows
 from torsion.kernels.residual import Amplitudes, equilibrium_residual
-from torsion.kernels.sweeps import EPS, Layout, layout
+from torsion.kernels.sweeps import EPS, Answer, Equations, Layout, layout, solve, values_or_rows
 from torsion.kernels.tree import Tree
 
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a line is marked

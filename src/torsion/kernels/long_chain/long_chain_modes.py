@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from torsion.kernels.long_chain.lowest import ChainMode, Progress, lowest_modes
-from torsion.kernels.long_chain.reduction import Reduction, reduce_row
+from torsion.kernels.long_chain.lowest_modes import ChainMode, Progress, lowest_modes
+from torsion.kernels.long_chain.row_as_chain import Reduction, reduce_row
 from torsion.kernels.long_chain.twisted import are_available
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.repeated import orthogonalise
