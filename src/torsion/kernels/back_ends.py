@@ -53,22 +53,22 @@ def spread(tree: Tree, sides: Sides, start: IntArray) -> Spread:
 
 def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
     """Layer by layer."""
-    inward, outward, passed = sides.to_root, sides.to_leaves, sides.passed
-    angle, torque, product = np.zeros_like(inward), np.zeros_like(inward), np.zeros_like(passed)
+    to_root, to_leaves, passed = sides.to_root, sides.to_leaves, sides.passed
+    angle, torque, product = np.zeros_like(to_root), np.zeros_like(to_root), np.zeros_like(passed)
     angle[start, np.arange(len(start))] = 1.0
     multiply, add = np.multiply, np.add
     for layer in reversed(tree.layers or ()):
         stations = layer.stations
-        multiply(angle[stations], inward[stations], product[stations])
+        multiply(angle[stations], to_root[stations], product[stations])
         add_children(layer, product, angle[layer.above])
     path, column = np.divmod(np.flatnonzero(angle != 0.0), angle.shape[1])
-    outward[path, column] = 0.0
+    to_leaves[path, column] = 0.0
     for layer in tree.layers or ():
         stations, before = layer.stations, angle[layer.above]
         if not layer.is_in_line:
             before = before.take(layer.parent, 0)
         here, moment, share = angle[stations], torque[stations], product[stations]
-        add(here, multiply(before, outward[stations], share), here)
+        add(here, multiply(before, to_leaves[stations], share), here)
         multiply(before, passed[stations], moment)
         multiply(before, moment, share)
     torque[path, column] = -sides.returned[path, column] * angle[path, column]
@@ -102,19 +102,19 @@ def _spread_by_stations(tree: Tree, sides: Sides, start: IntArray) -> Spread:
 def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
     """Both sweeps, from the dynamic stiffness `own` (stations, m) of each station alone."""
     size, columns = own.shape
-    total, outward, inward, rest = own.copy(), *np.empty((3, size, columns))
+    total, to_leaves, to_root, rest = own.copy(), *np.empty((3, size, columns))
     passed, returned = np.empty((size + 1, columns)), np.empty((size, columns))
     passed[:size] = tree.flexibility[:, None]
     returned[:] = passed[:size]
     passed[size] = 0.0
     roots = slice(0, tree.parents.count(-1))
-    passed[roots] = returned[roots] = outward[roots] = inward[roots] = 0.0
-    sweep_to_roots(tree.layers or (), total, passed, outward)
+    passed[roots] = returned[roots] = to_leaves[roots] = to_root[roots] = 0.0
+    sweep_to_roots(tree.layers or (), total, passed, to_leaves)
     reciprocal, add = np.reciprocal, np.add
-    _transmission(tree, passed[:size], outward, total)
+    _transmission(tree, passed[:size], to_leaves, total)
     for layer in tree.layers or ():
         stations, above = layer.stations, layer.above
-        inverse, through, behind = inward[stations], returned[stations], rest[stations]
+        inverse, through, behind = to_root[stations], returned[stations], rest[stations]
         if layer.is_in_line:
             add(own[above], returned[above], behind)
         else:
@@ -122,8 +122,8 @@ def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
         reciprocal(behind, inverse)
         add(through, inverse, through)
         reciprocal(through, through)
-    _transmission(tree, returned, inward, rest)
-    return Sides(np.add(total, returned, out=total), passed, returned, outward, inward)
+    _transmission(tree, returned, to_root, rest)
+    return Sides(np.add(total, returned, out=total), passed, returned, to_leaves, to_root)
 
 
 def _transmission(tree: Tree, through: FloatArray, inverse: FloatArray, stiffness: FloatArray) -> None:
@@ -144,13 +144,13 @@ def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
     """Like `_sides_of_layers`, from both ends at once."""
     size, columns = own.shape
     behind, inverse, through = _both_ways(own, tree.flexibility)
-    total, (passed, returned, outward, inward) = behind[::-1, :columns].copy(), np.zeros((4, size + 1, columns))
+    total, (passed, returned, to_leaves, to_root) = behind[::-1, :columns].copy(), np.zeros((4, size + 1, columns))
     passed[1:size], returned[1:size] = through[::-1, :columns], through[:, columns:]
-    outward[1:size], inward[1:size] = inverse[::-1, :columns], inverse[:, columns:]
-    _transmission(tree, passed[1:size], outward[1:size], total[1:])
-    _transmission(tree, returned[1:size], inward[1:size], behind[:-1, columns:])
+    to_leaves[1:size], to_root[1:size] = inverse[::-1, :columns], inverse[:, columns:]
+    _transmission(tree, passed[1:size], to_leaves[1:size], total[1:])
+    _transmission(tree, returned[1:size], to_root[1:size], behind[:-1, columns:])
     total[1:] += returned[1:size]
-    return Sides(total, passed, returned[:size], outward[:size], inward[:size])
+    return Sides(total, passed, returned[:size], to_leaves[:size], to_root[:size])
 
 
 def _spread_along_chain(tree: Tree, sides: Sides, start: IntArray) -> Spread:
@@ -186,16 +186,16 @@ def _both_ways(own: FloatArray, flexibility: FloatArray) -> tuple[FloatArray, Fl
     return behind, inverse, through
 
 
-def _spread_both_ways(inward: FloatArray, outward: FloatArray, start: IntArray) -> FloatArray:
-    """Angles (stations, m): 1 at `start` (m,), from there products of `inward` inward and of `outward` outward.
+def _spread_both_ways(to_root: FloatArray, to_leaves: FloatArray, start: IntArray) -> FloatArray:
+    """Angles (stations, m): 1 at `start` (m,), from there products of `to_root` and of `to_leaves`.
 
-    `inward` and `outward` (stations - 1, m) are for the span between a station and the next.
+    `to_root` and `to_leaves` (stations - 1, m) are for the span between a station and the next.
     """
-    spans, columns = outward.shape
+    spans, columns = to_leaves.shape
     is_toward_root = np.arange(spans)[:, None] < start
     factor = np.ones((spans, 2 * columns))
-    np.copyto(factor[:, :columns], inward[::-1], where=is_toward_root[::-1])
-    np.copyto(factor[:, columns:], outward, where=~is_toward_root)
+    np.copyto(factor[:, :columns], to_root[::-1], where=is_toward_root[::-1])
+    np.copyto(factor[:, columns:], to_leaves, where=~is_toward_root)
     multiply, rows = np.multiply, list(factor)
     for before, here in pairwise(rows):
         multiply(before, here, here)

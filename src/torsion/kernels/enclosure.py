@@ -1,7 +1,5 @@
 """Where the natural frequencies lie, by Sturm counts: brackets, bisection, proven enclosures around given values."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
@@ -16,7 +14,7 @@ _POINTS = 15  # inside the bracket of one mode in one sweep of the multisection
 _COLUMNS = 512  # frequencies in one sweep above which points cost more than sweeps (measured)
 _POINTS_A_MODE = 3  # at least
 _NEAR = 1e-2  # relative width of a bracket from which a mode alone in it, divided once more, is polished
-_COINCIDENT = 1e-7  # relative width at which modes are no longer told apart by counts
+_COINCIDENT = 1e-7  # relative width at which counts no longer separate modes
 _NARROWEST = 2.0**-51  # relative half width first tried where nothing else is known, two units in the last place
 _WIDEST = 2.0**-39  # 1.8e-12, after 12 doublings of the narrowest; a value not proven then is taken to be wrong
 _WIDEST_OF_SHAFTS = 2.0**-36  # 1.5e-11, for the rounding of their laws is in it too
@@ -95,59 +93,35 @@ def brackets(tree: Tree, mode: IntArray, *, tolerance: float | None = None) -> t
         )
     if np.any((above == 0) | (above == len(grid))):
         raise SolveError("a natural frequency lies outside 1e-50..1e50 rad/s; check the units of inertia and stiffness")
-    found = _Brackets(grid[above - 1], grid[above], count[above - 1], count[above])
-    done = np.zeros(len(mode), dtype=bool)
-    while not done.all():
-        left = np.flatnonzero(~done)
-        before = found.take(left)
-        after = _divided(tree, mode[left], before)
-        found.put(left, after)
-        width = (after.high - after.low) / after.high
+    found = np.array([grid[above - 1], grid[above], count[above - 1], count[above]])
+    left = np.arange(len(mode))
+    while len(left):
+        before = found[:, left]
+        found[:, left] = _divided(tree, mode[left], before)
+        low, high, *_ = found[:, left]
+        width = (high - low) / high
         if tolerance is None:
-            done[left] = (before.alone & (width <= _NEAR)) | (width <= _COINCIDENT)
+            done = ((before[3] - before[2] == 1) & (width <= _NEAR)) | (width <= _COINCIDENT)
         else:
-            done[left] = (width <= tolerance) | (after.high - after.low >= before.high - before.low)
-    return found.low, found.high
+            done = (width <= tolerance) | (high - low >= before[1] - before[0])
+        left = left[~done]
+    return found[0], found[1]
 
 
-@dataclass(frozen=True)
-class _Brackets:
-    """Bounds (m,) rad/s of modes, and the counts at them."""
+def _divided(tree: Tree, mode: IntArray, found: FloatArray) -> FloatArray:
+    """Narrower brackets of `mode` (m,): each divided by points in proportion to the modes that share it.
 
-    low: FloatArray
-    high: FloatArray
-    below: IntArray
-    up_to: IntArray
-
-    @property
-    def alone(self) -> BoolArray:
-        """Whether each bracket (m,) holds one mode."""
-        single: BoolArray = self.up_to - self.below == 1
-        return single
-
-    def take(self, rows: IntArray) -> "_Brackets":
-        """Some of them."""
-        return _Brackets(self.low[rows], self.high[rows], self.below[rows], self.up_to[rows])
-
-    def put(self, rows: IntArray, other: "_Brackets") -> None:
-        """Replace some of them."""
-        self.low[rows], self.high[rows] = other.low, other.high
-        self.below[rows], self.up_to[rows] = other.below, other.up_to
-
-
-def _divided(tree: Tree, mode: IntArray, found: _Brackets) -> _Brackets:
-    """Narrower brackets of `mode` (m,): each divided by points in proportion to the modes that share it."""
-    _, first, which, sharing = np.unique(found.low, return_index=True, return_inverse=True, return_counts=True)
+    `found` (4, m): bounds rad/s, and the counts at them.
+    """
+    _, first, which, sharing = np.unique(found[0], return_index=True, return_inverse=True, return_counts=True)
     number = np.maximum(min(_POINTS, max(_POINTS_A_MODE, _COLUMNS // len(mode))), _POINTS_A_MODE * sharing)
-    low, high = found.low[first], found.high[first]
-    inside = [a + (b - a) * (np.arange(1, n + 1) / (n + 1)) for a, b, n in zip(low, high, number, strict=True)]
+    inside = [a + (b - a) * (np.arange(1, n + 1) / (n + 1)) for a, b, n in zip(*found[:2, first], number, strict=True)]
     counts = np.split(count_below(tree, np.concatenate(inside)), np.cumsum(number)[:-1])
     members = np.split(np.argsort(which.reshape(-1), kind="stable"), np.cumsum(sharing)[:-1])
-    narrower = found.take(np.arange(len(mode)))
-    for begin, places, count, rows in zip(first.tolist(), inside, counts, members, strict=True):
-        below, up_to = found.below[begin], found.up_to[begin]
-        ladder = np.concatenate(([found.low[begin]], places, [found.high[begin]]))
+    narrower = found.copy()
+    for (low, high, below, up_to), places, count, rows in zip(found[:, first].T, inside, counts, members, strict=True):
+        ladder = np.concatenate(([low], places, [high]))
         known = np.concatenate(([below], np.clip(np.maximum.accumulate(count), below, up_to), [up_to]))
         above = np.searchsorted(known, mode[rows], side="right")
-        narrower.put(rows, _Brackets(ladder[above - 1], ladder[above], known[above - 1], known[above]))
+        narrower[:, rows] = ladder[above - 1], ladder[above], known[above - 1], known[above]
     return narrower

@@ -35,16 +35,16 @@ def with_reactions(tree: Tree, known: Rigidity, torque: FloatArray, outside: Flo
     full = torque.copy()
     for body in np.unique(known.body[inside]).tolist():
         members = np.flatnonzero(known.body == body).tolist()
-        order, before = _outward_from(next(i for i in members if tree.held[i]), members, parents)
+        order, before = _order_from(next(i for i in members if tree.held[i]), members, parents)
         for station in order[:0:-1]:
             nearer = before[station]
-            outward = parents[station] == nearer
-            full[station if outward else nearer] = -load[station] if outward else load[station]
+            is_parent = parents[station] == nearer
+            full[station if is_parent else nearer] = -load[station] if is_parent else load[station]
             load[nearer] += load[station]
     return full
 
 
-def _outward_from(first: int, members: list[int], parents: list[int]) -> tuple[list[int], dict[int, int]]:
+def _order_from(first: int, members: list[int], parents: list[int]) -> tuple[list[int], dict[int, int]]:
     """Members of a rigid body in order of distance from `first`, and the one before each."""
     joined: dict[int, list[int]] = {i: [] for i in members}
     for i in members:

@@ -77,7 +77,7 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
 
     Inverse iteration with the responses to torques, at a frequency beside each group: D(s) x = 0 is D(s') x =
     (s - s') M x, M being the mean slope. In each group every further shape is zero where one before it is largest, so
-    that parts of a train that do not touch are told apart.
+    that parts of a train that do not touch are separated.
     """
     columns = np.concatenate(groups)
     parts = np.split(np.arange(len(columns)), np.cumsum([len(group) for group in groups])[:-1])
@@ -98,7 +98,7 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     shapes = _response(tree, sides, beside * beside, load)
     _normalise(here, shapes, parts)
     for part in parts:
-        shapes[:, part] = shapes[:, part] @ _telling_apart(root * shapes[: tree.size, part])
+        shapes[:, part] = shapes[:, part] @ _separating(root * shapes[: tree.size, part])
     return _with_ends(tree, square, shapes)
 
 
@@ -223,7 +223,7 @@ def _from_products(products: FloatArray) -> FloatArray:
     return matrix
 
 
-def _telling_apart(basis: FloatArray) -> FloatArray:
+def _separating(basis: FloatArray) -> FloatArray:
     """Rotation after which each column of `basis` is zero in the rows where those before it are largest."""
     if basis.shape[1] == 1:
         return np.ones((1, 1))

@@ -2,10 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.sweeps import Equations, Layout
@@ -32,41 +30,50 @@ def equilibrium_residual(plan: Layout, given: Equations, answer: Amplitudes) -> 
     size, columns = answer.angle.shape
     worst = np.zeros(columns)
     height = min(size, max(1, BLOCK_VALUES // max(columns, 1)))
+    errors, (scales, sizes) = np.empty((height, columns), dtype=np.complex128), np.empty((2, height, columns))
     for start in range(0, size, height):
         block = slice(start, min(start + height, size))
-        stations = *_of_stations(plan, given, answer, block), given.force, plan.held
-        spans = *_of_spans(plan, given, answer, block), given.twist, [parent < 0 for parent in plan.parent]
-        for error, scale, acting, without in (stations, spans):
+        error, scale, relative = (part[: block.stop - start] for part in (errors, scales, sizes))
+        stations = _of_stations, given.force, plan.held
+        spans = _of_spans, given.twist, [parent < 0 for parent in plan.parent]
+        for equations, acting, without in (stations, spans):
+            equations(plan, given, answer, block, error, scale)
             for line, row in enumerate(acting[block]):
                 if row is not None:
                     error[line] -= row
                     scale[line] += np.abs(row)
-            relative = np.abs(error)
+            np.abs(error, out=relative)
             np.divide(relative, scale, out=relative)
             relative[without[block]] = 0
             np.fmax(worst, np.fmax.reduce(relative, axis=0), out=worst)
     return worst
 
 
-def _of_stations(plan: Layout, given: Equations, answer: Amplitudes, block: slice) -> tuple[NDArray[Any], FloatArray]:
+def _of_stations(
+    plan: Layout, given: Equations, answer: Amplitudes, block: slice, error: ComplexArray, scale: FloatArray
+) -> None:
     """Equilibrium of the torques on each station, and the magnitudes in it, (stations of block, columns) each."""
-    error = given.own[block] * answer.angle[block]
-    scale = np.abs(error)
+    np.multiply(given.own[block], answer.angle[block], out=error)
+    np.abs(error, out=scale)
     error -= answer.torque[block]
     scale += answer.torque_size[block]
     for there, here in _runs((child, i) for i in range(block.start, block.stop) for child in plan.children[i]):
         mine = slice(here.start - block.start, here.stop - block.start)
         error[mine] += answer.torque[there]
         scale[mine] += answer.torque_size[there]
-    return error, scale
 
 
-def _of_spans(plan: Layout, given: Equations, answer: Amplitudes, block: slice) -> tuple[NDArray[Any], FloatArray]:
+def _of_spans(
+    plan: Layout, given: Equations, answer: Amplitudes, block: slice, error: ComplexArray, scale: FloatArray
+) -> None:
     """Angles at both ends of each span and its own, and the magnitudes in them, (spans of block, columns) each."""
     hc = given.compliance[block]
     hc = hc[:, None] if hc.ndim == 1 else hc
-    error: NDArray[Any] = hc * answer.torque[block]
-    scale: FloatArray = np.abs(hc) * answer.torque_size[block] if hc.shape[1] == 1 else np.abs(error)
+    np.multiply(hc, answer.torque[block], out=error)
+    if hc.shape[1] == 1:
+        np.multiply(np.abs(hc), answer.torque_size[block], out=scale)
+    else:
+        np.abs(error, out=scale)
     error += answer.angle[block]
     scale += answer.angle_size[block]
     inner = plan.parent[block]
@@ -74,7 +81,6 @@ def _of_spans(plan: Layout, given: Equations, answer: Amplitudes, block: slice) 
         mine = slice(here.start - block.start, here.stop - block.start)
         error[mine] -= answer.angle[there]
         scale[mine] += answer.angle_size[there]
-    return error, scale
 
 
 def _runs(spans: Iterable[tuple[int, int]]) -> list[tuple[slice, slice]]:

@@ -142,19 +142,19 @@ def guarded_sum(product: Row, guard: bool) -> Row:
     return product
 
 
-def share(children: Sequence[int], through: Rows, outward: Rows, remainder: Any, add: Any = np.add) -> None:
+def share(children: Sequence[int], through: Rows, rest: Rows, remainder: Any, add: Any = np.add) -> None:
     """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
     if len(children) == 1:
-        outward[children[0]] = remainder
+        rest[children[0]] = remainder
         return
     before = remainder
     for child in children:
-        outward[child] = before
+        rest[child] = before
         before = add(before, through[child])
     after: Any = None
     for child in reversed(children):
         if after is not None:
-            outward[child] = add(outward[child], after)
+            rest[child] = add(rest[child], after)
         after = through[child] if after is None else add(after, through[child])
 
 
@@ -309,7 +309,7 @@ def _beside_prescribed(at: Sweep, i: int) -> None:
 def _share_out(at: Sweep, i: int, stiffness: Row, source: Any) -> None:
     """Tell every child in whose branch something acts what everything else does at station i.
 
-    stiffness, source: of station i with what lies inward of it.
+    stiffness, source: of station i with what lies toward the root.
     """
     through, children = at.found.stiffness_through, at.plan.children[i]
     loud = [child for child in children if at.loud[child]]

@@ -1,4 +1,4 @@
-"""Shapes and torques of damped modes from the dynamic stiffness of both sides, by products outward from one station."""
+"""Shapes and torques of damped modes from the dynamic stiffness of both sides, by products along the train."""
 
 from dataclasses import dataclass
 
@@ -17,8 +17,8 @@ class BothSides:
     """Dynamic stiffness at each root; rows over roots, None where infinite."""
 
     compliance: Rows  # hc, rad/(N m)
-    inward: Rows  # z, N m/rad: the branch of a station
-    outward: Rows  # zd: all but that branch, at the parent
+    branch: Rows  # z, N m/rad: of a station and all beyond it
+    rest: Rows  # zd: of all but that branch, at the parent
     whole: ComplexArray  # (stations, roots) Z, N m/rad, of the whole train at a station; infinite where prescribed
 
 
@@ -28,25 +28,25 @@ def both_sides(train: DampedTree, root: ComplexArray, lossy: float) -> BothSides
     own = [train.ground[i] * root + train.tree.inertia[i] * root * root for i in range(size)]
     hc = [_compliance(train, root, lossy, i) for i in range(size)]
     found = branches(plan, own, hc, [0.0] * size, guard=True)
-    outward: Rows = [None] * size
+    rest: Rows = [None] * size
     whole = np.full((size, len(root)), np.inf, dtype=np.complex128)
     for station in range(size):
         parent, z = plan.parent[station], found.stiffness[station]
         if plan.prescribed[station]:
             continue
-        rest = own[station]
+        here = own[station]
         if parent >= 0 and plan.prescribed[parent]:
-            rest = rest + 1 / hc[station]
+            here = here + 1 / hc[station]
             whole[station] = z + 1 / hc[station]
         elif parent >= 0:
-            zd = outward[station]
+            zd = rest[station]
             through = zd / guarded_sum(hc[station] * zd, guard=True)
-            rest = rest + through
+            here = here + through
             whole[station] = z + through
         else:
             whole[station] = z
-        share(plan.children[station], found.stiffness_through, outward, rest)
-    return BothSides(hc, found.stiffness, outward, whole)
+        share(plan.children[station], found.stiffness_through, rest, here)
+    return BothSides(hc, found.stiffness, rest, whole)
 
 
 def _compliance(train: DampedTree, root: ComplexArray, lossy: float, station: int) -> ComplexArray:
@@ -72,7 +72,7 @@ def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexA
         if plan.prescribed[parent]:
             torque[i, on] = -angle[i, on] / hc
             continue
-        zd = at.outward[i][on]
+        zd = at.rest[i][on]
         turned = angle[i, on] / guarded_sum(hc * zd, guard=True)
         angle[parent, on] = turned
         reached[parent] |= on
@@ -85,9 +85,9 @@ def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexA
         if plan.held[i]:
             torque[i] = x / hc
             continue
-        turned = x / guarded_sum(hc * at.inward[i], guard=True)
+        turned = x / guarded_sum(hc * at.branch[i], guard=True)
         angle[i] = np.where(reached[i], angle[i], turned)
-        torque[i] = np.where(reached[i], torque[i], at.inward[i] * turned)
+        torque[i] = np.where(reached[i], torque[i], at.branch[i] * turned)
     _hold(plan, torque)
     return angle, torque
 

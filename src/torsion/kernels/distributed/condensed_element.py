@@ -1,6 +1,6 @@
 """Finite elements of a shaft as spans: the unknowns inside are eliminated at each frequency (dynamic condensation).
 
-The angles inside an element are told relative to its static bend, and there in its modes with both ends held, of
+The angles inside an element are relative to its static bend, and there in its modes with both ends held, of
 stiffness 1 and inertia c_j. With the whole inertia between static bends (a, b at the ends, c across) and the coupling
 g_j of the modes to both, the dynamic stiffness across is -1/h with
 

@@ -143,7 +143,7 @@ def _ends(tree: Tree, shafts: Shafts) -> IntArray:
 
 
 def _fill_rigid(tree: Tree, angle: FloatArray, torque: FloatArray, outer: FloatArray, square: FloatArray) -> None:
-    """Torques of rigid spans, by the equilibrium of all that lies outward of them; in place."""
+    """Torques of rigid spans, by the equilibrium of all that lies beyond them; in place."""
     for i in range(tree.size - 1, -1, -1):
         if tree.parents[i] >= 0 and tree.shaft_of[i] < 0 and tree.flexibility[i] == 0.0:
             needed = -square * tree.moving_inertia[i] * angle[i]
@@ -200,15 +200,15 @@ def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) 
     """
     weight = np.where(np.isin(component, component[fixed]), 0.0, tree.moving_inertia)
     weight[fixed] = 1.0
-    outward = _outward(tree)[:, spring]
-    inward = (component[:, None] == component[spring]) & ~outward
-    beyond, before = weight @ outward, weight @ inward
-    whole = beyond + before
+    beyond = _beyond(tree)[:, spring]
+    before = (component[:, None] == component[spring]) & ~beyond
+    outer, inner = weight @ beyond, weight @ before
+    whole = outer + inner
     whole[whole == 0.0] = 1.0
-    return np.where(outward, before / whole, 0.0) - np.where(inward, beyond / whole, 0.0)
+    return np.where(beyond, inner / whole, 0.0) - np.where(before, outer / whole, 0.0)
 
 
-def _outward(tree: Tree) -> BoolArray:
+def _beyond(tree: Tree) -> BoolArray:
     """(stations, stations) whether a station is at the outer end of a span, or beyond."""
     beyond = np.eye(tree.size, dtype=np.bool_)
     columns = list(beyond)
@@ -233,7 +233,7 @@ def largest_right_vectors(matrix: FloatArray, number: int) -> FloatArray:
 
     The eigenvectors of C'C take half the time of a decomposition of C, and are right to eps times the ratio of the
     squares. What they have of all the vectors behind a gap is taken out by one step of first order, which leaves the
-    square of that error; those before it are told apart by a decomposition of their own products with C. So all are
+    square of that error; those before it are separated by a decomposition of their own products with C. So all are
     as right as from a decomposition of C. Where there is no gap, or the ratio is too large, C itself is decomposed.
     """
     square, vectors = np.linalg.eigh(matrix.T @ matrix)

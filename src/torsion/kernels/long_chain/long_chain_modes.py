@@ -1,4 +1,4 @@
-"""Modes of a tree whose stations lie in one long row: solved as a chain, told in the tree's own numbers."""
+"""Modes of a tree whose stations lie in one long row: solved as a chain, in the tree's own numbers."""
 
 import numpy as np
 

@@ -2,7 +2,7 @@
 
 Rigid spans merge stations, a station without inertia joins its two spans into one: sums of positive numbers. A row held
 at both ends is solved for its torques: with J and h changed for one another it is a free chain. What is inside a merged
-station or span is told as a weighted mean of its two ends, with positive weights: no difference of angles or torques.
+station or span is a weighted mean of its two ends, with positive weights: no difference of angles or torques.
 """
 
 from dataclasses import dataclass
@@ -125,10 +125,10 @@ def _span_means(row: Tree, body: IntArray, before: IntArray, moves: BoolArray) -
     """A rigid span inside a moving body carries a mean of the torques at both of its ends, weighted by inertia."""
     one = before[body[:-1]] + 1
     inside = (row.flexibility[1:] == 0.0) & moves[body[:-1]]
-    outward = running_sum_in_groups(row.moving_inertia, body)[:-1]
-    inward = running_sum_in_groups(row.moving_inertia[::-1], body[::-1])[::-1][1:]
-    rest = np.where(inside, outward, 1.0)
-    weight = np.where(inside, inward, 0.0)
+    behind = running_sum_in_groups(row.moving_inertia, body)[:-1]
+    beyond = running_sum_in_groups(row.moving_inertia[::-1], body[::-1])[::-1][1:]
+    rest = np.where(inside, behind, 1.0)
+    weight = np.where(inside, beyond, 0.0)
     whole = weight + rest
     return Means(one - inside, one, weight / whole, rest / whole)
 

@@ -71,7 +71,7 @@ def negative_count(factor: BidiagonalFactor, shift: float) -> int:
 
 
 def twisted_vector(factor: BidiagonalFactor, shift: float) -> Twisted:
-    """The vector of L D L' next to `shift`, as products outward from the row with the smallest residual.
+    """The vector of L D L' next to `shift`, as products either way from the row with the smallest residual.
 
     Componentwise accurate where the eigenvalue is well apart (Parlett and Dhillon 1997).
     """
