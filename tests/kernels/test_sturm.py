@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.sturm import count_below
+from torsion.kernels.sturm import count_below, count_bounds
 from torsion.kernels.tree import Tree
 
 
@@ -104,3 +105,24 @@ def test_a_held_station_inside_a_train_cuts_it(chain):
     whole = replace(chain([1.0, 2.0, 3.0], [5.0, 7.0]), held=np.array([False, True, False]))
     both = [(5.0 / 1.0) ** 0.5, (7.0 / 3.0) ** 0.5]
     np.testing.assert_array_equal(count_below(whole, [1.0, 2.0, 3.0]), [sum(f < w for f in both) for w in (1, 2, 3)])
+
+
+def _chain_rerooted(stations: int, root: int) -> Tree:
+    """Equal discs and springs of 1, from `root` both ways, numbered layer by layer."""
+    order = sorted(range(stations), key=lambda i: (abs(i - root), i))
+    place = {station: number for number, station in enumerate(order)}
+    parent = [place[i + (i < root) - (i > root)] if i != root else -1 for i in order]
+    return Tree(np.array(parent), np.ones(stations), np.ones(stations), np.zeros(stations, bool))
+
+
+@pytest.mark.parametrize(("stations", "root"), [(256, 0), (256, 128), (16, 8)], ids=["chain", "layers", "stations"])
+def test_a_bound_never_errs_next_to_a_frequency(stations: int, root: int) -> None:
+    """The exact ones are 2 sin(j pi/2n); a low mode of many stations feels the stiffness passed on the most."""
+    tree = _chain_rerooted(stations, root)
+    with mp.workdps(40):
+        exact = [2 * mp.sin(j * mp.pi / (2 * stations)) for j in range(1, 6)]
+        near = np.array([[float(w) * (1.0 + k * 2.0**-52) for k in range(-6, 7)] for w in exact])
+        below = np.array([[1 + sum(w < mp.mpf(x) for w in exact) for x in row] for row in near.tolist()])
+    at_most, at_least = count_bounds(tree, near.ravel(), near.ravel())
+    assert np.all(at_most.reshape(below.shape) >= below)
+    assert np.all(at_least.reshape(below.shape) <= below)

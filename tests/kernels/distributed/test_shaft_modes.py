@@ -8,7 +8,7 @@ import pytest
 
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.distributed.uniform_shaft import uniform_shafts
+from torsion.kernels.distributed.uniform_shaft import UniformShafts, uniform_shafts
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, count_bounds
@@ -375,3 +375,40 @@ def test_no_mode_asked_for_is_none_given(trains) -> None:
     assert modes.frequency.shape == (0,)
     assert modes.angle.shape == (5, 0)
     assert modes.rigid == 1
+
+
+class _Rough(UniformShafts):
+    """A law that is wrong by nearly as much as it says."""
+
+    def at(self, square):
+        flexibility, inner, outer = super().at(square)
+        return flexibility * (1.0 - 0.9e-6), inner * (1.0 - 0.9e-6), outer * (1.0 - 0.9e-6)
+
+    def rounding(self, square):
+        return np.full(len(square), 1e-6)
+
+
+@pytest.mark.parametrize(("pieces", "rough"), [(256, False), (16, False), (16, True)])
+def test_a_bound_of_counts_outweighs_the_stiffness_passed_on_and_the_rounding_of_the_law(pieces: int, rough: bool):
+    """Of a free shaft the frequencies are j pi exactly, for powers of 2 are exact."""
+    law = (_Rough if rough else UniformShafts)(*(np.full(pieces, v) for v in (1 / pieces, 0.5 / pieces, pieces**-2.0)))
+    tree = Tree(np.arange(-1, pieces), np.zeros(pieces + 1), np.zeros(pieces + 1), np.zeros(pieces + 1, bool))
+    exact = [mp.pi * j for j in range(1, 6)]
+    near = np.array([[float(w) * (1.0 + k * 2.0**-52) for k in range(-6, 7)] for w in exact])
+    below = np.array([[1 + sum(w < mp.mpf(x) for w in exact) for x in row] for row in near.tolist()])
+    at_most, at_least = count_bounds(
+        replace(tree, shafts=Shafts(np.arange(1, pieces + 1), (law,))), *[near.ravel()] * 2
+    )
+    assert np.all(at_most.reshape(below.shape) >= below)
+    assert np.all(at_least.reshape(below.shape) <= below)
+
+
+def test_a_shaft_between_fixed_stations_leaves_the_rest_of_the_train_alone() -> None:
+    """Station 1 is rigid on the held root, 2 is held as well: a disc of 4 on a spring of 1/100 from 1 swings at 5."""
+    law = uniform_shafts([0.1], 1e4, 2.0)
+    held = np.array([True, False, True, False])
+    tree = Tree(np.array([-1, 0, 1, 1]), np.array([0, 0, 0, 0.01]), np.array([0, 0, 0, 4.0]), held)
+    modes = tree_modes(replace(tree, shafts=Shafts(np.array([2]), (law,))), 1)
+    assert abs(modes.frequency[0] / 5.0 - 1.0) < 1e-15
+    assert np.allclose(modes.torque[3], -100.0 * modes.angle[3], rtol=1e-14)
+    assert np.allclose(modes.shafts.torque_outer[1], modes.torque[3], rtol=1e-14)
