@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 
 
 class Couple(Protocol):

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray
 from torsion.kernels.reduction import Rigidity
-from torsion.kernels.tree import BoolArray, FloatArray, Tree
+from torsion.kernels.tree import Tree
 
 
 def needs_cutting(tree: Tree, known: Rigidity) -> bool:

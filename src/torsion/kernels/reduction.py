@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.long_chain.temple import Chain, quotient
 from torsion.kernels.long_chain.twisted import BidiagonalFactor, Twisted, negative_count, twisted_vector
-from torsion.kernels.tree import FloatArray
 
 Progress = Callable[[int, int], None]  # modes done, modes wanted
 

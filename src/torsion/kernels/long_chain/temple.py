@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 
 _UNIT = 2.0**-53
 _UNIT_OF_WIDEST = float(np.finfo(np.longdouble).eps) / 2.0  # where there is nothing wider: that of a double

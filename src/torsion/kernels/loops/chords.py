@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.factors import conductance, star_mesh_factor
 from torsion.kernels.lapack import jacobi_svd
 from torsion.kernels.loops.chords import LoopedTrain, around, pairs, stiffest_tree
@@ -13,7 +14,7 @@ from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reactions import cut, needs_cutting, with_reactions
 from torsion.kernels.reduction import Rigidity, reduce_tree, rigid_shapes, rigidity
 from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 from torsion.kernels.two_sides import forced, two_sides
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]

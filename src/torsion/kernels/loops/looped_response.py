@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.loops.chords import around, pairs
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import TreeResponse, pose, residual_of, tree_response
 
 

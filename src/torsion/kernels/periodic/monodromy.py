@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray
 
 STAGES = 7  # order 13
 ANGLE_PER_STEP = 1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
