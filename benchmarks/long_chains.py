@@ -119,8 +119,8 @@ def _closed_form(case: str, size: int) -> np.ndarray | None:
 
 
 def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]:
-    from torsion.kernels.long_chain.lapack import are_available
-    from torsion.kernels.modes import tree_modes
+    from torsion.kernels.long_chain.twisted import are_available
+    from torsion.kernels.natural_modes import tree_modes
     from torsion.kernels.tree import Tree
 
     inertia, flexibility, fixed = _data(case, size)

@@ -9,11 +9,10 @@ import numpy as np
 
 from benchmarks.cases import Case, condensed
 from benchmarks.scenes import scene
-from torsion.kernels.chain import chain_frequencies
-from torsion.kernels.jacobi import plain_modes
-from torsion.kernels.modes import tree_modes
-from torsion.kernels.response import complex_compliance, tree_response
+from torsion.kernels.factors import chain_frequencies, plain_modes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import complex_compliance, tree_response
 
 NAME = "torsion"
 FEW = 20  # lowest modes, which is what an engineer wants of a large train

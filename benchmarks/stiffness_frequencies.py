@@ -11,7 +11,7 @@ from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
 from benchmarks.references import worst
 from benchmarks.sweeps import Sweep
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 TREE, PLAIN, PEER = "torsion tree_modes", "torsion plain_modes", "openTorsion"

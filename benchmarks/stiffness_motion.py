@@ -10,7 +10,7 @@ from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case, condensed
 from benchmarks.stiffness_frequencies import PEER, line
 from benchmarks.sweeps import Sweep
-from torsion.kernels.damping.modes import damped_modes
+from torsion.kernels.damping.damped_tree_modes import damped_modes
 from torsion.kinematics.cross import speed_ratio
 
 DAMPED, JOINT, TEXTBOOK = "torsion damped_modes", "torsion speed_ratio", "textbook cos b/(1 - (sin b cos x)^2)"

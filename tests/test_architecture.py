@@ -7,7 +7,7 @@ import pytest
 
 SOURCE = Path(__file__).parent.parent / "src" / "torsion"
 FLOORS = {
-    "errors": -1,  # the ground under every floor
+    "errors": -1, "arrays": -1,  # the ground under every floor
     "units": 0, "kernels": 0, "kinematics": 0,
     "fields": 1, "primitives": 1,
     "components": 2,
@@ -88,9 +88,9 @@ def test_no_circle_of_imports() -> None:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(SOURCE).as_posix())
-def test_a_file_has_one_subject_and_at_most_300_lines(path: Path) -> None:
+def test_a_file_has_one_subject_and_at_most_400_lines(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 300
+    assert len(text.splitlines()) <= 400
     assert ast.get_docstring(ast.parse(text)) is not None, "a file says its subject in its first sentence"
 
 

@@ -17,7 +17,7 @@ from torsion.analyses.lateral.misaligned import (
     undamped,
 )
 from torsion.analyses.lateral.misaligned_zones import Zone, zones
-from torsion.kernels import misaligned as kernel
+from torsion.kernels import misaligned_joint as kernel
 
 TURN = np.linspace(0.0, np.pi, 91)
 SPEEDS = np.array([25.9, 26.2])

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from benchmarks.papers import zhu_wang_space as space
 from torsion.analyses.lateral.misaligned import EXACT, MisalignedShaft, coefficients, response, undamped
-from torsion.kernels.periodic.floquet import radau, step_matrices
+from torsion.kernels.periodic.monodromy import radau, step_matrices
 
 Array = NDArray[np.float64]
 SHAFT = MisalignedShaft(

@@ -20,7 +20,7 @@ from torsion.components.excitation import Excitation
 from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.errors import InputError
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.runner import run
 from torsion.schema.read import parse
 from torsion.train import train

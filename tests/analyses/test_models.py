@@ -15,7 +15,7 @@ from torsion.analyses.holzer import holzer
 from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.rules.check import Checks
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"

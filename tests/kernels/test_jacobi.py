@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.jacobi import plain_modes
-from torsion.kernels.modes import shape_sign, tree_modes
+from torsion.kernels.factors import plain_modes
+from torsion.kernels.mode_shapes import shape_sign
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 
@@ -12,7 +13,7 @@ from torsion.kernels.tree import Tree
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])
 def test_frequencies_to_rounding_shapes_to_rounding_in_the_norm(random_tree, monkeypatch, shape, capsule):
     if not capsule:
-        monkeypatch.setattr("torsion.kernels.jacobi.routine", lambda name: None)
+        monkeypatch.setattr("torsion.kernels.lapack.routine", lambda *_: None)
     tree = random_tree(31, size=20, shape=shape)
     right, found = tree_modes(tree), plain_modes(tree)
     np.testing.assert_allclose(found.frequency, right.frequency, rtol=1e-14 if capsule else 1e-12)

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.banded import banded_values
-from torsion.kernels.centre import by_layers, hung_from_the_middle
-from torsion.kernels.counts import count_below, count_bounds
+from torsion.kernels.factors import banded_values
 from torsion.kernels.layers import add_children, layers_of, of_the_rest
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.mode_shapes import shapes_at
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity
-from torsion.kernels.shapes import free_shapes
+from torsion.kernels.rerooting import by_layers, rerooted_at_middle
+from torsion.kernels.sturm import count_below, count_bounds
 from torsion.kernels.tree import Tree
 
 PARENTS = {
@@ -43,14 +43,14 @@ def test_a_layer_adds_its_children_and_gives_each_the_rest(name):
 def test_stations_out_of_order_are_in_no_layers():
     assert layers_of(np.array([-1, 0, 1, 0])) is None
     with pytest.raises(ValueError, match="layer by layer"):
-        free_shapes(Tree(np.array([-1, 0, 1, 0] + [2] * 20), np.ones(24), np.ones(24), np.zeros(24, bool)), np.ones(1))
+        shapes_at(Tree(np.array([-1, 0, 1, 0] + [2] * 20), np.ones(24), np.ones(24), np.zeros(24, bool)), np.ones(1))
 
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 @pytest.mark.parametrize("shape", ["branched", "bushy"])
 def test_a_tree_hung_from_its_middle_is_the_same_train(random_tree, shape, held):
     tree = random_tree(31, size=25, shape=shape, held=held)
-    hung = hung_from_the_middle(tree)
+    hung = rerooted_at_middle(tree)
     assert hung.tree.layers is not None
     assert len(hung.tree.layers) <= len(by_layers(tree).tree.layers)
     w = np.geomspace(1e-2, 1e9, 300)

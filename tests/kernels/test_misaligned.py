@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.kernels import misaligned
+from torsion.kernels import misaligned_joint as misaligned
 
 TILTS = [0.0, np.radians(5.0), 0.7]
 TURN = np.linspace(0.0, 2.0 * np.pi, 25)

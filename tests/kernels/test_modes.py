@@ -4,8 +4,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.chain import chain_frequencies
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.factors import chain_frequencies
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 HERTZ = 2 * np.pi
@@ -250,7 +250,7 @@ def test_a_start_that_misses_a_mode_is_found_out_and_mended(random_tree, monkeyp
     right = tree_modes(tree)
     start = right.frequency.copy()
     start[missed] = start[missed - 1]
-    monkeypatch.setattr("torsion.kernels.modes.start_frequencies", lambda *_: np.sort(start))
+    monkeypatch.setattr("torsion.kernels.natural_modes.start_frequencies", lambda *_: np.sort(start))
     mended = tree_modes(tree)
     np.testing.assert_allclose(mended.frequency, right.frequency, rtol=1e-15)
     np.testing.assert_allclose(mended.angle, right.angle, rtol=1e-11)
@@ -261,7 +261,7 @@ def test_a_start_that_misses_a_mode_is_found_out_and_mended(random_tree, monkeyp
 def test_trains_too_large_for_dense_arithmetic_start_from_counts(random_tree, monkeypatch, shape):
     tree = random_tree(24, size=30, shape=shape, held="leaves")
     right = tree_modes(tree, 5)
-    monkeypatch.setattr("torsion.kernels.modes.start_frequencies", lambda *_: None)
+    monkeypatch.setattr("torsion.kernels.natural_modes.start_frequencies", lambda *_: None)
     np.testing.assert_allclose(tree_modes(tree, 5).frequency, right.frequency, rtol=1e-15)
     np.testing.assert_allclose(tree_modes(tree, 5).torque, right.torque, rtol=1e-11)
 

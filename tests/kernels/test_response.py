@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.response import Status, complex_compliance, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import Status, complex_compliance, pose, residual_of, status, tree_response
 
 
 def tree(parent, flexibility, inertia, held=()):

@@ -19,7 +19,7 @@ from torsion.analyses.lateral.misaligned import (
     undamped,
 )
 from torsion.analyses.lateral.misaligned_zones import zones
-from torsion.kernels.misaligned import linearised
+from torsion.kernels.misaligned_joint import linearised
 
 PAGES = Path(__file__).parents[2] / "reports" / "papers"
 SPEEDS = np.array([25.9, 26.2])

@@ -17,7 +17,7 @@ import torsion
 from torsion.analyses.lateral.bending import Lateral
 from torsion.analyses.lateral.response import extent
 from torsion.findings import Findings
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.output.results_json import documented, results, text
 from torsion.report import lateral_tables
 from torsion.report.blocks import Figure, Paragraph, Table

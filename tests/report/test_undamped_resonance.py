@@ -9,7 +9,7 @@ import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.synthesis import synthesis
 from torsion.findings import Findings
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.output.results_json import results
 from torsion.plots.style import hatch, page
 from torsion.report.blocks import Paragraph, Table

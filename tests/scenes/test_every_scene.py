@@ -15,7 +15,7 @@ from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.rules.check import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.source import parse_source

@@ -12,7 +12,7 @@ from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars.spans import Bars
+    from torsion.kernels.distributed.span_laws import Shafts
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     )  # fmt: skip
 
 
-def _stiffened(tree: Tree, bars: "Bars", omega: float) -> tuple[FloatArray, FloatArray]:
+def _stiffened(tree: Tree, bars: "Shafts", omega: float) -> tuple[FloatArray, FloatArray]:
     """Inertia (tree stations,) kg m2 and flexibility (tree stations,) rad/(N m) with the bars as they are at omega."""
     inertia, flexibility = tree.inertia.copy(), tree.flexibility.copy()
     across, inner, outer = bars.at(np.array([omega**2]))

@@ -18,8 +18,7 @@ from torsion.kernels.tree import FloatArray, IntArray, Tree
 from torsion.results import derived, reported, result
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars.modes import BarModes
-    from torsion.kernels.modes import TreeModes
+    from torsion.kernels.mode_shapes import ShaftModes, TreeModes
 
 
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
@@ -51,7 +50,7 @@ class Modes:
     rigid: int = result("", (), "number of motions of exactly 0 Hz", key="rigid_motions")
     certified: bool = result("", (), "counts prove the bounds", key="is_certified")
     system: System = field(repr=False)
-    distributed: "BarModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
+    distributed: "ShaftModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
 
     @derived(
         "1", ("station", "mode"), "share of the kinetic energy; of a distributed shaft half at either end",
@@ -62,7 +61,7 @@ class Modes:
         energy = lumped_kinetic(self.system, self.shape)
         if self.distributed is not None and self.system.bars is not None:
             for end in (0, 1):
-                np.add.at(energy, self.system.bars.ends[:, end], self.distributed.bar_kinetic / 2.0)
+                np.add.at(energy, self.system.bars.ends[:, end], self.distributed.shaft_kinetic / 2.0)
         return shares(energy)
 
     @derived(
@@ -172,9 +171,9 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
     if system.bars is not None and system.folded_bars is not None:
         from torsion.analyses.bars import referred_modes
 
-        distributed = referred_modes(undamped_tree(system.folded), system.folded_bars, count)
-        torque = bar_torques(system, distributed.torque, distributed.torque_outer)
-        return _modes(system, distributed, torque, distributed)
+        found = referred_modes(undamped_tree(system.folded), system.folded_bars, count)
+        outer = found.torque if found.shafts is None else found.shafts.torque_outer
+        return _modes(system, found, bar_torques(system, found.torque, outer))
     closing = closing_spans(system)
     found = _referred_modes(system, closing, count, progress)
     return _modes(system, found, span_torques(system, found.torque, closing, found.loop_torque))
@@ -198,10 +197,10 @@ def _referred_modes(system: System, closing: IntArray, count: int | None, progre
     """The modes on the folded tree, with the spans `closing` that close its loops."""
     tree = undamped_tree(system.folded)
     if not closing.size:
-        from torsion.kernels.modes import tree_modes
+        from torsion.kernels.natural_modes import tree_modes
 
         return tree_modes(tree, count, progress=progress)
-    from torsion.kernels.loops.modes import graph_modes
+    from torsion.kernels.loops.looped_modes import graph_modes
 
     node = system.folded.node
     flexibility = (system.flexibility / system.span_ratio**2)[closing]
@@ -248,16 +247,14 @@ def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) ->
     return span_torques(system, at_driving, none, np.empty((0, torque.shape[1])))
 
 
-def _modes(
-    system: System, found: "TreeModes | BarModes", torque: FloatArray, distributed: "BarModes | None" = None
-) -> Modes:
+def _modes(system: System, found: "TreeModes", torque: FloatArray) -> Modes:
     """The modes at own speeds."""
     hertz, ratio = 1.0 / (2.0 * math.pi), system.speed_ratio
     angle = _rows(found.angle, system.folded.node)
     shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
     return Modes(
         found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
-        system, distributed,
+        system, found.shafts,
     )  # fmt: skip
 
 

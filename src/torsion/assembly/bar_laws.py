@@ -6,23 +6,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.assembly.shafts import is_uniform
-from torsion.kernels.bars.spans import Bars, Law, profile_bars, profile_points, uniform_bars
+from torsion.kernels.distributed.profiled_shaft import profile_points, profile_shafts
+from torsion.kernels.distributed.span_laws import Law, Shafts
+from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from torsion.assembly.system import BarSpans, Piece
 
 
-def folded_bars(bars: "BarSpans", node: IntArray, ratio: FloatArray, turned: BoolArray) -> Bars:
+def folded_bars(bars: "BarSpans", node: IntArray, ratio: FloatArray, turned: BoolArray) -> Shafts:
     """The spans with distributed inertia of a system, in the order of its `bars`.
 
     (bars,) each: node of the tree at its outer end, speed ratio, and whether its driven end is the inner one.
     """
     if not bars.degree:
-        return Bars(node, _continua(bars, ratio**2)).turned(turned)
+        return Shafts(node, _continua(bars, ratio**2)).turned(turned)
     from torsion.assembly.element_matrices import element_law
 
-    return Bars(node, (element_law(bars, ratio**2),)).turned(turned)
+    return Shafts(node, (element_law(bars, ratio**2),)).turned(turned)
 
 
 def _continua(bars: "BarSpans", ratio2: FloatArray) -> tuple[Law, ...]:
@@ -32,10 +34,10 @@ def _continua(bars: "BarSpans", ratio2: FloatArray) -> tuple[Law, ...]:
     first, rest = ratio2[: len(uniform)], ratio2[len(uniform) :]
     laws: list[Law] = []
     if uniform:
-        laws.append(uniform_bars(_lengths(uniform), *_along(uniform, np.zeros(1), first)[..., 0]))
+        laws.append(uniform_shafts(_lengths(uniform), *_along(uniform, np.zeros(1), first)[..., 0]))
     if conical:
         rigidity, inertia = _along(conical, profile_points(), rest)
-        laws.append(profile_bars(_lengths(conical), 1.0 / rigidity, inertia))
+        laws.append(profile_shafts(_lengths(conical), 1.0 / rigidity, inertia))
     return tuple(laws)
 
 

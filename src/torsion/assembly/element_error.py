@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from torsion.assembly.shafts import bar_segments, gauss, is_uniform, phase
-from torsion.kernels.sections import polar_area_moment
+from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import skfem
 
 from torsion.assembly.shafts import is_uniform, uniform_area
-from torsion.kernels.bars.element import ElementBars, element_bars
+from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 from torsion.kernels.tree import FloatArray
 
 if TYPE_CHECKING:
@@ -38,22 +38,22 @@ def element_matrices(pieces: "tuple[Piece, ...]", degree: int) -> tuple[FloatArr
     return stiffness, inertia
 
 
-def element_law(bars: "BarSpans", ratio2: FloatArray) -> ElementBars:
+def element_law(bars: "BarSpans", ratio2: FloatArray) -> CondensedElements:
     """The elements without their unknowns inside, multiplied by `ratio2` (bars,), the squares of their speed ratios.
 
     Those of uniform shafts are one element to scale: it is condensed once for a degree.
     """
     uniform = [first for _, first in _shafts(bars.pieces) if is_uniform(first.bar)]
     number = [first.number for first in uniform]
-    end, parts = sum(number), list[ElementBars]()
+    end, parts = sum(number), list[CondensedElements]()
     if uniform:
         factors = np.repeat([_factors(first) for first in uniform], number, axis=0).T * ratio2[:end]
         parts.append(_law_of_unit(bars.degree).scaled(*factors))
     if end < len(bars.pieces):
         stiffness, inertia = element_matrices(bars.pieces[end:], bars.degree)
         rest = ratio2[end:, None, None]
-        parts.append(element_bars(stiffness * rest, inertia * rest))
-    return ElementBars.joined(parts)
+        parts.append(condensed_elements(stiffness * rest, inertia * rest))
+    return CondensedElements.joined(parts)
 
 
 def _shafts(pieces: "Sequence[Piece]") -> "Iterator[tuple[int, Piece]]":
@@ -82,10 +82,10 @@ def _factors(piece: "Piece") -> tuple[float, float]:
 
 
 @cache
-def _law_of_unit(degree: int) -> ElementBars:
+def _law_of_unit(degree: int) -> CondensedElements:
     """The element of length 1, of stiffness and density 1, without its unknowns inside."""
     stiff, heavy = _of_unit(degree)
-    return element_bars(stiff, heavy)
+    return condensed_elements(stiff, heavy)
 
 
 @cache

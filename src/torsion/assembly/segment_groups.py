@@ -14,7 +14,7 @@ from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars.chain import ChainBars
+    from torsion.kernels.distributed.segment_chains import SegmentChains
 
 MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about so many groups
 
@@ -77,9 +77,9 @@ class SegmentGroups:
         """Positions among the spans kept of some `spans` of the system that are kept."""
         return [int(place) for place in np.searchsorted(self.first_span, spans)]
 
-    def chains(self, spans: IntArray, ratio: FloatArray) -> "ChainBars":
+    def chains(self, spans: IntArray, ratio: FloatArray) -> "SegmentChains":
         """The segments of the groups at `spans` (groups,) of those kept, referred by their speed ratio (groups,)."""
-        from torsion.kernels.bars.chain import ChainBars
+        from torsion.kernels.distributed.segment_chains import SegmentChains
 
         first, last = self.first_span[spans], self.last_span[spans]
         segment = first[:, None] + np.arange(self.longest)
@@ -88,7 +88,7 @@ class SegmentGroups:
         flexibility = np.where(there, self.system.flexibility[segment] / ratio[:, None] ** 2, 0.0)
         inside = self.system.lumped_inertia[self.system.driven[segment]] * ratio[:, None] ** 2
         none = np.zeros(len(spans), dtype=bool)
-        return ChainBars(flexibility, np.where(segment < last[:, None], inside, 0.0), none)
+        return SegmentChains(flexibility, np.where(segment < last[:, None], inside, 0.0), none)
 
 
 def segment_groups(system: System, most: int) -> SegmentGroups:

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from torsion.kernels.sections import polar_area_moment
+from torsion.kernels.round_sections import polar_area_moment
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 

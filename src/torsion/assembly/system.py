@@ -10,14 +10,14 @@ import numpy as np
 
 from torsion.assembly.folding import Folded, fold
 from torsion.assembly.spans import Row, Span
-from torsion.kernels.sections import polar_area_moment
+from torsion.kernels.round_sections import polar_area_moment
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
     from torsion.assembly.segment_groups import SegmentGroups
-    from torsion.kernels.bars.spans import Bars
+    from torsion.kernels.distributed.span_laws import Shafts
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ class System:
         return self.inertia if self.bars is None else self.bars.lumped
 
     @cached_property
-    def folded_bars(self) -> "Bars | None":
+    def folded_bars(self) -> "Shafts | None":
         """The spans with distributed inertia and the segment groups, on the tree; None where there are none."""
         if self.groups is not None:
             return self._folded_groups(self.groups)
@@ -187,12 +187,12 @@ class System:
         span, folded = self.bars.span, self.folded
         return folded_bars(self.bars, folded.span[span], self.span_ratio[span], folded.sign[span] < 0)
 
-    def _folded_groups(self, groups: "SegmentGroups") -> "Bars":
-        from torsion.kernels.bars.spans import Bars
+    def _folded_groups(self, groups: "SegmentGroups") -> "Shafts":
+        from torsion.kernels.distributed.span_laws import Shafts
 
         span, folded = np.flatnonzero(groups.last_span > groups.first_span), self.folded
         law = groups.chains(span, self.span_ratio[span])
-        return Bars(folded.span[span], (law.turned(folded.sign[span] < 0),))
+        return Shafts(folded.span[span], (law.turned(folded.sign[span] < 0),))
 
     @cached_property
     def damps(self) -> bool:

@@ -4,11 +4,13 @@ Adding inertias merges a rigid span; the star-mesh rule k_ij += k_i k_j / sum(k)
 only add, multiply and divide positive numbers, so that every frequency keeps its relative accuracy.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,15 @@ def rigidity(tree: Tree) -> Rigidity:
         free_roots=np.array(free_roots, dtype=np.int64),
         elastic=len(heavy) - len(free_roots),
     )
+
+
+def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
+    """Angles (stations, rigid motions) rad, constant over each free part and mass-normalised."""
+    if tree.is_plain:
+        return np.full((tree.size, 1), 1.0 / math.sqrt(tree.inertia.sum()))
+    part = known.component[:, None] == known.free_roots
+    scaled: FloatArray = part / np.sqrt(tree.moving_inertia @ part)
+    return scaled
 
 
 def reduce_tree(

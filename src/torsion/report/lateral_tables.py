@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.report.blocks import Column, Table
 from torsion.report.numbers import NONE, RPM, number, rpm, scale
 from torsion.report.reading import NO_VALUE, largest

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.response.grid import missed_peaks
-from torsion.kernels.response import Status
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.kernels.tree_response import Status
 from torsion.rules.check import Check, Standing, verdict_of
 from torsion.rules.evidence import in_rpm
 
@@ -26,7 +26,7 @@ class Curve:
     speed: FloatArray  # (speeds,) rad/s of the reference station
     value: FloatArray  # (speeds,)
     limit: FloatArray  # (speeds,) NaN where the rule has no limit
-    status: IntArray  # (speeds,) kernels.response.Status of the worst line
+    status: IntArray  # (speeds,) kernels.tree_response.Status of the worst line
 
     def utilisation(self) -> FloatArray:
         """(speeds,) value / limit; infinite where the response is not ok, 0 where both are nothing."""

@@ -11,7 +11,7 @@ from torsion import fields
 from torsion.components.lowering import Part
 from torsion.components.shaft import Shaft
 from torsion.fields import Declared, OneOrMany, given, refuse, required
-from torsion.kernels.sections import section_modulus
+from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree import FloatArray, IntArray
 from torsion.primitives import Bar
 from torsion.rules import m68_formulas as formulas

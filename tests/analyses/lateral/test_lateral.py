@@ -13,7 +13,7 @@ from torsion.analyses.lateral.whirl import criticals, lowest, roots_among, whirl
 from torsion.assembly.lateral.places import places
 from torsion.assembly.lateral.shaft import Beam, Point, Segment, assemble_lateral
 from torsion.errors import SolveError
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.kinematics.couples import Couple, bearing_reactions
 from torsion.rules.joint_tubes import critical_speed
 

@@ -21,7 +21,7 @@ from torsion.analyses.lateral.misaligned import (
     undamped,
 )
 from torsion.analyses.lateral.misaligned_zones import zones
-from torsion.kernels.misaligned import small_angle_part
+from torsion.kernels.misaligned_joint import small_angle_part
 
 SHAFT = MisalignedShaft(4.597e-3, 3.96e-5, 0.46, (7.74, 23.22), (1e-3, 1e-3), 0.3, np.radians(5.0))
 STEEP = replace(SHAFT, polar=0.3, tilt=0.6, damping=(2e-3, 5e-3))

@@ -23,7 +23,7 @@ from torsion.components.gear import Gear
 from torsion.components.motor import Motor
 from torsion.components.propeller import Propeller
 from torsion.errors import InputError
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.train import Link
 
 RATED = (100.0, 50e3)  # rad/s, W: 500 N m

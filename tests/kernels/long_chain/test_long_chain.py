@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.counts import count_bounds
-from torsion.kernels.long_chain import modes as driver
-from torsion.kernels.long_chain.modes import long_chain_modes
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.long_chain import long_chain_modes as driver
+from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
+from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.sturm import count_bounds
 from torsion.kernels.tree import Tree
 
 LONG = 20_000

@@ -6,7 +6,7 @@ from itertools import repeat
 import numpy as np
 import pytest
 
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.output.json_text import SERIES, lines, listed, pieces, write_json
 from torsion.output.plain import numbers
 from torsion.results import words

@@ -57,7 +57,7 @@ class Torques:
 
     torque: ComplexArray  # (speeds, ends) N m at own speed
     residual: FloatArray  # (speeds,) relative
-    status: np.ndarray  # (speeds,) uint8: kernels.response.Status
+    status: np.ndarray  # (speeds,) uint8: kernels.tree_response.Status
 
 
 def loaded(system: System, harmonics: Harmonics) -> Loaded:

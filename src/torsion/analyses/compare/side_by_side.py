@@ -23,8 +23,8 @@ from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result
 from torsion.study import Study
 
@@ -263,7 +263,7 @@ def _count_below(one: _Solved, highest: float) -> int:
     """Elastic modes below a frequency (Hz), by counts where these reach so far."""
     tree, bars, w = undamped_tree(one.system.folded), one.system.folded_bars, 2.0 * math.pi * highest
     if bars is None:
-        from torsion.kernels.counts import count_below
+        from torsion.kernels.sturm import count_below
 
         return int(count_below(tree, w)[0]) - one.modes.rigid
     from torsion.analyses.bars import reach

@@ -20,8 +20,8 @@ from torsion.analyses.response.excitation import Line
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress
-from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
 from torsion.kernels.tree import BoolArray, ComplexArray
+from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.study import Study
 
 LINES = 3  # that are compared: those with the largest torques

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from torsion.kernels import misaligned as kernel
-from torsion.kernels.periodic.floquet import ANGLE_PER_STEP, FEWEST_STEPS, radau, step_matrices
+from torsion.kernels import misaligned_joint as kernel
 from torsion.kernels.periodic.harmonic_balance import harmonics_of
 from torsion.kernels.periodic.hill import Couplings, couplings_of, hill_blocks, hill_exponents, scattered
+from torsion.kernels.periodic.monodromy import ANGLE_PER_STEP, FEWEST_STEPS, radau, step_matrices
 from torsion.kernels.tree import ComplexArray, FloatArray
 
 HARMONICS = 8  # of the coefficients' period: those beyond are below rounding, as the coefficients have one
@@ -24,7 +24,7 @@ SPINNING = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 @dataclass(frozen=True)
 class MisalignedShaft:
-    """A rigid shaft from the joint's centre to its bearing; axes i, j of `kernels.misaligned`."""
+    """A rigid shaft from the joint's centre to its bearing; axes i, j of `kernels.misaligned_joint`."""
 
     inertia: float  # kg m2 transverse, about the joint's centre
     polar: float  # polar / transverse inertia

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from torsion.analyses.lateral.planes import EPS, Planes
 from torsion.analyses.lateral.whirl import Critical, criticals
 from torsion.assembly.lateral.places import places
-from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.results import derived, reported, result, words
 
 SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is told

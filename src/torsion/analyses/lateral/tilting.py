@@ -15,7 +15,7 @@ from torsion.analyses.lateral.misaligned import EXACT, MisalignedShaft, Model, g
 from torsion.analyses.lateral.misaligned_zones import Zone, resonances, zones
 from torsion.assembly.lateral.line import BendingShaft, JointAt
 from torsion.assembly.lateral.shaft import Beam, Segment
-from torsion.kernels.misaligned import small_angle_part
+from torsion.kernels.misaligned_joint import small_angle_part
 from torsion.kernels.tree import FloatArray
 from torsion.results import derived, reported, result
 

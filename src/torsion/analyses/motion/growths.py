@@ -3,7 +3,7 @@
 import numpy as np
 
 from torsion.analyses.motion.batch import Solution, Stack
-from torsion.kernels.periodic.floquet import radau, step_matrices, steps_for
+from torsion.kernels.periodic.monodromy import radau, step_matrices, steps_for
 from torsion.kernels.tree import FloatArray
 
 BEYOND = 1.5  # times the highest mode kept: what the steps resolve

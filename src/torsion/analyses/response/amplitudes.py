@@ -8,8 +8,8 @@ import numpy as np
 
 from torsion.analyses.response.excitation import Line
 from torsion.assembly.system import System
-from torsion.kernels.response import Status
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result, words
 
 
@@ -38,7 +38,7 @@ class Response:
         "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
     )
     residual: FloatArray = result("1", ("speed", "line"), "relative equilibrium residual")
-    status: np.ndarray  # (speeds, lines) uint8: kernels.response.Status
+    status: np.ndarray  # (speeds, lines) uint8: kernels.tree_response.Status
     joint_error: FloatArray = result(
         "1", ("speed", "line"), "estimated relative error of the first-order joint model; 0 without joints"
     )
@@ -95,7 +95,7 @@ class FrequencyResponse:
         printed=("frequency", "end span"), known_by="status",
     )  # fmt: skip
     residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
-    status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
+    status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies left out", default="")
 

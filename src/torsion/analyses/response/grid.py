@@ -9,7 +9,7 @@ from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
 from torsion.analyses.steady import SAME_SPEED
 from torsion.assembly.system import System
-from torsion.kernels.counts import count_below
+from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them

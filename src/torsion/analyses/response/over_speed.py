@@ -23,8 +23,8 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, silent
-from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 __all__ = ["FrequencyResponse", "Line", "Response", "ResponseSettings", "Synthesis", "response"]

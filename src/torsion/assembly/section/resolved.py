@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from torsion.errors import Fault, InputError
-from torsion.kernels.sections import section_modulus
+from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Bar, Section, SectionMesh
 from torsion.train import Train
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from torsion.analyses.lateral.bending import Lateral
 from torsion.findings import Findings
-from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.report import lateral_tables, tilting
 from torsion.report.blocks import Block, Figure, Heading, Paragraph, Points
 from torsion.report.lateral_tables import MICRO, Range, inside, near, sound, unstable

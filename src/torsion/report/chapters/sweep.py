@@ -5,7 +5,7 @@ import numpy as np
 from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse
 from torsion.findings import Findings
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import elements
 from torsion.report.numbers import NONE, degrees, number, scale

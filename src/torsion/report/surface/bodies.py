@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.assembly.system import System
-from torsion.kernels.sections import polar_area_moment, section_modulus
+from torsion.kernels.round_sections import polar_area_moment, section_modulus
 from torsion.kernels.tree import FloatArray, IntArray
 from torsion.primitives import Bar, Section
 
