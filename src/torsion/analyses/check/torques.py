@@ -94,7 +94,7 @@ def driving_ends(system: System) -> tuple[End, ...]:
     for k, span in enumerate(system.spans):
         bar = bars.get(span.part)
         if bar is None:
-            if parts[span.part].component.sort != "point" or system.flexibility[k] != 0:
+            if not parts[span.part].is_point or system.flexibility[k] != 0:
                 found.append((span.part, End(span.name, k, span.driving, 0.0)))
         elif span.driving == bar.driving:
             lump = bar_segments(bar, system.segments[bar.name])[1][0] if system.model == "lumped" else 0.0
