@@ -123,12 +123,12 @@ class Study:
     @property
     def has_supports(self) -> bool:
         """A shaft has a `support`: its bending is computed."""
-        return any(getattr(part.component, "support", ()) for part in self.train.parts)
+        return any(self.train.shaft(bar).support for bar in self.train.bars)
 
     @property
     def has_joints(self) -> bool:
         """A universal joint stands in the train."""
-        return any(part.component.keyword == "joint" for part in self.train.parts)
+        return any(part.joint for part in self.train.parts)
 
     @property
     def has_meshed_sections(self) -> bool:

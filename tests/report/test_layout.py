@@ -21,7 +21,7 @@ def test_the_main_line_runs_to_the_right_and_branches_stand_beside_it(train: Fin
 
 def test_no_two_points_stand_on_each_other(train: Findings) -> None:
     place = layout(train.system)
-    points = [p.stations[0] for p in train.system.train.parts if p.component.sort == "point"]
+    points = [p.stations[0] for p in train.system.train.parts if p.is_point]
     assert len({(round(float(place.x[s]), 6), float(place.row[s])) for s in points}) == len(points)
 
 

@@ -160,7 +160,7 @@ def _spanning(system: "System", flexibility: FloatArray, ends: _Ends) -> BoolArr
 
 def _rigid_loop(part: Part) -> Fault:
     """The fault of a rigid component that closes a loop of rigid ones."""
-    key = ("flexibility",) if getattr(part.component, "flexibility", None) == 0 else ()
+    key = () if part.ratings is None else ("flexibility",)  # a rigid coupling says so itself
     message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
     return Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.assembly.system import System
-from torsion.components.base import Component
 from torsion.kernels.tree import FloatArray
 
 
@@ -38,16 +37,12 @@ def elements(system: System) -> tuple[Element, ...]:
         named.append((row.bar.part, row.bar.name, range(first, first + row.number)))
         first += row.number
     made = [
-        Element(name, _component(system, part).keyword, part, spans, float(system.span_ratio[spans[0]]))
+        Element(name, system.train.parts[part].kind, part, spans, float(system.span_ratio[spans[0]]))
         for part, name, spans in named
     ]
     return tuple(sorted(made, key=lambda element: (element.part, element.spans[0])))
 
 
-def _component(system: System, part: int) -> Component:
-    return system.train.parts[part].component
-
-
 def _joins_points_rigidly(system: System, index: int) -> bool:
     span = system.spans[index]
-    return _component(system, span.part).sort == "point" and bool(system.flexibility[index] == 0)
+    return system.train.parts[span.part].is_point and bool(system.flexibility[index] == 0)

@@ -81,11 +81,11 @@ def _place(system: System, index: int, x: FloatArray, row: FloatArray, line: int
         touching = np.flatnonzero((system.driving == first) | (system.driven == first))
         near = np.where(system.driven == first, system.driving, system.driven)[touching].tolist()
         known = [float(x[s]) for s in near if not np.isnan(x[s])]
-        wheel = system.train.parts[system.stations[first].part].component.keyword == "gear"
+        wheel = system.train.parts[system.stations[first].part].kind == "gear"
         x[first] = known[0] + (WIDTH["gear"] if wheel else RIGID) if known else 0.0
         row[first] = line
     if np.isnan(x[last]):
-        x[last] = x[first] + WIDTH.get(part.component.keyword, 1.0)
+        x[last] = x[first] + WIDTH.get(part.kind, 1.0)
         row[last] = line
 
 

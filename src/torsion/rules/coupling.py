@@ -1,13 +1,14 @@
 """Rule `coupling-maker`: the limits in a coupling's catalogue (terms of DIN 740-2: T_KN, T_KW, T_Kmax, P_KW)."""
 
 import math
-from typing import TYPE_CHECKING, cast
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.analyses.steady import Steady
-from torsion.components.coupling import Coupling
 from torsion.components.lowering import Part
+from torsion.components.part_records import CouplingRatings
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
@@ -15,7 +16,7 @@ from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.rules.base_rule import Rule
 from torsion.rules.check import Check
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
-from torsion.rules.evidence import parts_of_kind, rule_path, spans_of, vibration, vibration_faults
+from torsion.rules.evidence import rule_path, spans_of, vibration, vibration_faults
 from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
 from torsion.study import Study
 
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 RULE = "coupling-maker"
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
-VIBRATORY = LIMITS[1:]
 
 
 class CouplingSettings(Declared):
@@ -42,14 +42,14 @@ class CouplingMaker(Rule):
 
     def faults(self, study: Study, asked: CouplingSettings) -> list[Fault]:
         """What the file lacks for this rule."""
-        judged = [(part, limits) for _, part in parts_of_kind(study, "coupling") if (limits := _limits(part))]
+        judged = [(part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything]
         if not judged:
             hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
             return [Fault(rule_path(study, asked), "no coupling has a limit of its maker", hint)]
         found = continuous_faults(study, asked, RULE, asked.continuous)
-        if any(key in limits for _, limits in judged for key in VIBRATORY):
+        if any(ratings.limit_vibration for _, ratings in judged):
             found += vibration_faults(study, asked, RULE)
-        means = [part for part, limits in judged if "rated_torque" in limits or "max_torque" in limits]
+        means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
         if means and not study.operation.has_mean_torque:
             message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
             found.append(Fault(("operation", "rated", "power"), message, "rated: {speed: 1500 rpm, power: 100 kW}"))
@@ -57,18 +57,18 @@ class CouplingMaker(Rule):
 
     def left_out(self, study: Study, asked: CouplingSettings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
-        silent = (part.name for _, part in parts_of_kind(study, "coupling") if not _limits(part))
+        silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
         return tuple((f"{RULE} for {name}", "its maker's limits are not given") for name in silent)
 
     def check(self, evidence: Results, asked: CouplingSettings) -> tuple[Check, ...]:
         """Mean, vibratory and greatest torque and the heat of every coupling, as far as its limits are given."""
         found: list[Check | None] = []
-        for number, part in parts_of_kind(evidence.study, "coupling"):
-            limits, spans = _limits(part), spans_of(evidence.system, number)
-            if "rated_torque" in limits and evidence.get(Steady) is not None:
-                found.append(_mean(evidence, part, spans, limits["rated_torque"]))
-            if any(key in limits for key in VIBRATORY):
-                found += _vibration(evidence, part, spans, asked)
+        for number, part, ratings in _couplings(evidence.study):
+            spans = spans_of(evidence.system, number)
+            if ratings.rated_torque is not None:
+                found.append(_mean(evidence, part, spans, ratings.rated_torque))
+            if ratings.limit_vibration:
+                found += _vibration(evidence, part, ratings, spans, asked)
         return tuple(line for line in found if line is not None)
 
     def speeds(self, study: Study, asked: CouplingSettings) -> tuple[float, ...]:
@@ -79,9 +79,9 @@ class CouplingMaker(Rule):
     def speeds_between(self, evidence: Results, asked: CouplingSettings) -> FloatArray:
         """(speeds,) rad/s between those computed at which a coupling may be worse."""
         found = []
-        for number, part in parts_of_kind(evidence.study, "coupling"):
+        for number, part, ratings in _couplings(evidence.study):
             spans = spans_of(evidence.system, number)
-            found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, spans, asked)]
+            found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, ratings, spans, asked)]
         return between(found)
 
 
@@ -102,10 +102,9 @@ def heat(response: "Response", flexibility: float, viscous: float, loss_factor: 
     return np.asarray(np.sum(0.5 * omega * loss * np.abs(twist) ** 2, axis=1))
 
 
-def _limits(part: Part) -> dict[str, float]:
-    """The limits that the file gives for a coupling."""
-    values = {key: getattr(cast(Coupling, part.component), key) for key in LIMITS}
-    return {key: value for key, value in values.items() if value is not None}
+def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
+    """Every coupling with its position in the train's parts, and its maker's limits."""
+    return ((k, part, part.ratings) for k, part in enumerate(study.train.parts) if part.ratings is not None)
 
 
 def _clause(part: Part, clause: str, what: str, unit: str = "N m") -> Clause:
@@ -122,17 +121,19 @@ def _mean(evidence: Results, part: Part, spans: IntArray, limit: float) -> Check
     return judge(_clause(part, "T_KN", "mean torque"), curve, np.ones(len(value), dtype=bool))
 
 
-def _vibration(evidence: Results, part: Part, spans: IntArray, asked: CouplingSettings) -> list[Check]:
+def _vibration(
+    evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, asked: CouplingSettings
+) -> list[Check]:
     """The verdicts on the vibration of one coupling."""
     response, found = vibration(evidence)[0], []
-    for clause, curve, use, words in _clauses(evidence, part, spans, asked):
+    for clause, curve, use, words in _clauses(evidence, part, ratings, spans, asked):
         if (line := judge(clause, curve, use)) is not None:
-            found.append(noted(line, words, largest_line(response, line, spans), _tolerance(part)))
+            found.append(noted(line, words, largest_line(response, line, spans), _tolerance(ratings)))
     return found
 
 
 def _clauses(
-    evidence: Results, part: Part, spans: IntArray, asked: CouplingSettings
+    evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, asked: CouplingSettings
 ) -> list[tuple[Clause, Curve, BoolArray, str]]:
     """Vibratory torque against T_KW and heat against P_KW in continuous use, greatest torque against T_Kmax always."""
     response, synthesis = vibration(evidence)
@@ -141,15 +142,15 @@ def _clauses(
     half_range, peak = synthesis.half_range[:, spans].max(axis=1), synthesis.peak[:, spans].max(axis=1)
     power = _heat(evidence.system, response, spans)
     rows = (
-        ("vibratory_torque", _clause(part, "T_KW", "vibratory torque, synthesis"), half_range, use, words),
-        ("heat_limit", _clause(part, "P_KW", "power loss, sum of all lines", "W"), power, use, words),
-        ("max_torque", _clause(part, "T_Kmax", "greatest torque, mean and vibration"), peak, always, ""),
+        (ratings.vibratory_torque, _clause(part, "T_KW", "vibratory torque, synthesis"), half_range, use, words),
+        (ratings.heat_limit, _clause(part, "P_KW", "power loss, sum of all lines", "W"), power, use, words),
+        (ratings.max_torque, _clause(part, "T_Kmax", "greatest torque, mean and vibration"), peak, always, ""),
     )
-    limits, status = _limits(part), worst_status(response)
+    status = worst_status(response)
     return [
-        (clause, Curve(response.speed, value, np.full(len(value), limits[key]), status), judged, where)
-        for key, clause, value, judged, where in rows
-        if key in limits
+        (clause, Curve(response.speed, value, np.full(len(value), limit), status), judged, where)
+        for limit, clause, value, judged, where in rows
+        if limit is not None
     ]
 
 
@@ -160,7 +161,7 @@ def _heat(system: "System", response: "Response", spans: IntArray) -> FloatArray
     return np.asarray(np.sum(rows, axis=0))
 
 
-def _tolerance(part: Part) -> str:
+def _tolerance(ratings: CouplingRatings) -> str:
     """That the tolerance of the stiffness was not varied; empty where none is given."""
-    tolerance = cast(Coupling, part.component).tolerance
+    tolerance = ratings.tolerance
     return f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""

@@ -1,14 +1,12 @@
 """What a rule reads: the study, its system and the results that were computed."""
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import SAME_SPEED, Steady
 from torsion.assembly.system import System
-from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
 from torsion.fields import Declared
 from torsion.findings import Results
@@ -19,11 +17,6 @@ from torsion.study import Study
 def vibration(evidence: Results) -> tuple[Response, Synthesis]:
     """The response over speed and its synthesis; raises LookupError where they were not computed."""
     return evidence.need(Response), evidence.need(Synthesis)
-
-
-def parts_of_kind(study: Study, keyword: str) -> Iterator[tuple[int, Part]]:
-    """Every component of one kind with its position in the train's parts."""
-    return ((k, part) for k, part in enumerate(study.train.parts) if part.component.keyword == keyword)
 
 
 def spans_of(system: System, part: int) -> IntArray:

@@ -1,11 +1,10 @@
 """Rule `gear-hammer`: vibratory torque in a gear mesh against its rating (K_A) and against the mean torque."""
 
 from collections.abc import Iterator
-from typing import Annotated, cast
+from typing import Annotated
 
 import numpy as np
 
-from torsion.components.gear import Gear
 from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
@@ -16,7 +15,6 @@ from torsion.rules.check import TO_BE_VERIFIED, Check, Standing
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import (
     coverage,
-    parts_of_kind,
     rated_torque,
     rule_path,
     spans_of,
@@ -50,7 +48,7 @@ class GearHammer(Rule):
 
     def faults(self, study: Study, asked: GearHammerSettings) -> list[Fault]:
         """What the file lacks for this rule."""
-        if not any(parts_of_kind(study, "gear")):
+        if not any(study.train.of_kind("gear")):
             return [Fault(rule_path(study, asked), f"{RULE} finds no gear in the train", "leave the rule out")]
         missing = [*_rated_faults(study.operation), *continuous_faults(study, asked, RULE, asked.continuous)]
         return missing + vibration_faults(study, asked, RULE)
@@ -58,7 +56,7 @@ class GearHammer(Rule):
     def check(self, evidence: Results, asked: GearHammerSettings) -> tuple[Check, ...]:
         """Both clauses at every mesh; torques are told at the driving gear's speed."""
         found = []
-        for number, part in parts_of_kind(evidence.study, "gear"):
+        for number, part in evidence.study.train.of_kind("gear"):
             for span in spans_of(evidence.system, number).tolist():
                 found += list(_mesh(evidence, part, span, asked))
         return tuple(found)
@@ -70,7 +68,7 @@ class GearHammer(Rule):
     def speeds_between(self, evidence: Results, asked: GearHammerSettings) -> FloatArray:
         """(speeds,) rad/s between those computed at which a mesh may be worse."""
         found = []
-        for number, part in parts_of_kind(evidence.study, "gear"):
+        for number, part in evidence.study.train.of_kind("gear"):
             for span in spans_of(evidence.system, number).tolist():
                 found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, span, asked)]
         return between(found)
@@ -112,7 +110,7 @@ def _clauses(
 
 def _share(part: Part, asked: GearHammerSettings) -> tuple[float, str, Standing]:
     """Permissible vibratory share of the rated torque, where it comes from and how that stands."""
-    factor = cast(Gear, part.component).application_factor
+    factor = part.application_factor
     if asked.limit is not None:
         return asked.limit, "setting `limit`", "setting"
     share, origin = (USUAL_SHARE, "usual K_A 1.35") if factor is None else (factor - 1.0, f"K_A {factor:.4g}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.analyses.steady import SAME_SPEED
 from torsion.components.material import STEEL
-from torsion.components.shaft import Shaft
+from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray
@@ -19,7 +19,6 @@ from torsion.rules.check import TO_BE_VERIFIED, BarredRange, Check, Verdict, ver
 from torsion.rules.evidence import (
     coverage,
     in_rpm,
-    parts_of_kind,
     rated_torque,
     rule_path,
     spans_of,
@@ -40,7 +39,7 @@ from torsion.rules.judgement import (
 )
 from torsion.rules.m68_barred import Barring, barring
 from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS
-from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, is_classed, stress_modulus
+from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, judged, stress_modulus
 from torsion.study import Study
 
 RULE = "iacs-m68"
@@ -65,8 +64,7 @@ class M68(Rule):
 
     def faults(self, study: Study, asked: M68Settings) -> list[Fault]:
         """What the file lacks for this rule."""
-        classed = [part for _, part in parts_of_kind(study, "shaft") if is_classed(cast(Shaft, part.component))]
-        where = rule_path(study, asked)
+        classed, where = judged(study.train), rule_path(study, asked)
         if not classed:
             hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
             return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
@@ -74,24 +72,22 @@ class M68(Rule):
         if study.operation.rated is None:
             hint = "rated: {speed: 1500 rpm, power: 100 kW}"
             found.append(Fault(("operation", "rated"), f"`rated` is missing; the limits of {RULE} count from it", hint))
-        for part in classed:
-            material = cast(Shaft, part.component).material
-            made_of = study.train.materials[material]
+        for bar, shaft in classed:
+            made_of = study.train.materials[shaft.material]
             if made_of.tensile_strength is None and made_of != STEEL:
-                message = f"`tensile_strength` of '{material}' is not given, and {RULE} needs it for '{part.name}'"
-                hint = f"materials: {{{material}: {{..., tensile_strength: 600 MPa}}}}"
-                found.append(Fault((*part.path, "material"), message, hint))
-        return found + _settings_faults(asked, {part.name: cast(Shaft, part.component) for part in classed}, where)
+                message = f"`tensile_strength` of '{shaft.material}' is not given, and {RULE} needs it for '{bar.name}'"
+                hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
+                found.append(Fault((*study.train.parts[bar.part].path, "material"), message, hint))
+        return found + _settings_faults(asked, {bar.name: shaft for bar, shaft in classed}, where)
 
     def left_out(self, study: Study, asked: M68Settings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         found = []
-        for _, part in parts_of_kind(study, "shaft"):
-            shaft = cast(Shaft, part.component)
-            if shaft.role is None:
-                found.append((f"{RULE} for {part.name}", "the shaft has no `role`"))
-            elif not is_classed(shaft):
-                found.append((f"{RULE} for {part.name}", NOT_ROUND))
+        for bar in study.train.bars:
+            if study.train.shaft(bar).role is None:
+                found.append((f"{RULE} for {bar.name}", "the shaft has no `role`"))
+            elif bar.section is not None:
+                found.append((f"{RULE} for {bar.name}", NOT_ROUND))
         if not study.operation.has_mean_torque:
             found.append((f"{RULE}: least diameters", "the rated power is not given"))
         speeds, rated = study.operation.speeds, study.operation.rated
@@ -121,7 +117,7 @@ class M68(Rule):
         return tuple(line for line in found if line is not None)
 
 
-def _settings_faults(asked: M68Settings, shafts: Mapping[str, Shaft], where: Path) -> list[Fault]:
+def _settings_faults(asked: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path) -> list[Fault]:
     """Settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
     found, names = [], f"there is {', '.join(shafts)}"
     for position, name in enumerate(asked.alloy):

@@ -12,7 +12,7 @@ from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
 from torsion.rules.base_rule import Rule
 from torsion.rules.check import TO_BE_VERIFIED, Check, Standing, verdict_of
-from torsion.rules.evidence import parts_of_kind, rule_path
+from torsion.rules.evidence import rule_path
 from torsion.rules.joint_tubes import Tube, tubes
 from torsion.study import Study
 
@@ -50,7 +50,7 @@ class UniversalJoints(Rule):
 
     def faults(self, study: Study, asked: JointRuleSettings) -> list[Fault]:
         """What the file lacks for this rule."""
-        if not any(parts_of_kind(study, "joint")):
+        if not study.has_joints:
             return [Fault(rule_path(study, asked), f"{RULE} finds no joint in the train", "leave the rule out")]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"

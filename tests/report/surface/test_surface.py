@@ -168,7 +168,7 @@ def test_a_point_turns_as_one_and_what_is_held_stands_still() -> None:
     for body in np.unique(rings.body):
         mine = rings.strip[rings.body == body]
         part = found.system.train.parts[int(rings.part[rings.body == body][0])]
-        if part.component.sort == "point":
+        if part.is_point:
             assert np.ptp(angle[np.append(mine, mine[-1] + 1)]) == 0.0
     assert angle[0] == 0.0
     assert {"disc-2", "disc-3"} == {found.system.train.parts[p].name for p in (2, 3)}

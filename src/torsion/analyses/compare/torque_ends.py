@@ -48,7 +48,7 @@ def elastic_ends(system: System) -> Ends:
 def driving_ends(system: System) -> Ends:
     """One end a shaft, coupling, gear mesh, joint or link; none where points join rigidly."""
     parts, spans, is_rigid = system.train.parts, system.spans, system.flexibility == 0
-    links = (k for k in range(_links(system)) if parts[spans[k].part].component.sort != "point" or not is_rigid[k])
+    links = (k for k in range(_links(system)) if not parts[spans[k].part].is_point or not is_rigid[k])
     return _ends(system, links, (_of_shaft(system, bar)[0] for bar in system.train.bars))
 
 

@@ -106,7 +106,8 @@ def optimum_found(
 
 def _own(place: Placed, variable: Variable) -> float:
     """The value as the file gives it, rad."""
-    return float(getattr(place.joint, variable) or 0.0)
+    joint = place.joint
+    return {"phase": joint.phase, "plane": joint.plane, "angle": joint.angle}[variable]
 
 
 def _range(line: Line, variable: Variable, rank: int, before: float, best: float) -> tuple[FloatArray, FloatArray]:

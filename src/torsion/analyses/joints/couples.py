@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.analyses.joints.found import CoupleFound
 from torsion.analyses.joints.line import Placed
-from torsion.components.joint import Joint
+from torsion.components.part_records import JointRecord
 from torsion.kernels.tree import FloatArray
 from torsion.kinematics.couples import Couple, Harmonic, couple_harmonics, couples
 from torsion.kinematics.cross import transfer
@@ -45,9 +45,9 @@ def _of_cross(
     place: Placed, yoke: FloatArray, torque: float, carrier: Carrier, distance: float | None
 ) -> tuple[CoupleFound, CoupleFound]:
     """Mean and second harmonic in closed form, counted over the carrier's own angle."""
-    angle = place.joint.angle
+    angle, yoke_at_zero = place.joint.angle, place.joint.yoke
     found, parts = couples(yoke, angle, torque, carrier), couple_harmonics(angle, torque, carrier)
-    start = place.yoke if carrier == "driving" else place.yoke + float(transfer(place.yoke, angle).error)
+    start = yoke_at_zero if carrier == "driving" else yoke_at_zero + float(transfer(yoke_at_zero, angle).error)
     turn = np.exp(2j * start)
     largest = {carrier: abs(torque) * math.tan(angle), _other(carrier): abs(torque) * _lesser(angle)}
     driving = (found.driving, found.driving_yoke, parts.driving_normal, parts.driving_inplane)
@@ -93,7 +93,7 @@ def _of_tripod(
         _statics(place.joint, yoke + math.pi / 2, torque, carrier),
         _statics(place.joint, arms, torque, carrier),
     )
-    start = place.yoke + math.pi / 2
+    start = place.joint.yoke + math.pi / 2
     x, share = _own_angle(place.joint, arms, start, carrier)
     rows = []
     for shaft, shown, whole in (("driving", curve.driving, turn.driving), ("driven", curve.driven, turn.driven)):
@@ -109,7 +109,7 @@ def _of_tripod(
     return (rows[0], rows[1]), float(turn.force.max())
 
 
-def _own_angle(joint: Joint, arms: FloatArray, start: float, carrier: Carrier) -> tuple[FloatArray, FloatArray]:
+def _own_angle(joint: JointRecord, arms: FloatArray, start: float, carrier: Carrier) -> tuple[FloatArray, FloatArray]:
     """The carrier's angle from where it stands at angle zero, and its speed over the driving one; like `arms`."""
     if carrier == "driving":
         return arms - start, np.ones_like(arms)
@@ -117,7 +117,7 @@ def _own_angle(joint: Joint, arms: FloatArray, start: float, carrier: Carrier) -
     return arms - start + both.error[:-1] - both.error[-1], both.ratio[:-1]
 
 
-def _statics(joint: Joint, arms: FloatArray, torque: float, carrier: Carrier) -> _Tripod:
+def _statics(joint: JointRecord, arms: FloatArray, torque: float, carrier: Carrier) -> _Tripod:
     """Couples with the first arm at angles from the plane's normal; a couple about the normal acts on both shafts."""
     data = joint.angle, joint.radius or 0.0, joint.arm or 1.0
     carried = np.full_like(arms, torque) if carrier == "driving" else torque * exact_motion(arms, *data).ratio

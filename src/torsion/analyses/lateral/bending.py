@@ -258,7 +258,7 @@ def _none_held(train: Train, shafts: Sequence[BendingShaft], is_asked: bool) -> 
     named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
     if named:
         return named
-    held = [part.path for part in train.parts if getattr(part.component, "support", ())]
+    held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
     where: Path = PLACE if is_asked or not held else (*held[0], "support")
     if not shafts:
         return [Fault(where, "the train has no shaft, and nothing else bends", at_key=True)]

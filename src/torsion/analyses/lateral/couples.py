@@ -46,7 +46,7 @@ def couples_at(
         couple = pair[0] if at.shaft == "driving" else pair[1]
         curve = (couple.normal + 1j * couple.inplane) * _carried(every, position, moved, carrier)
         if at is not shaft.joints[0] and at.shaft == "driving":
-            curve = curve * np.exp(1j * (place.joint.plane or 0.0))
+            curve = curve * np.exp(1j * place.joint.plane)
         for order, amplitude in result.items():
             turn = (1.0 if order == 0 else 2.0) / SAMPLES * np.exp(-1j * order * turned)
             pair_of_planes = np.array([curve.real @ turn, curve.imag @ turn])

@@ -39,8 +39,8 @@ class JointMap:
 def joint_map(system: System, span: Span) -> JointMap:
     """The map of a span with an error."""
     ratios = float(system.speed_ratio[span.driving]), float(system.speed_ratio[span.driven])
-    kind = getattr(system.train.parts[span.part].component, "kind", None)
-    if kind != "cross":
+    joint = system.train.parts[span.part].joint
+    if joint is None or joint.kind != "cross":
         return JointMap(*ratios, 0.0, 0.0, span.error)
     amplitude = span.error[0][1]
     return JointMap(*ratios, abs(amplitude), float(np.angle(1j * amplitude)) / 2.0)

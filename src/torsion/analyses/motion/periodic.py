@@ -124,8 +124,8 @@ def is_advised(system: System, first_order: FloatArray | None = None) -> bool:
 
     first_order: the estimates (speeds, lines) of a first-order response, where there is one.
     """
-    joints = (system.train.parts[span.part].component for span in system.spans if span.error)
-    if any(getattr(joint, "angle", 0.0) > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
+    joints = (system.train.parts[span.part].joint for span in system.spans if span.error)
+    if any(joint is not None and joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
         return True
     return first_order is not None and bool(np.nanmax(first_order, initial=0.0) > LARGE_ERROR)
 

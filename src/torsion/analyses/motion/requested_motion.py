@@ -67,7 +67,7 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
 def exciting_joints(system: System) -> bool:
     """A joint of the train turns unevenly."""
     parts = system.train.parts
-    return any(span.error and parts[span.part].component.keyword == "joint" for span in system.spans)
+    return any(span.error and parts[span.part].joint is not None for span in system.spans)
 
 
 def run_stability(work: Work) -> None:

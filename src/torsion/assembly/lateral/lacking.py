@@ -12,16 +12,13 @@ PLANES = "yz"
 
 def supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
     """The supports of a shaft and where each stands in the file."""
-    part = train.parts[bar.part]
-    given: Support | tuple[Support, ...] | None = getattr(part.component, "support", None)
-    every = (given,) if isinstance(given, Support) else given or ()
-    path: Path = (*part.path, "support")
+    every, path = train.shaft(bar).support, (*train.parts[bar.part].path, "support")
     return [(one, path if len(every) == 1 else (*path, number)) for number, one in enumerate(every)]
 
 
 def missing(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
     """Why a shaft of the bars `row` cannot be computed, and the key it is about; both empty where it can."""
-    of_mesh = [bar for bar in row if getattr(train.parts[bar.part].component, "section", None) is not None]
+    of_mesh = [bar for bar in row if bar.section is not None]
     if of_mesh:
         place = (*train.parts[of_mesh[0].part].path, "section")
         return "its section is a mesh, and bending needs diameters", place

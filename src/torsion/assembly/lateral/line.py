@@ -105,7 +105,7 @@ def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]
     """The joints on a shaft by their position among its stations."""
     found: list[Placing] = []
     for mesh in train.constraints:
-        if train.parts[mesh.part].component.keyword != "joint":
+        if train.parts[mesh.part].joint is None:
             continue
         if node[mesh.driven] in stations:
             found.append((mesh.part, "driven", stations.index(node[mesh.driven])))
@@ -115,8 +115,7 @@ def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]
 
 
 def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
-    part = train.parts[bar.part]
-    name = getattr(part.component, "material", "steel")
+    part, name = train.parts[bar.part], train.shaft(bar).material
     modulus = train.materials[name].youngs_modulus
     if modulus is None:
         hint = f"write it under materials: {name}"
@@ -164,5 +163,5 @@ def _loads(train: Train, node: list[int], stations: list[int], parts: tuple[int,
     return tuple(
         part.name
         for number, part in enumerate(train.parts)
-        if number not in parts and part.component.keyword not in ("joint", "shaft") and here & set(part.stations)
+        if number not in parts and not (part.joint or part.shaft) and here & set(part.stations)
     )

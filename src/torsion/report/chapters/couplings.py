@@ -4,6 +4,7 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.components.part_records import CouplingRatings
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
@@ -17,36 +18,24 @@ def chapter(findings: Findings) -> list[Block]:
     if findings.get(Response) is None or findings.get(Synthesis) is None or not findings.need(Response).lines:
         return []
     system = findings.system
-    found = [e for e in elements(system) if e.kind == "coupling" and (_damps(findings, e) or _limited(findings, e))]
-    if not found:
+    rated = [(e, r) for e in elements(system) if (r := system.train.parts[e.part].ratings) is not None]
+    rows = [(e, r, synthesis(findings, e.spans)) for e, r in rated if _damps(findings, e) or r.limit_anything]
+    if not rows:
         return []
-    torque = {e: synthesis(findings, e.spans) for e in found}
-    unit = scale("N m", [float(np.nanmax(np.append(row, 0.0))) for row in torque.values()])
+    unit = scale("N m", [float(np.nanmax(np.append(torque, 0.0))) for _, _, torque in rows])
     text = (
         "Heat is the mean power that the internal damping takes from the vibration, the sum over all lines "
         f"({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic torque T. "
         "Values stand at their own worst speed."
     )
-    return [Heading("Couplings"), Paragraph(text), _table(findings, torque, unit)]
+    return [Heading("Couplings"), Paragraph(text), _table(findings, rows, unit)]
 
 
 def _damps(findings: Findings, element: Element) -> bool:
     return bool(findings.system.loss_factor[element.spans[0]] > 0 or findings.system.viscous[element.spans[0]] > 0)
 
 
-def _limited(findings: Findings, element: Element) -> bool:
-    return any(
-        _maker(findings, element, key) is not None
-        for key in ("vibratory_torque", "max_torque", "heat_limit", "rated_torque")
-    )
-
-
-def _maker(findings: Findings, element: Element, key: str) -> float | None:
-    value: float | None = getattr(findings.study.train.parts[element.part].component, key, None)
-    return value
-
-
-def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -> Table:
+def _table(findings: Findings, couplings: list[tuple[Element, CouplingRatings, FloatArray]], unit: Scale) -> Table:
     columns = (
         Column("Coupling", align="left"), Column("Vibratory torque", unit.unit), Column("At speed", "rpm"),
         Column("T_{KW}", unit.unit), Column("Mean torque", unit.unit), Column("T_{KN}", unit.unit),
@@ -54,13 +43,12 @@ def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -
         Column("P_{KW}", "W"),
     )  # fmt: skip
     rows = []
-    for element, values in torque.items():
+    for element, limits, values in couplings:
         rows.append((
-            element.name, *_worst(findings, values, unit), _limit(findings, element, "vibratory_torque", unit),
-            _mean(findings, element, unit), _limit(findings, element, "rated_torque", unit),
-            _peak(findings, element, unit),
-            _limit(findings, element, "max_torque", unit), *_worst(findings, _heat(findings, element), Scale("W", 1.0)),
-            _limit(findings, element, "heat_limit", Scale("W", 1.0)),
+            element.name, *_worst(findings, values, unit), _limit(limits.vibratory_torque, unit),
+            _mean(findings, element, unit), _limit(limits.rated_torque, unit),
+            _peak(findings, element, unit), _limit(limits.max_torque, unit),
+            *_worst(findings, _heat(findings, element), Scale("W", 1.0)), _limit(limits.heat_limit, Scale("W", 1.0)),
         ))  # fmt: skip
     return Table(columns, tuple(rows), "Torque and heat of the couplings (limits of the maker where given)")
 
@@ -72,8 +60,7 @@ def _worst(findings: Findings, values: FloatArray, unit: Scale) -> tuple[str, st
     return unit.text(float(values[at])), rpm(float(findings.need(Response).speed[at]))
 
 
-def _limit(findings: Findings, element: Element, key: str, unit: Scale) -> str:
-    value = _maker(findings, element, key)
+def _limit(value: float | None, unit: Scale) -> str:
     return NONE if value is None else unit.text(value)
 
 

@@ -88,13 +88,11 @@ def _elements(findings: Findings) -> Table:
 
 
 def _as_given(findings: Findings, part: int) -> str:
-    component = findings.study.train.parts[part].component
-    for key in ("psi", "magnifier", "loss_factor", "viscous", "damping"):
-        value = getattr(component, key, None)
-        if isinstance(value, float):
-            return f"{GIVEN[key]} = {given(value, 6)}"
-    material = getattr(component, "material", None)
-    return f"material {material}" if material else "input"
+    own = findings.study.train.parts[part]
+    if own.damping is not None:
+        key, value = own.damping
+        return f"{GIVEN[key]} = {given(value, 6)}"
+    return "input" if own.shaft is None else f"material {own.shaft.material}"
 
 
 def _grounds(findings: Findings) -> Table:
@@ -108,12 +106,11 @@ def _grounds(findings: Findings) -> Table:
     for damper in system.dampers:
         station = system.stations[damper.station]
         part = findings.study.train.parts[station.part]
-        asked = getattr(part.component, "damping", None)
-        model = getattr(asked, "model", "viscous")
-        factor = getattr(asked, "factor", None)
+        screw = part.propeller
+        model, factor = ("viscous", None) if screw is None else (screw.damping_model, screw.damping_factor)
         rows.append((
             station.name, model, NONE if factor is None else given(factor), _value(findings, damper.station, speed),
-            part.component.source or "input",
+            part.source or "input",
         ))  # fmt: skip
     return Table(columns, tuple(rows), "Damping to ground")
 

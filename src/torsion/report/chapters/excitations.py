@@ -39,7 +39,7 @@ def _torques(findings: Findings) -> Table:
         rows.append((
             torque.name, order(own), order(None if own is None else own * station.ratio), _frequency(torque),
             _amplitude(torque), degrees(torque.phase),
-            findings.study.train.parts[station.part].component.source or "input",
+            findings.study.train.parts[station.part].source or "input",
         ))  # fmt: skip
     return Table(columns, tuple(rows), "Harmonic torques")
 

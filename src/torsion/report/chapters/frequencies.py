@@ -131,11 +131,7 @@ def _ticks(findings: Findings, place: Layout) -> list[tuple[float, str]]:
     """Names of what stands on the main line: of links too where there is room for them."""
     parts = [part for part in findings.system.train.parts if part.stations and place.row[part.stations[-1]] == 0]
     links = len(parts) <= MOST_NAMES
-    return [
-        (float(place.x[list(part.stations)].mean()), part.name)
-        for part in parts
-        if part.component.sort == "point" or links
-    ]
+    return [(float(place.x[list(part.stations)].mean()), part.name) for part in parts if part.is_point or links]
 
 
 def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:

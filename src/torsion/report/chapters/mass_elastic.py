@@ -6,7 +6,6 @@ import numpy as np
 
 from torsion.analyses.requests import has_inertia
 from torsion.assembly.section.resolved import stress_modulus
-from torsion.components.propeller import Propeller
 from torsion.findings import Findings
 from torsion.primitives import Bar, SectionMesh
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
@@ -41,7 +40,7 @@ def _distributed(findings: Findings) -> str:
 
 
 def _source(findings: Findings, part: int) -> str:
-    return findings.study.train.parts[part].component.source or "input"
+    return findings.study.train.parts[part].source or "input"
 
 
 def _inertias(findings: Findings) -> Table:
@@ -73,12 +72,13 @@ def _water(findings: Findings) -> list[Block]:
     """What entrained water adds to the propellers, in a sentence each."""
     told = []
     for part in findings.study.train.parts:
-        if not isinstance(screw := part.component, Propeller):
+        if part.propeller is None:
             continue
-        dry, water = screw.inertia, screw.water
+        dry, entrained = part.propeller.inertia, part.propeller.water
+        water = entrained or 0.0
         share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
         sum_ = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
-        told.append(f"{part.name}: J {sum_ if screw.entrained is not None else 'dry, no entrained water is given'}.")
+        told.append(f"{part.name}: J {sum_ if entrained is not None else 'dry, no entrained water is given'}.")
     return [Paragraph(" ".join(told))] if told else []
 
 
@@ -119,12 +119,12 @@ def _losses(findings: Findings, element: Element) -> tuple[str, str]:
 def _shafts(findings: Findings) -> Table:
     rows = []
     for asked, bar in zip(findings.study.train.bars, findings.system.train.bars, strict=True):
-        component = findings.study.train.parts[bar.part].component
+        material = findings.study.train.shaft(asked).material
         modulus, is_round = stress_modulus(bar) * 1e9, asked.section is None
         rows.append((
             bar.name, asked.section.file if isinstance(asked.section, SectionMesh) else _diameters(bar.outer),
             _diameters(bar.bore) if is_round else NONE, given(bar.length * 1e3), number(modulus),
-            number(_inertia(findings, bar), 6), getattr(component, "material", NONE), given(asked.shear_modulus / 1e9),
+            number(_inertia(findings, bar), 6), material, given(asked.shear_modulus / 1e9),
             given(bar.density), str(findings.system.segments.get(bar.name, 1)), _source(findings, bar.part),
         ))  # fmt: skip
     columns = (

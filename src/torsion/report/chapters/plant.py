@@ -25,7 +25,7 @@ def chapter(findings: Findings) -> list[Block]:
     )  # fmt: skip
     speed = rated(findings)
     parts = findings.study.train.parts
-    noted = any(part.component.note for part in parts)
+    noted = any(part.note for part in parts)
     columns = (
         Column("No."), Column("Component", align="left"), Column("Kind", align="left"), Column("Speed ratio"),
         *([Column("Rated speed", "rpm")] if speed is not None else []), Column("Source of the figures", align="left"),
@@ -34,8 +34,8 @@ def chapter(findings: Findings) -> list[Block]:
     rows = []
     for position, part in enumerate(parts, 1):
         own = [given_rpm(speed * float(part.ratio))] if speed is not None else []
-        words = [part.component.source or "as in the input", *([part.component.note or ""] if noted else [])]
-        rows.append((str(position), part.name, part.component.keyword, exact(part.ratio), *own, *words))
+        words = [part.source or "as in the input", *([part.note or ""] if noted else [])]
+        rows.append((str(position), part.name, part.kind, exact(part.ratio), *own, *words))
     text = f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel."
     table = Table(columns, tuple(rows), "Components")
     return [Heading("The plant"), figure, Paragraph(text), table]
@@ -55,14 +55,14 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
     found = []
     for position, part in enumerate(system.train.parts):
-        if part.component.sort != "point" or not part.stations:
+        if not part.is_point or not part.stations:
             continue
         here = part.stations[0]
         inertia = float(system.inertia[here])
         ring = rings.get((position, here))
         found.append({
             "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, extent),
-            "label": _label(findings, position, part), "kind": part.component.keyword,
+            "label": _label(findings, position, part), "kind": part.kind,
             "is_held": math.isinf(inertia), "is_grounded": here in grounds,
             "ring": 0.0 if ring is None else max(_size(float(system.inertia[ring]), extent), 0.1),
         })  # fmt: skip
@@ -92,10 +92,10 @@ def _links(findings: Findings) -> list[dict[str, Any]]:
     system, place = findings.system, layout(findings.system)
     found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
     for position, part in enumerate(system.train.parts):
-        if part.component.sort == "link" and len(part.stations) == 2:
+        if not part.is_point and len(part.stations) == 2:
             found.extend(_link(findings, position, part, place))
     for span in system.own_spans:
-        is_wheel = system.train.parts[span.part].component.keyword == "gear"
+        is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and (span.driving, span.driven) != system.train.parts[span.part].stations:
             found.append(_between(place, span.driving, span.driven, "gear", ratio=float(span.ratio)))
     return found
@@ -117,8 +117,8 @@ def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[
 
 
 def _link_label(findings: Findings, position: int, part: Part) -> str:
-    angle = getattr(part.component, "angle", None)
-    return _label(findings, position, part) + ("" if angle is None else f" ({degrees(angle, below_right(angle, 3))}°)")
+    label = _label(findings, position, part)
+    return label if (joint := part.joint) is None else f"{label} ({degrees(joint.angle, below_right(joint.angle, 3))}°)"
 
 
 def _drawing(findings: Findings, position: int, part: Part) -> tuple[str, dict[str, Any]]:
@@ -130,7 +130,7 @@ def _drawing(findings: Findings, position: int, part: Part) -> tuple[str, dict[s
         widest = max(bars[0].outer)
         taper = tuple(diameter / widest for diameter in bars[0].outer)
         return "shaft", {"bore": bars[0].bore[0] / bars[0].outer[0], "taper": taper}
-    if part.component.keyword == "joint":
+    if part.joint is not None:
         return "joint", {}
     return ("gear", {"ratio": float(meshes[0].ratio)}) if meshes else ("coupling", {})
 

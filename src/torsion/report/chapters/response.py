@@ -200,5 +200,6 @@ def strongest(parts: FloatArray) -> list[int]:
 
 def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
     """The maker's limit of the vibratory torque, where the component has one."""
-    limit = getattr(findings.study.train.parts[element.part].component, "vibratory_torque", None)
-    return [] if limit is None else [("permissible vibratory torque (maker)", float(limit))]
+    ratings = findings.study.train.parts[element.part].ratings
+    limit = None if ratings is None else ratings.vibratory_torque
+    return [] if limit is None else [("permissible vibratory torque (maker)", limit)]

@@ -88,7 +88,8 @@ def _table(findings: Findings, curves: dict[str, Curves]) -> Table:
     )  # fmt: skip
     rows = []
     for name, curve in curves.items():
-        role = getattr(findings.study.train.part(name).component, "role", None) or NONE
+        shaft = findings.study.train.part(name).shaft
+        role = shaft.role if shaft is not None and shaft.role is not None else NONE
         at = largest(curve.stress)
         if at is None:
             rows.append((name, role, NO_VALUE, *[NONE] * (len(columns) - 3)))

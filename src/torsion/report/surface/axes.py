@@ -73,7 +73,7 @@ def axes(system: System) -> list[Axis]:
             continue
         axis, x = _arrived(walk, part)
         mine = spans.get(index, [])
-        if part.component.keyword == "gear":
+        if part.kind == "gear":
             _mesh(walk, index, mine, axis, x)
             continue
         made = _made(walk, index, mine, bars.get(index), x)
@@ -89,12 +89,12 @@ def axes(system: System) -> list[Axis]:
 def _made(walk: _Walk, index: int, spans: list[int], bar: Bar | None, x: float) -> list[Body]:
     """The bodies of a component that is no gear."""
     part = walk.system.train.parts[index]
-    if part.component.sort == "point":
+    if part.is_point:
         return bodies.point(walk.system, index, spans, x, walk.size)
     if bar is not None:
         return [bodies.shaft(walk.system, bar, spans, x)]
     ends = part.stations[0], part.stations[-1]
-    drawn = bodies.joint if part.component.keyword == "joint" else bodies.coupling
+    drawn = bodies.joint if part.joint is not None else bodies.coupling
     return [drawn(index, ends, spans[0], x, walk.size)]
 
 

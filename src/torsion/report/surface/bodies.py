@@ -61,7 +61,7 @@ def sizes(system: System) -> Sizes:
         return Sizes(0.1, 0.045, inertia)
     total = sum(bar.length for bar in bars)
     diameter = sum(sum(bar.outer) / 2 * bar.length for bar in bars) / total
-    others = sum(LENGTHS.get(part.component.keyword, THIN) for part in system.train.parts) - THIN * len(bars)
+    others = sum(LENGTHS.get(part.kind, THIN) for part in system.train.parts) - THIN * len(bars)
     length = min(SHARE_OF_SHAFTS * total / max(others, THIN), total / 16.0)
     return Sizes(max(length, diameter / 4.0), diameter, inertia)
 
@@ -145,15 +145,16 @@ def _turned(
 
 def point(system: System, part: int, spans: list[int], start: float, size: Sizes) -> list[Body]:
     """A point: a disc on a hub, larger by the logarithm of its inertia, or as large as the file says."""
-    component, station = system.train.parts[part].component, system.train.parts[part].stations[0]
-    length = length_of(component.keyword, size)
-    given: float | None = getattr(component, "diameter", None)
+    placed = system.train.parts[part]
+    kind, station = placed.kind, placed.stations[0]
+    length = length_of(kind, size)
+    given = None if placed.propeller is None else placed.propeller.diameter
     radius = given / 2 if given else size.diameter * (0.9 + 1.1 * _grown(float(system.inertia[station]), size))
     hub = min(0.6 * size.diameter, 0.8 * radius)
-    rim = 0.12 if component.keyword == "motor" else 0.25
+    rim = 0.12 if kind == "motor" else 0.25
     profile = disc_profile(hub, radius, rim)
-    disc = _turned(part, component.keyword, start, length, profile, ends=(station, station), to_scale=bool(given))
-    hanging = [system.driven[k] for k in spans if component.keyword == "damper" and system.driving[k] == station]
+    disc = _turned(part, kind, start, length, profile, ends=(station, station), to_scale=bool(given))
+    hanging = [system.driven[k] for k in spans if kind == "damper" and system.driving[k] == station]
     rings = [_ring(part, int(ring), (start + rim * length, (1 - 2 * rim) * length), radius) for ring in hanging]
     return [disc, *rings]
 
