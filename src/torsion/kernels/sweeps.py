@@ -2,6 +2,8 @@
 
 The mixed angle/torque form (flexibility, never stiffness) with sums of terms only: rigid spans and massless
 stations need no special case, and every value is accurate relative to the data of the springs, however unequal.
+Beside `two_sides`, for values that may be complex: z/(1 + h z) in place of 1/(h + 1/z), because quotients of complex
+zeros and infinities are not numbers, and for one right-hand side, whose branches without sources cost a product each.
 Rows run over columns: frequencies or roots. Floating point exceptions are left to the caller's `np.errstate`.
 """
 

@@ -1,7 +1,9 @@
 """The lowest modes of a long chain: brackets by counts, Rayleigh's quotients from twisted vectors, and the proof.
 
-A count costs one pass over the chain and a twisted vector about three, so that brackets are halved only until the
-quotients converge. (Parlett and Dhillon 1997; Marques, Riedy and Voemel 2006 for counts in IEEE arithmetic.)
+A back end for long chains: LAPACK counts in one pass over the chain and makes a twisted vector in about three, one
+frequency at a time, which the sweeps of `sturm` and `two_sides` for many frequencies cannot (measured from 2000
+stations). Brackets are halved only until the quotients converge. (Parlett and Dhillon 1997; Marques, Riedy and Voemel
+2006 for counts in IEEE arithmetic.)
 """
 
 import math
