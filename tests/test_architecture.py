@@ -9,18 +9,16 @@ SOURCE = Path(__file__).parent.parent / "src" / "torsion"
 FLOORS = {
     "errors": -1, "arrays": -1,  # the ground under every floor
     "units": 0, "kernels": 0, "kinematics": 0,
-    "fields": 1, "primitives": 1,
-    "components": 2,
+    "results": 1, "fields": 1, "primitives": 1,
+    "plan": 2, "components": 2,
     "train": 3,
     "study": 4, "assembly": 4,
-    "analyses": 5,
-    "rules": 6,
-    "schema": 7, "asked": 7,
-    "plan": 8,
-    "steps": 9,
-    "findings": 10,
-    "report": 11, "plots": 11,
-    "job": 12, "cli": 13, "__main__": 14,
+    "findings": 5,
+    "analyses": 6,
+    "rules": 7,
+    "schema": 8,
+    "report": 9, "plots": 9, "output": 9,
+    "runner": 10, "commands": 11, "cli": 12, "__main__": 13,
 }  # fmt: skip
 DOORS = {
     "yaml": ("schema/source.py",),
