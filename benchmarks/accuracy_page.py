@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.accuracy_rows import Row, best, frontier
 from benchmarks.log_axes import plain_numbers
 from benchmarks.papers.writing import table
-from torsion.plots.style import COLOURS, GREY, legend_below, page
+from torsion.output.figures.style import COLOURS, GREY, legend_below, page
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 FASTER, MORE_ACCURATE, SHARE_OF_ERROR = 50.0, 1e10, 1e-10

@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.log_axes import plain_numbers
 from benchmarks.papers.writing import table
-from torsion.plots.style import BAD, COLOURS, legend_below, page
+from torsion.output.figures.style import BAD, COLOURS, legend_below, page
 
 ROUNDING = 2.0**-53  # a smaller error is drawn here
 USEFUL = 1e-6  # the error beyond which a method has ended

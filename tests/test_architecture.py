@@ -18,17 +18,17 @@ FLOORS = {
     "schema": 7, "plan": 7, "asked": 7,
     "steps": 8,
     "findings": 9,
-    "report": 10, "plots": 10,
+    "output": 10,
     "job": 11, "cli": 12, "__main__": 13,
 }  # fmt: skip
 DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
-    "meshio": ("assembly/section/mesh.py", "report/surface/vtu.py"),
-    "matplotlib": ("plots/",),
-    "jinja2": ("report/",),
-    "typst": ("report/",),
+    "meshio": ("assembly/section/mesh.py", "output/surface/vtu.py"),
+    "matplotlib": ("output/figures/",),
+    "jinja2": ("output/",),
+    "typst": ("output/",),
     "typer": ("cli.py",),
     "dask": (),
 }

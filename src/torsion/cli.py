@@ -66,7 +66,7 @@ def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: 
         findings = run(read(file))
         typer.echo(text(findings))
     else:
-        from torsion.report.terminal.tables import progress, show
+        from torsion.output.terminal.tables import progress, show
 
         with progress() as report_progress:
             findings = commands.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
@@ -106,7 +106,7 @@ def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) ->
 
         typer.echo(text(findings, JOINTS), nl=False)
     else:
-        from torsion.report.terminal.joints import show_joints
+        from torsion.output.terminal.joints import show_joints
 
         folder = commands.folder_of(file, out)
         commands.write_joints(findings, folder)
@@ -144,8 +144,8 @@ def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
         findings = commands.check(file)
         typer.echo(text(findings, MODELS), nl=False)
         return findings
-    from torsion.report.terminal.check import show_check
-    from torsion.report.terminal.tables import progress
+    from torsion.output.terminal.check import show_check
+    from torsion.output.terminal.tables import progress
 
     with progress() as report_progress:
         findings = commands.check(file, progress=report_progress)
@@ -180,16 +180,16 @@ def study(
 
 def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick: bool) -> None:
     from torsion import commands
-    from torsion.report.terminal.tables import progress
+    from torsion.output.terminal.tables import progress
 
     with progress() as report_progress:
         findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
     if as_json:
-        from torsion.report.pages.study import json_text
+        from torsion.output.pages.study import json_text
 
         typer.echo(json_text(findings, timings), nl=False)
         return
-    from torsion.report.terminal.study import show_study
+    from torsion.output.terminal.study import show_study
 
     folder = commands.folder_of(file, out)
     commands.write_study(findings, timings, folder)

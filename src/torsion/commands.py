@@ -46,7 +46,7 @@ def folder_of(file: str | Path, out: str | Path | None) -> Path:
 
 def write(findings: Findings, folder: Path, *, pdf: bool = False, vtu: bool = False) -> list[Path]:
     """Write report and results; raises InputError where the folder cannot be written or `vtu` has no mode to draw."""
-    from torsion.report.write import write as write_report
+    from torsion.output.write import write as write_report
 
     try:
         return write_report(findings, folder, pdf=pdf, vtu=vtu)
@@ -86,7 +86,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
 
 def write_joints(findings: Findings, folder: Path) -> list[Path]:
     """Write joints.html, joints.json and joints.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.joints import write_joints as write_pages
+    from torsion.output.pages.joints import write_joints as write_pages
 
     try:
         return write_pages(findings, folder)
@@ -106,7 +106,7 @@ def check(file: str | Path, *, progress: Progress = silent) -> Findings:
 
 def write_check(findings: Findings, folder: Path) -> list[Path]:
     """Write check.html and check.json; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.check import write_check as write_pages
+    from torsion.output.pages.check import write_check as write_pages
 
     try:
         return write_pages(findings, folder)
@@ -165,7 +165,7 @@ def _tolerance(given: str | float) -> float:
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Path]:
     """Write study.html, study.json and study.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.study import write_study as write_pages
+    from torsion.output.pages.study import write_study as write_pages
 
     try:
         return write_pages(findings, timings, folder)

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from torsion.assembly.system import System
-from torsion.report.elements import Element, elements
-from torsion.report.told import Told, told
+from torsion.output.elastic_elements import Element, elements
+from torsion.output.segment_groups import Told, told
 from torsion.results import Quantity
 
 MOST_SEGMENTS = 2000  # of a shaft that are reported each by itself; of more, groups of them

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from torsion.analyses.study.rows import Spread, TimedQuantity, TimedRow, as_fast, fastest, unbeaten
-from torsion.report.terminal.study import recommendation, share
+from torsion.output.terminal.study import recommendation, share
 
 
 def row(name: str, error: float, *solve: float, assembly: float = 0.0) -> TimedRow:
