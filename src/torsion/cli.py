@@ -2,6 +2,8 @@
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -11,7 +13,7 @@ import typer
 from torsion.errors import InputError, SolveError
 
 if TYPE_CHECKING:
-    from torsion.findings import Findings
+    from torsion.findings import Findings, Progress
 
 ALONE = "no file is written, and no option that writes one is taken"  # what --json goes with
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
@@ -27,11 +29,15 @@ def about() -> None:
     """Torsional vibration of shaft trains: frequencies, response, universal joints, class rules, report."""
 
 
+Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
+Json = Annotated[bool, typer.Option("--json", help=f"Print the results as JSON; {ALONE}.")]
+
+
 @app.command()
 def solve(
     file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the results as JSON; {ALONE}.")] = False,
+    out: Out = None,
+    json: Json = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     matrices: Annotated[
         Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
@@ -45,121 +51,77 @@ def solve(
     Exit status: 0 solved and no check fails, 1 solved and a check fails or a limit is not kept, 2 the input is at
     fault, 3 no answer to the promised accuracy.
     """
-    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
-    try:
-        findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices, vtu=vtu)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
-
-
-def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool) -> "Findings":
     from torsion import commands
 
-    if as_json:
-        from torsion.output.results_json import text
-        from torsion.runner import run
-        from torsion.schema.read import read
-
-        findings = run(read(file))
-        typer.echo(text(findings))
-    else:
-        from torsion.output.terminal.tables import progress, show
-
-        with progress() as report_progress:
-            findings = commands.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
-        show(findings, commands.folder_of(file, out))
-    if matrices is not None:
-        typer.echo(commands.write_matrices(findings, matrices))
-    return findings
+    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
+    with _faults(file):
+        if json:
+            findings = commands.solved(file)
+            typer.echo(_json(findings, "solve"))
+        else:
+            with _progress() as report_progress:
+                findings = commands.solved(file, progress=report_progress)
+            _publish(findings, commands.folder_of(file, out), "solve", commands.outputs(pdf=pdf, vtu=vtu))
+        if matrices is not None:
+            typer.echo(commands.write_matrices(findings, matrices))
+    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
 
 
 @app.command()
 def joint(
     file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the joints as JSON; {ALONE}.")] = False,
+    out: Out = None,
+    json: Json = False,
     turns: Annotated[int | None, typer.Option("--turns", min=1, max=100, help="Turns of the driving shaft.")] = None,
 ) -> None:
     """Print the universal joints of a scene and write joints.html, joints.json and joints.csv.
 
     A scene of joints alone is enough: no inertia, speed or torque is needed. Exit status as of `solve`.
     """
+    from torsion import commands
+
     _alone(json, {"-o": out})
-    try:
-        findings = _joint(file, out, as_json=json, turns=turns)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
+    with _faults(file):
+        findings = commands.joint(file, turns=turns)
+        if json:
+            typer.echo(_json(findings, "joint"), nl=False)
+        else:
+            _publish(findings, commands.folder_of(file, out), "joint")
     raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
 
 
-def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) -> "Findings":
-    from torsion import commands
-
-    findings = commands.joint(file, turns=turns)
-    if as_json:
-        from torsion.output.results_json import JOINTS, text
-
-        typer.echo(text(findings, JOINTS), nl=False)
-    else:
-        from torsion.output.terminal.joints import show_joints
-
-        folder = commands.folder_of(file, out)
-        commands.write_joints(findings, folder)
-        show_joints(findings, folder)
-    return findings
-
-
 @app.command()
-def check(
-    file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the comparison as JSON; {ALONE}.")] = False,
-) -> None:
+def check(file: File, out: Out = None, json: Json = False) -> None:
     """Compare the models of the shafts (lumped, fem, exact), print their errors and write check.html and check.json.
 
     Every error is against the exact model: frequencies, shapes, response torques. Exit status: 0 all within the
     tolerance (0.1 % unless the file says it), 1 a model is not, 2 and 3 as of `solve`.
     """
-    _alone(json, {"-o": out})
-    try:
-        findings = _check(file, out, as_json=json)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
-
-
-def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
     from torsion import commands
 
-    if as_json:
-        from torsion.output.results_json import MODELS, text
+    _alone(json, {"-o": out})
+    with _faults(file):
+        if json:
+            from torsion.output.results_json import MODELS, text
 
-        findings = commands.check(file)
-        typer.echo(text(findings, MODELS), nl=False)
-        return findings
-    from torsion.output.terminal.check import show_check
-    from torsion.output.terminal.tables import progress
+            findings = commands.check(file)
+            typer.echo(text(findings, MODELS), nl=False)
+        else:
+            from torsion.output.terminal.check import show_check
 
-    with progress() as report_progress:
-        findings = commands.check(file, progress=report_progress)
-    folder = commands.folder_of(file, out)
-    commands.write_check(findings, folder)
-    show_check(findings, folder)
-    return findings
+            with _progress() as report_progress:
+                findings = commands.check(file, progress=report_progress)
+            folder = commands.folder_of(file, out)
+            commands.write_check(findings, folder)
+            show_check(findings, folder)
+    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
 
 
 @app.command()
 def study(
     file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the study as JSON; {ALONE}.")] = False,
+    out: Out = None,
+    json: Json = False,
     tolerance: Annotated[
         str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
     ] = "0.1%",
@@ -169,31 +131,54 @@ def study(
 
     Exit status: 0 done, 2 and 3 as of `solve`.
     """
+    from torsion import commands
+
     _alone(json, {"-o": out})
+    with _faults(file):
+        with _progress() as report_progress:
+            findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
+        if json:
+            from torsion.output.pages.study import json_text
+
+            typer.echo(json_text(findings, timings), nl=False)
+        else:
+            from torsion.output.terminal.study import show_study
+
+            folder = commands.folder_of(file, out)
+            commands.write_study(findings, timings, folder)
+            show_study(findings, timings, folder)
+
+
+@contextmanager
+def _faults(file: Path) -> Iterator[None]:
+    """End with the message and the status of what cannot be solved."""
     try:
-        _study(file, out, as_json=json, tolerance=tolerance, quick=quick)
+        yield
     except InputError as error:
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
 
 
-def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick: bool) -> None:
+def _json(findings: "Findings", report: str) -> str:
+    from torsion.output.reports import REPORTS
+    from torsion.output.results_json import text
+
+    return text(findings, REPORTS[report].keys)
+
+
+def _publish(findings: "Findings", folder: Path, report: str, also: tuple[str, ...] = ()) -> None:
+    """Write the files of a report and print it."""
     from torsion import commands
-    from torsion.output.terminal.tables import progress
+    from torsion.output.terminal.screen import show
 
-    with progress() as report_progress:
-        findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
-    if as_json:
-        from torsion.output.pages.study import json_text
+    show(commands.write(findings, folder, report, also=also), folder)
 
-        typer.echo(json_text(findings, timings), nl=False)
-        return
-    from torsion.output.terminal.study import show_study
 
-    folder = commands.folder_of(file, out)
-    commands.write_study(findings, timings, folder)
-    show_study(findings, timings, folder)
+def _progress() -> "AbstractContextManager[Progress]":
+    from torsion.output.terminal.screen import progress
+
+    return progress()
 
 
 @app.command()

@@ -1,5 +1,6 @@
 """A file to its findings and its report: what the command does."""
 
+from collections.abc import Collection
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ from torsion.schema.read import located, read
 
 if TYPE_CHECKING:
     from torsion.analyses.study.rows import Timings
+    from torsion.output.document import Document
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -34,9 +36,19 @@ def solve(
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
     report stays whole then. With `vtu` the mode shapes are written too, as a surface, and pictured.
     """
-    findings = run(read(file), progress=progress)
-    write(findings, folder_of(file, out), pdf=pdf, vtu=vtu)
+    findings = solved(file, progress=progress)
+    write(findings, folder_of(file, out), also=outputs(pdf=pdf, vtu=vtu))
     return findings
+
+
+def solved(file: str | Path, *, progress: Progress = silent) -> Findings:
+    """Read, solve and judge a scene; nothing is written."""
+    return run(read(file), progress=progress)
+
+
+def outputs(**asked: bool) -> tuple[str, ...]:
+    """The outputs that are asked for by their name."""
+    return tuple(name for name, is_asked in asked.items() if is_asked)
 
 
 def folder_of(file: str | Path, out: str | Path | None) -> Path:
@@ -44,12 +56,15 @@ def folder_of(file: str | Path, out: str | Path | None) -> Path:
     return Path(out) if out is not None else Path("reports") / Path(file).stem
 
 
-def write(findings: Findings, folder: Path, *, pdf: bool = False, vtu: bool = False) -> list[Path]:
-    """Write report and results; raises InputError where the folder cannot be written or `vtu` has no mode to draw."""
+def write(findings: Findings, folder: Path, report: str = "solve", *, also: Collection[str] = ()) -> "Document":
+    """Write the files of a report, `also` those of outputs on request; the report.
+
+    Raises InputError where the folder cannot be written, or a file cannot be made of these findings.
+    """
     from torsion.output.write import write as write_report
 
     try:
-        return write_report(findings, folder, pdf=pdf, vtu=vtu)
+        return write_report(findings, folder, report, also=also)
     except OSError as error:
         raise _unwritable(folder, error) from None
     except InputError as error:
@@ -82,16 +97,6 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     supported = [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks] if rules else []
     unjudged = tuple((f"{JOINT_RULES[0]}: bending of {name}", ON_SUPPORTS) for name in supported)
     return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine, *unjudged)))
-
-
-def write_joints(findings: Findings, folder: Path) -> list[Path]:
-    """Write joints.html, joints.json and joints.csv; raises InputError where the folder cannot be written."""
-    from torsion.output.pages.joints import write_joints as write_pages
-
-    try:
-        return write_pages(findings, folder)
-    except OSError as error:
-        raise _unwritable(folder, error) from None
 
 
 def check(file: str | Path, *, progress: Progress = silent) -> Findings:

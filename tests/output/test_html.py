@@ -110,8 +110,8 @@ def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
     assert len(rows) == len(train.need(Checks).lines) > 5
     for row, check in zip(rows, train.need(Checks).lines, strict=True):
         assert row[1] == check.where
-        assert row[7:] == (check.standing, check.verdict.upper())
-        assert row[2] == number(check.value)
+        assert row[8:] == (check.standing, check.verdict.upper())
+        assert row[3] == number(check.value)
 
 
 def test_the_largest_torque_in_the_table_is_that_of_the_synthesis(train: Findings) -> None:

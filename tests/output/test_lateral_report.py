@@ -21,9 +21,10 @@ from torsion.kernels.response import Status
 from torsion.output.blocks import Figure, Paragraph, Table
 from torsion.output.chapters import lateral_tables
 from torsion.output.chapters.shaft_bending import chapter
+from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.results_json import documented, results, text
-from torsion.output.terminal.tables import tables
+from torsion.output.terminal.screen import screen
 from torsion.rules.bending import bending_checks
 from torsion.rules.check import Checks
 from torsion.runner import run
@@ -101,10 +102,10 @@ def test_a_shaft_that_grows_by_itself_is_marked_in_table_text_map_and_terminal(f
     assert [block.kind for block in chapter(fast) if isinstance(block, Paragraph)][1] == "fail"
     assert figure(fast, "whirl").values["unstable"].any()
     assert "UNSTABLE" in svg(figure(fast, "whirl"))
-    screen = Console(record=True, width=80, file=io.StringIO())
-    for item in tables(fast):
-        screen.print(item)
-    assert "UNSTABLE" in screen.export_text()
+    shown = Console(record=True, width=80, file=io.StringIO())
+    for item in screen(document(fast)):
+        shown.print(item)
+    assert "UNSTABLE" in shown.export_text()
 
 
 def test_without_damping_no_mode_is_called_stable_and_none_unstable(undamped: Findings) -> None:
@@ -193,7 +194,7 @@ def test_a_support_alone_asks_for_the_bending_and_joints_alone_leave_it_out() ->
         "second joint",
         "support of tube",
     ]
-    assert run(study, bending=False).lateral is None
+    assert run(study, only=("joints",)).get(Lateral) is None
 
 
 def test_without_speeds_the_critical_speeds_are_told_all_the_same() -> None:

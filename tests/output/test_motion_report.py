@@ -23,11 +23,12 @@ from torsion.output.chapters import forced_response as response
 from torsion.output.chapters import stability_ranges as stability
 from torsion.output.chapters import verdict
 from torsion.output.chapters.unstable_ranges import words
+from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.first_order_and_exact import compared, exact_half_range, first_order_judged
 from torsion.output.numbers import RPM
 from torsion.output.results_json import documented, results
-from torsion.output.terminal.tables import show
+from torsion.output.terminal.screen import show
 from torsion.rules.check import Checks
 from torsion.rules.stability import stability_check
 
@@ -112,7 +113,7 @@ def test_what_two_joints_cancel_to_rounding_is_told_as_nothing_and_without_perce
     assert all(row.exact[0] == 0.0 and np.isnan(row.excess) for row in together.values())
     assert {row.element.name for row in compared(found) if row.order is not None} == {"a"}
     stream = io.StringIO()
-    show(found, None, Console(file=stream, width=200, color_system=None))
+    show(document(found), None, Console(file=stream, width=200, color_system=None))
     text = stream.getvalue()
     assert "·10⁻¹" not in text[text.index("Largest vibratory torque") : text.index("Joints of a shaft line")]
     table = next(block for block in response.chapter(found) if isinstance(block, Table))
@@ -252,7 +253,7 @@ def known(findings: Findings, *ranges: UnstableRange) -> Findings:
 
 def shown(findings: Findings) -> str:
     out = io.StringIO()
-    show(findings, console=Console(file=out, width=160))
+    show(document(findings), console=Console(file=out, width=160))
     return out.getvalue()
 
 
@@ -264,7 +265,7 @@ def test_open_and_unknown_ends_are_marked_in_report_terminal_and_json(unstable: 
     assert first[-1].endswith("from 960 to 990 rpm nothing is known")
     assert second[-1] == ""
     assert "+ goes on beyond the speeds asked for; ? nothing is known beyond" in " ".join(shown(marked).split())
-    assert "960.0000?" in shown(marked)
+    assert "960.000000?" in shown(marked)
     assert "from 960 to 990 rpm nothing is known" in " ".join(shown(marked).split())
     told = results(marked)["stability"]["ranges"][0]
     assert told["goes_on"] == [True, False]
@@ -317,7 +318,7 @@ def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unst
     assert "no periodic motion at any of them" in said
     assert "harmonics of the common period" not in said
     (row,) = (row for row in table(verdict.chapter(nothing), "Checks against").rows if "stability" in row[0])
-    assert row[2] == "no answer"
+    assert row[3] == "no answer"
     printed = " ".join(shown(nothing).split())
     assert "no answer" in printed
     assert f"no periodic motion was found at any of the {stable.speed.size} speeds tried" in printed
@@ -344,6 +345,6 @@ def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Fi
 
 def test_terminal_prints_both_methods_and_the_unstable_ranges(unstable: Findings) -> None:
     out = io.StringIO()
-    show(unstable, console=Console(file=out, width=80))
+    show(document(unstable), console=Console(file=out, width=80))
     assert "Exact periodic response" in out.getvalue()
     assert "principal of mode 1" in out.getvalue()

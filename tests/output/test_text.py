@@ -9,16 +9,17 @@ from rich.console import Console
 from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
+from torsion.output.document import document
 from torsion.output.numbers import number, rpm
 from torsion.output.reported_values import unreliable
-from torsion.output.terminal.tables import progress, show
+from torsion.output.terminal.screen import progress, show
 from torsion.rules.check import Checks
 
 
 def printed(findings: Findings) -> str:
     """What the terminal shows."""
     stream = io.StringIO()
-    show(findings, Path("reports/x"), Console(file=stream, width=200, color_system=None))
+    show(document(findings), Path("reports/x"), Console(file=stream, width=200, color_system=None))
     return stream.getvalue()
 
 

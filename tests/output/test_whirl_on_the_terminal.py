@@ -6,7 +6,8 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.output.terminal.tables import show
+from torsion.output.document import document
+from torsion.output.terminal.screen import show
 
 SCENE = """
 name: Cardan shaft
@@ -26,6 +27,6 @@ def test_internal_damping_makes_a_shaft_unstable_above_its_critical_speed_alone(
     """Simply supported at its joints the tube has its first critical speed near 4190 rpm."""
     stream = io.StringIO()
     found = torsion.run(torsion.parse(SCENE.format(first=first, last=last)))
-    show(found, None, Console(file=stream, width=120, color_system=None))
+    show(document(found), None, Console(file=stream, width=120, color_system=None))
     assert "tube" in stream.getvalue()
     assert ("(UNSTABLE)" in stream.getvalue()) == grows

@@ -1,10 +1,10 @@
-"""The blocks that a report is made of; every renderer prints the same list.
+"""The blocks that a report is made of; every renderer prints the same list, the terminal those with a short form.
 
 Texts may hold `_{x}` for a subscript; names and values of the scene stand in cells, where nothing is interpreted.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 
@@ -14,6 +14,7 @@ class Heading:
 
     text: str
     level: Literal[1, 2] = 1
+    at_end: bool = False  # on the terminal this chapter stands last, where the eye is
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class Paragraph:
 
     text: str
     kind: Literal["plain", "note", "pass", "fail"] = "plain"
+    brief: bool = False  # stands on the terminal too
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,7 @@ class Points:
     """A list of short statements."""
 
     items: tuple[str, ...]
+    brief: bool = False
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,7 @@ class Column:
     title: str
     unit: str = ""
     align: Literal["left", "right", "center"] = "right"
+    short: str = ""  # its title on the terminal; '' where it is left out there
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,7 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
     marks: tuple[str, ...] = ()  # "", "pass", "fail", "not kept", "outside", "note"
+    short: str = ""  # its title on the terminal; '' where it does not stand there
 
     def __post_init__(self) -> None:
         if any(len(row) != len(self.columns) for row in self.rows):
@@ -79,3 +84,13 @@ class Verbatim:
 
 
 Block = Heading | Paragraph | Points | Table | KeyValues | Figure | Verbatim
+
+
+def texts(title: str, short: str = "") -> Column:
+    """A column of words."""
+    return Column(title, align="left", short=short)
+
+
+def on_terminal(blocks: Iterable[Block]) -> list[Block]:
+    """The same blocks, sentences among them on the terminal too."""
+    return [replace(one, brief=True) if isinstance(one, Paragraph | Points) else one for one in blocks]

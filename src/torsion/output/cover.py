@@ -26,7 +26,7 @@ class Cover:
     disclaimer: str = DISCLAIMER
 
 
-def cover(findings: Findings, today: date | None = None) -> Cover:
+def cover(findings: Findings, today: date | None = None, title: str = "Torsional vibration calculation") -> Cover:
     """The cover of a report; without a date it bears none."""
     study = findings.study
     facts = [
@@ -39,7 +39,7 @@ def cover(findings: Findings, today: date | None = None) -> Cover:
         ("Computed by", f"torsion {torsion.__version__}"),
         ("Date", today.isoformat() if today else ""),
     ]
-    return Cover("Torsional vibration calculation", study.name, tuple(fact for fact in facts if fact[1]))
+    return Cover(title, study.name, tuple(fact for fact in facts if fact[1]))
 
 
 def checksum(text: str) -> str:

@@ -1,6 +1,7 @@
 """The report as PDF on A4, set by Typst from the same blocks."""
 
 import json
+import tempfile
 from pathlib import Path
 
 from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, Verbatim
@@ -13,19 +14,17 @@ COLOURS = {"fail": "#b3261e", "pass": "#14693f", "not kept": "#b3261e", "outside
 WIDE = 8  # columns from which a table is set smaller
 
 
-def write_pdf(document: Document, folder: Path) -> Path:
-    """Write report.pdf into the folder; the figures are drawn there too, and taken away again."""
+def pdf(document: Document) -> bytes:
+    """The file; the figures are drawn beside its source for the time of its setting."""
     import typst
 
-    source, target = folder / "report.typ", folder / "report.pdf"
-    figures: list[Path] = []
-    body = [_block(item, folder, figures) for item in document.body]
     style = (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8")
-    source.write_text("\n".join([style, _cover(document), *body]), encoding="utf-8")
-    typst.compile(str(source), output=str(target), root=str(folder))
-    for path in (source, *figures):
-        path.unlink()
-    return target
+    with tempfile.TemporaryDirectory() as folder:
+        source, figures = Path(folder) / "report.typ", list[Path]()
+        body = [_block(item, Path(folder), figures) for item in document.body]
+        source.write_text("\n".join([style, _cover(document), *body]), encoding="utf-8")
+        made: bytes = typst.compile(str(source), root=folder)
+    return made
 
 
 def text(value: str) -> str:

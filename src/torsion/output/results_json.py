@@ -10,6 +10,7 @@ from typing import Any
 import torsion
 from torsion.analyses import ANALYSES
 from torsion.findings import Findings
+from torsion.output.document import Document
 from torsion.output.keys import Key, keys
 from torsion.output.plain import plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
@@ -19,7 +20,7 @@ from torsion.rules.check import Checks
 
 FORMAT = 1
 HEAD = ("scene", "plan")  # keys that every file of results has
-JOINTS, MODELS = ("joints", "checks"), ("check",)  # keys of the files of the joints, and of the models, alone
+MODELS = ("check",)  # keys of the file of the models alone
 LEGEND = {
     "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
     "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
@@ -56,6 +57,11 @@ def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
     """The results as JSON text, one line for each top-level key."""
     rows = [f"{json.dumps(k)}: {json.dumps(v, allow_nan=False)}" for k, v in results(findings, only).items()]
     return "{\n" + ",\n".join(rows) + "\n}\n"
+
+
+def rendered(document: Document) -> str:
+    """The results that a report is of."""
+    return text(document.source, document.report.keys)
 
 
 def documented() -> tuple[Key, ...]:

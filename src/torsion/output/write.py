@@ -3,67 +3,44 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping
 from datetime import date
 from pathlib import Path
 
 from torsion.findings import Findings
+from torsion.output.document import Document, document
+from torsion.output.renderers import files
+from torsion.output.reports import REPORTS
 
 
 def write(
-    findings: Findings, folder: str | Path, *, pdf: bool = False, vtu: bool = False, today: date | None = None
-) -> list[Path]:
-    """Write results.json, report.html and, if asked, report.pdf and modes.vtu into the folder; the paths of all.
+    findings: Findings, folder: str | Path, report: str = "solve", *,
+    also: Collection[str] = (), today: date | None = None,
+) -> Document:  # fmt: skip
+    """Write every file of a report into the folder, `also` those of outputs on request; the report.
 
-    Every file is finished in a temporary folder beside the target before the first is put in its place. Raises
-    OSError where the folder cannot be written, InputError where `vtu` is asked and there is no mode to draw.
+    Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
     """
-    from torsion.output.document import document
-    from torsion.output.html import html
-    from torsion.output.results_json import text
-
-    target, made = Path(folder), document(findings, today or date.today(), also=("twisted_train",) if vtu else ())
-    with _workshop(target) as workshop:
-        finished = [_file(workshop / "results.json", text(findings)), _file(workshop / "report.html", html(made))]
-        if pdf:
-            from torsion.output.pdf import write_pdf
-
-            finished.append(write_pdf(made, workshop))
-        if vtu:
-            from torsion.output.surface.vtu import write_vtu
-
-            finished.append(write_vtu(findings, workshop))
-        return [_placed(path, target / path.name) for path in finished]
+    made = document(findings, today or date.today(), also, REPORTS[report])
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    write_texts(files(made, also), folder)
+    return made
 
 
-def write_texts(texts: Mapping[str, str], folder: str | Path) -> list[Path]:
-    """Write texts under their names into the folder, all or none; raises OSError where it cannot be written."""
+def write_texts(contents: Mapping[str, str | bytes], folder: str | Path) -> list[Path]:
+    """Write contents under their names into the folder, all or none; raises OSError where it cannot be written.
+
+    Every file is finished in a temporary folder inside the target before the first is put in its place.
+    """
     target = Path(folder)
-    with _workshop(target) as workshop:
-        finished = [_file(workshop / name, content) for name, content in texts.items()]
-        return [_placed(path, target / path.name) for path in finished]
-
-
-@contextmanager
-def _workshop(target: Path) -> Iterator[Path]:
-    """A folder inside the target, which is made where it is not there; taken away afterwards."""
     target.mkdir(parents=True, exist_ok=True)
     workshop = Path(tempfile.mkdtemp(prefix=".report-", dir=target))
     try:
-        yield workshop
+        for name, content in contents.items():
+            with (workshop / name).open("wb") as file:
+                file.write(content if isinstance(content, bytes) else content.encode("utf-8"))
+                file.flush()
+                os.fsync(file.fileno())
+        return [Path(shutil.move(workshop / name, target / name)) for name in contents]
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
-
-
-def _file(path: Path, content: str) -> Path:
-    with path.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    return path
-
-
-def _placed(source: Path, target: Path) -> Path:
-    os.replace(source, target)
-    return target

@@ -13,13 +13,14 @@ import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.chapters.model_comparison import chapter
+from torsion.output.document import document
 from torsion.output.figures.check import modes, torques
 from torsion.output.figures.drawing import svg
 from torsion.output.html import html
 from torsion.output.pages.check import check_document, write_check
 from torsion.output.results_json import MODELS, documented, results, text
 from torsion.output.terminal.check import check_grids
-from torsion.output.terminal.tables import tables
+from torsion.output.terminal.screen import screen
 
 KEYS = {key.path: key.meaning for key in documented()}
 
@@ -48,9 +49,9 @@ def coarse() -> Findings:
 
 def printed(items: list[Any]) -> str:
     target = io.StringIO()
-    screen = Console(file=target, width=80, no_color=True)
+    console = Console(file=target, width=80, no_color=True)
     for item in items:
-        screen.print(item)
+        console.print(item)
     return target.getvalue()
 
 
@@ -115,8 +116,8 @@ def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings)
 def test_the_terminal_fits_eighty_columns_and_says_the_verdict(good: Findings, coarse: Findings) -> None:
     assert max(len(line) for line in printed(check_grids(coarse)).splitlines()) <= 80
     assert "fem are within 0.1 % of the exact model" in printed(check_grids(good)).replace("\n", " ")
-    assert "FAIL" in printed(tables(coarse))
-    assert "PASS" in printed(tables(good))
+    assert "FAIL" in printed(screen(document(coarse)))
+    assert "PASS" in printed(screen(document(good)))
 
 
 def test_a_train_without_shafts_has_one_sentence() -> None:
@@ -125,7 +126,7 @@ def test_a_train_without_shafts_has_one_sentence() -> None:
     _, sentence = chapter(found)
     assert "all models of it are the same" in sentence.text
     assert results(found)["check"]["models"] == []
-    assert "all models of it are the same" in printed(tables(found))
+    assert "all models of it are the same" in printed(screen(document(found)))
 
 
 def test_a_study_that_does_not_ask_has_no_chapter() -> None:

@@ -15,12 +15,15 @@ from torsion.analyses.joints.found import Joints
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Points, Table
 from torsion.output.chapters.joint_motion import chapter
+from torsion.output.csv_table import csv_text
+from torsion.output.document import Document, document
 from torsion.output.html import html
 from torsion.output.numbers import number
-from torsion.output.pages.joints import csv_text, joint_document
-from torsion.output.results_json import JOINTS, documented, text
-from torsion.output.terminal.joints import show_joints
+from torsion.output.reports import REPORTS
+from torsion.output.results_json import documented, text
+from torsion.output.terminal.screen import show
 
+JOINTS = REPORTS["joint"].keys
 KEYS = {key.path: key.meaning for key in documented()}
 JOINT_KEYS = {path for path in KEYS if path.startswith("joints")}
 
@@ -87,15 +90,19 @@ def titles(findings: Findings) -> list[str]:
     return [block.text for block in chapter(findings) if isinstance(block, Heading)]
 
 
+def joint_document(findings: Findings) -> Document:
+    return document(findings, report=REPORTS["joint"])
+
+
 def terminal(findings: Findings, width: int = 80) -> str:
     stream = io.StringIO()
-    show_joints(findings, None, Console(file=stream, width=width, color_system=None))
+    show(joint_document(findings), None, Console(file=stream, width=width, color_system=None))
     return stream.getvalue()
 
 
 def table_of_numbers(findings: Findings) -> tuple[list[str], list[str], np.ndarray]:
     """Comments, titles and values of the CSV."""
-    lines = csv_text(findings).splitlines()
+    lines = csv_text(joint_document(findings)).splitlines()
     comments = [line for line in lines if line.startswith("#")]
     head, *rows = csv.reader(lines[len(comments) :])
     return comments, head, np.array(rows, dtype=float)
@@ -184,8 +191,6 @@ def test_every_json_key_is_documented_and_numbers_are_finite(scene: str, solve: 
     np.testing.assert_array_equal(joints["joints"][1]["error_rad"], solve(scene).need(Joints).joints[1].error)
 
     def paths(value: object, at: str) -> set[str]:
-        if at in JOINTS:
-            return {at}
         if isinstance(value, dict):
             return set().union(*(paths(v, f"{at}.{k}") for k, v in value.items()))
         if isinstance(value, list):

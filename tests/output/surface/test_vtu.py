@@ -13,9 +13,9 @@ import torsion
 from torsion.analyses.modes import Modes
 from torsion.cli import app
 from torsion.findings import Findings
-from torsion.output.document import document
+from torsion.output.document import Document, document
 from torsion.output.surface import vtu
-from torsion.output.surface.vtu import AROUND, write_vtu
+from torsion.output.surface.vtu import AROUND
 from torsion.output.write import write
 
 SHAFT = """name: shaft
@@ -32,7 +32,9 @@ print("meshio" in sys.modules)
 
 
 def back(findings: Findings, folder: Path) -> meshio.Mesh:
-    return meshio.read(write_vtu(findings, folder))
+    file = folder / "modes.vtu"
+    file.write_bytes(vtu.vtu(document(findings)))
+    return meshio.read(file)
 
 
 def call(*words: str):
@@ -96,13 +98,13 @@ def test_a_small_room_takes_fewer_points_and_a_smaller_one_is_refused(
     assert len(back(bare, tmp_path).points) < whole
     monkeypatch.setattr(vtu, "MOST_NUMBERS", 31 * 10 * 11)
     with pytest.raises(torsion.InputError, match="fewer modes"):
-        write_vtu(bare, tmp_path)
+        vtu.vtu(document(bare))
 
 
 def test_the_folder_holds_the_surface_with_the_report(bare: Findings, tmp_path: Path) -> None:
-    found = write(bare, tmp_path / "new", vtu=True)
+    write(bare, tmp_path / "new", also=("vtu",))
     names = ["modes.vtu", "report.html", "results.json"]
-    assert sorted(path.name for path in found) == sorted(path.name for path in (tmp_path / "new").iterdir()) == names
+    assert sorted(path.name for path in (tmp_path / "new").iterdir()) == names
     page = (tmp_path / "new" / "report.html").read_text(encoding="utf-8")
     assert "The twisted train" in page
     assert "Hz, twisted (not to scale)" in page  # no component has a diameter
@@ -111,15 +113,15 @@ def test_the_folder_holds_the_surface_with_the_report(bare: Findings, tmp_path: 
 def test_a_failed_run_leaves_the_earlier_report_whole(
     bare: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = {path.name: path.read_bytes() for path in write(bare, tmp_path, vtu=True)}
+    write(bare, tmp_path, also=("vtu",))
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
-    def fail(findings: Findings, folder: Path) -> None:
-        (folder / "modes.vtu").write_text("half")
+    def fail(document: Document) -> None:
         raise RuntimeError("in the middle")
 
-    monkeypatch.setattr(vtu, "write_vtu", fail)
+    monkeypatch.setattr(vtu, "vtu", fail)
     with pytest.raises(RuntimeError, match="in the middle"):
-        write(bare, tmp_path, vtu=True)
+        write(bare, tmp_path, also=("vtu",))
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
@@ -128,7 +130,7 @@ def test_without_the_option_the_report_has_no_picture_of_it(train: Findings) -> 
         return [getattr(item.block, "text", "") for item in document(train, also=also).body]
 
     assert "The twisted train" not in headings(())
-    assert "The twisted train" in headings(("twisted_train",))
+    assert "The twisted train" in headings(("vtu",))
 
 
 @pytest.mark.parametrize("asked", [False, True])

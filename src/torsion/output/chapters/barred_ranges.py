@@ -1,7 +1,7 @@
 """Chapter: barred speed ranges."""
 
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
 from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import band_words, barred, barred_rpm, rated
 
@@ -13,7 +13,7 @@ def chapter(findings: Findings) -> list[Block]:
         return []
     speed = rated(findings)
     columns = (
-        Column("Shaft", align="left"), Column("Critical speed", "rpm"), Column("λ = n/n_{rated}"),
+        texts("Shaft"), Column("Critical speed", "rpm"), Column("λ = n/n_{rated}"),
         Column("From", "rpm"),
         Column("To", "rpm"),
     )  # fmt: skip

@@ -5,7 +5,7 @@ from fractions import Fraction
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
 
@@ -59,8 +59,9 @@ def _list(findings: Findings) -> Table:
     """The critical speeds in the range, and how far they lie from the rated speed."""
     speed = rated(findings)
     columns = [
-        Column("Critical speed", "rpm"), Column("Order"), Column("Mode"), Column("Frequency", "Hz"),
-        *([Column("Distance from rated", "%")] if speed else []), Column("Sources", align="left"),
+        Column("Critical speed", "rpm", short="rpm"), Column("Order", short="order"), Column("Mode", short="mode"),
+        Column("Frequency", "Hz"),
+        *([Column("Distance from rated", "%")] if speed else []), texts("Sources", "excited by"),
     ]  # fmt: skip
     inside = sorted((c for c in findings.need(CriticalSpeeds).crossings if c.is_inside), key=lambda c: c.speed)
     rows = []
@@ -68,7 +69,8 @@ def _list(findings: Findings) -> Table:
         own = [number(100 * (c.speed / speed - 1), 3)] if speed else []
         rows.append((rpm(c.speed), order(c.order), str(c.mode), number(c.frequency), *own, ", ".join(c.sources)))
     rest = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
-    return Table(tuple(columns), tuple(rows), f"Critical speeds in the speed range{rest}")
+    title = "Critical speeds in the speed range"
+    return Table(tuple(columns), tuple(rows), title + rest, short=title)
 
 
 def _diagram(findings: Findings) -> dict[str, object]:

@@ -8,7 +8,7 @@ from torsion.analyses.damped import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, given, given_rpm, number
 from torsion.output.reported_values import rated
@@ -81,7 +81,7 @@ def _elements(findings: Findings) -> Table:
             number(viscous) if viscous else NONE,
         ))  # fmt: skip
     columns = (
-        Column("Element", align="left"), Column("As given", align="left"), Column("Loss factor η"),
+        texts("Element"), texts("As given"), Column("Loss factor η"),
         Column("Relative damping ψ"), Column("Magnifier M"), Column("Viscous c", "N m s/rad"),
     )  # fmt: skip
     return Table(columns, tuple(rows), "Internal damping")
@@ -101,8 +101,8 @@ def _grounds(findings: Findings) -> Table:
     system, speed = findings.system, rated(findings)
     at = f" at {given_rpm(speed)} rpm" if speed is not None else ""
     columns = (
-        Column("At", align="left"), Column("Model", align="left"), Column("Factor", align="left"),
-        Column(f"Value{at}", "N m s/rad"), Column("Source", align="left"),
+        texts("At"), texts("Model"), texts("Factor"),
+        Column(f"Value{at}", "N m s/rad"), texts("Source"),
     )  # fmt: skip
     rows = []
     for damper in system.dampers:

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
 from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm
@@ -71,8 +71,8 @@ def _flagged(findings: Findings) -> list[Block]:
     if not bad.size:
         return []
     columns = (
-        Column("Speed", "rpm"), Column("Periodic motion", align="left"), Column("Growth of deviations", "1/s"),
-        Column("Harmonic left out"), Column("Why", align="left"),
+        Column("Speed", "rpm"), texts("Periodic motion"), Column("Growth of deviations", "1/s"),
+        Column("Harmonic left out"), texts("Why"),
     )  # fmt: skip
     rows, marks = [], []
     told = told_apart([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
@@ -96,8 +96,8 @@ def _others(findings: Findings) -> list[Block]:
     if findings.need(PeriodicResponse).others is None:
         return []
     columns = (
-        Column("Speed", "rpm"), Column("Motion", align="left"), Column("Largest torque amplitude", "N m"),
-        Column("Order"), Column("in", align="left"), Column("Growth of deviations", "1/s"),
+        Column("Speed", "rpm"), texts("Motion"), Column("Largest torque amplitude", "N m"),
+        Column("Order"), texts("in"), Column("Growth of deviations", "1/s"),
     )  # fmt: skip
     rows = [
         (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
@@ -116,12 +116,13 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
 
     response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
     columns = (
-        Column("Element", align="left"), Column("Order"), Column("First order", unit.unit), Column("At speed", "rpm"),
-        Column("Exact", unit.unit), Column("At speed", "rpm"), Column("Difference", "%"),
-        Column("Remark", align="left"),
+        texts("Element", "element"), Column("Order", short="order"),
+        Column("First order", unit.unit, short=f"first order, {unit.unit}"), Column("At speed", "rpm"),
+        Column("Exact", unit.unit, short=f"exact, {unit.unit}"), Column("At speed", "rpm", short="at rpm"),
+        Column("Difference", "%", short="%"), texts("Remark", "remark"),
     )  # fmt: skip
     cells, marks = [], []
-    for row in rows[:MOST_ROWS]:
+    for row in sorted(rows, key=lambda row: row.order is not None)[:MOST_ROWS]:
         first = (NONE, NONE) if row.first is None else (
             unit.text(row.first[0]), rpm(float(response.speed[row.first[1]])))  # fmt: skip
         there = (NONE, NONE) if row.exact is None else (
@@ -138,7 +139,7 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
         f"First order against exact: largest torque over the speed range, of every order above 1 % and (all) of the "
         f"sum true to phase{rest}"
     )
-    return Table(columns, tuple(cells), caption, tuple(marks))
+    return Table(columns, tuple(cells), caption, tuple(marks), "Exact periodic response, largest torque")
 
 
 def _drawn(findings: Findings, rows: "tuple[Compared, ...]") -> list[Element]:

@@ -4,7 +4,7 @@ import math
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
 from torsion.output.numbers import NONE, degrees, given, given_rpm, number, order, scale
 from torsion.output.reported_values import reference
 from torsion.primitives import Torque
@@ -29,8 +29,8 @@ def chapter(findings: Findings) -> list[Block]:
 
 def _torques(findings: Findings) -> Table:
     columns = (
-        Column("At", align="left"), Column("Order, own shaft"), Column("Order, reference"), Column("Frequency", "Hz"),
-        Column("Amplitude (half range)", align="left"), Column("Phase", "deg"), Column("Source", align="left"),
+        texts("At"), Column("Order, own shaft"), Column("Order, reference"), Column("Frequency", "Hz"),
+        texts("Amplitude (half range)"), Column("Phase", "deg"), texts("Source"),
     )  # fmt: skip
     rows = []
     for torque in findings.study.train.torques:
@@ -66,7 +66,7 @@ def _amplitude(torque: Torque) -> str:
 def _lines(findings: Findings) -> Table:
     response = findings.need(Response)
     columns = (
-        Column("Order of the reference"), Column("Frequency over the range", "Hz"), Column("Sources", align="left"),
+        Column("Order of the reference"), Column("Frequency over the range", "Hz"), texts("Sources"),
     )  # fmt: skip
     rows = []
     for index, line in enumerate(response.lines):

@@ -7,7 +7,7 @@ from torsion.analyses.response.over_speed import asked_orders
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.chapters.resonance_peaks import peaks
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
@@ -105,7 +105,8 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     response, made = findings.need(Response), findings.get(Synthesis)
     mean = scale("N m", np.abs(response.mean).max(axis=0).tolist())
     columns = (
-        Column("Element", align="left"), Column("Synthesis, half range", unit.unit), Column("At speed", "rpm"),
+        texts("Element", "element"), Column("Synthesis, half range", unit.unit, short=unit.unit),
+        Column("At speed", "rpm", short="at rpm"),
         Column("Largest order there"), Column("Its torque", unit.unit), Column("RMS", unit.unit),
         Column("Sum of magnitudes", unit.unit), Column("Mean", mean.unit),
     )  # fmt: skip
@@ -127,8 +128,9 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
             unit.text(float(parts[at, line])), unit.text(float(made.rms[at, span])),
             unit.text(float(made.bound[at, span])), mean.text(float(response.mean[at, span])),
         ))  # fmt: skip
-    caption = f"Largest vibratory torque of every element over the speed range, {orders_together(findings)}"
-    return Table(columns, tuple(rows), caption)
+    together = orders_together(findings)
+    caption = f"Largest vibratory torque of every element over the speed range, {together}"
+    return Table(columns, tuple(rows), caption, short=f"Largest vibratory torque, {together}")
 
 
 def _line(response: Response, index: int) -> str:
@@ -138,7 +140,7 @@ def _line(response: Response, index: int) -> str:
 
 def _angles(findings: Findings, response: Response) -> Table:
     columns = (
-        Column("Station", align="left"), Column("Largest amplitude", "deg"), Column("Amplitude", "rad"),
+        texts("Station"), Column("Largest amplitude", "deg"), Column("Amplitude", "rad"),
         Column("Order"), Column("At speed", "rpm"), Column("Speed amplitude", "rpm"),
     )  # fmt: skip
     rows = []

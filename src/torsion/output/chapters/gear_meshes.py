@@ -6,7 +6,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, RPM, Scale, number, rpm, scale
 from torsion.output.reported_values import (
@@ -48,9 +48,9 @@ def _mean(findings: Findings, mesh: Element) -> FloatArray | None:
 
 def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -> Table:
     columns = (
-        Column("Mesh", align="left"), Column("Largest vibratory torque", unit.unit), Column("At speed", "rpm"),
+        texts("Mesh"), Column("Largest vibratory torque", unit.unit), Column("At speed", "rpm"),
         Column("Mean torque there", unit.unit), Column("Largest vibratory / mean"), Column("At speed", "rpm"),
-        Column("Load reverses", align="left"),
+        texts("Load reverses"),
     )  # fmt: skip
     speed = findings.need(Response).speed if findings.get(Response) is not None else np.zeros(0)
     rows, marks = [], []

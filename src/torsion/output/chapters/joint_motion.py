@@ -1,5 +1,6 @@
 """Chapter: universal joints: angles, planes and phases, what they do together, their couples and how they excite."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from torsion.analyses.joints.found import Joints
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table, texts
 from torsion.output.chapters import joint_figures, joint_tables, verdict
 from torsion.output.numbers import NONE, number, order, rpm
 from torsion.output.reported_values import NO_VALUE, joint_model, largest
@@ -28,14 +29,23 @@ MODEL = (
 
 
 def chapter(findings: Findings) -> list[Block]:
-    """Nothing without joints."""
+    """Nothing without joints; on the terminal the lines alone."""
+    return [
+        replace(block, short="") if isinstance(block, Table) and block.short != joint_tables.LINES
+        else replace(block, brief=False) if isinstance(block, Paragraph | Points) else block
+        for block in alone(findings)
+    ]  # fmt: skip
+
+
+def alone(findings: Findings) -> list[Block]:
+    """The same, on the terminal with every table."""
     found = findings.get(Joints)
     if found is None or not found.joints:
         return []
     blocks: list[Block] = [Heading("Universal joints"), joint_tables.geometry(found), joint_tables.alone(found)]
     blocks += [*_together(found), *_couples(found), *_best(found), *_response(findings, found)]
     if found.remarks:
-        blocks += [Heading("What could not be said of the joints", 2), Points(found.remarks)]
+        blocks += [Heading("What could not be said of the joints", 2), Points(found.remarks, brief=True)]
     return blocks
 
 
@@ -82,7 +92,7 @@ def _response(findings: Findings, found: "Joints") -> list[Block]:
     if findings.get(Response) is None or not findings.need(Response).lines or not exciting:
         return []
     columns = (
-        Column("Joint", align="left"), Column("Line"), Column("Largest torque through the joint", "N m"),
+        texts("Joint"), Column("Line"), Column("Largest torque through the joint", "N m"),
         Column("At speed", "rpm"), Column("Estimated model error there", "%"),
     )  # fmt: skip
     rows = [row for joint in exciting for row in _answers(findings, joint)]

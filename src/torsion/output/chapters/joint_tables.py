@@ -4,12 +4,19 @@ import cmath
 import math
 from typing import TYPE_CHECKING
 
-from torsion.output.blocks import Block, Column, Paragraph, Table
+import numpy as np
+
+from torsion.analyses.joints.found import Joints
+from torsion.findings import Findings
+from torsion.kernels.tree import FloatArray
+from torsion.output.blocks import Block, Column, Paragraph, Table, texts
 from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import JointFound, Joints, LineFound, OptimumFound
+    from torsion.analyses.joints.joints import JointFound, LineFound, OptimumFound
 
+Series = tuple[str, FloatArray]  # title with unit; (angles,)
+LINES = "Joints of a shaft line as one: angle, speed ratios, index"  # on the terminal
 STILL = 1e-12  # rad: an amplitude or an index below it is rounding of angles of order one
 COUPLES = (
     "Secondary couples on the shafts, for the mean torque in the joint's driving shaft: amplitudes are half ranges of "
@@ -21,8 +28,9 @@ ASSEMBLY = "1 deg"  # of error, for which the sensitivity is told
 def geometry(joints: "Joints") -> Table:
     """Kind, angle, plane and phase of every joint."""
     columns = (
-        Column("Joint", align="left"), Column("Kind", align="left"), Column("Angle β", "deg"),
-        Column("Plane to the previous joint's", "deg"), Column("Phase of the yokes", "deg"),
+        texts("Joint", "joint"), texts("Kind", "kind"), Column("Angle β", "deg", short="angle"),
+        Column("Plane to the previous joint's", "deg", short="plane"),
+        Column("Phase of the yokes", "deg", short="phase"),
         Column("Driving yoke from its plane at angle zero", "deg"), Column("q = tan²(β/2)"),
     )  # fmt: skip
     leading = {line.joints[0] for line in joints.lines}
@@ -35,14 +43,15 @@ def geometry(joints: "Joints") -> Table:
         )
         for k, joint in enumerate(joints.joints)
     )  # fmt: skip
-    return Table(columns, rows, "Angles of the joints")
+    return Table(columns, rows, "Angles of the joints", short="Universal joints, angles in deg")
 
 
 def alone(joints: "Joints") -> Table:
     """Transmission error and unevenness of every joint by itself."""
     columns = (
-        Column("Joint", align="left"), Column("Order, own shaft"), Column("Order, reference"),
-        Column("Error amplitude", "rad"), Column("Error amplitude", "deg"), Column("Its phase", "deg"),
+        texts("Joint", "joint"), Column("Order, own shaft", short="order"), Column("Order, reference"),
+        Column("Error amplitude", "rad"), Column("Error amplitude", "deg", short="error, deg"),
+        Column("Its phase", "deg"),
         Column("Unevenness", "%"),
     )  # fmt: skip
     rows = []
@@ -54,16 +63,16 @@ def alone(joints: "Joints") -> Table:
     caption = (
         "Each joint by itself: transmission error, and unevenness (largest less smallest driven speed, over the mean)"
     )
-    return Table(columns, tuple(rows), caption)
+    return Table(columns, tuple(rows), caption, short="Each joint by itself: transmission error")
 
 
 def lines(joints: "Joints") -> Table:
     """The joints of each shaft line as one."""
     columns = (
-        Column("Joints", align="left"), Column("Resultant angle", "deg"), Column("Small-angle sum", "deg"),
-        Column("Phase", "deg"),
-        Column("Greatest speed ratio"), Column("at", "deg"), Column("Least"), Column("at", "deg"),
-        Column("Index of fluctuation", "%"),
+        texts("Joints", "joints"), Column("Resultant angle", "deg", short="as one, deg"),
+        Column("Small-angle sum", "deg", short="small-angle"), Column("Phase", "deg"),
+        Column("Greatest speed ratio", short="greatest"), Column("at", "deg"), Column("Least", short="least"),
+        Column("at", "deg"), Column("Index of fluctuation", "%", short="index, %"),
     )  # fmt: skip
     rows = []
     for line in joints.lines:
@@ -77,7 +86,7 @@ def lines(joints: "Joints") -> Table:
     caption = (
         "Joints of one shaft line as one cross joint, everything between them taken as rigid; angles of its first shaft"
     )
-    return Table(columns, tuple(rows), caption)
+    return Table(columns, tuple(rows), caption, short=LINES)
 
 
 def at_speed(joints: "Joints") -> Table | None:
@@ -86,8 +95,9 @@ def at_speed(joints: "Joints") -> Table | None:
     if not known:
         return None
     columns = (
-        Column("Joint", align="left"), Column("Mean speed", "rpm"), Column("Greatest behind it", "rpm"),
-        Column("Least", "rpm"), Column("Largest acceleration behind it", "rad/s²"), Column("Speed × angle", "deg/min"),
+        texts("Joint", "joint"), Column("Mean speed", "rpm", short="rpm"), Column("Greatest behind it", "rpm"),
+        Column("Least", "rpm"), Column("Largest acceleration behind it", "rad/s²", short="rad/s² behind"),
+        Column("Speed × angle", "deg/min"),
     )  # fmt: skip
     rows = []
     for joint in known:
@@ -99,7 +109,7 @@ def at_speed(joints: "Joints") -> Table | None:
             number(speed * RPM * math.degrees(joint.angle)),
         ))  # fmt: skip
     caption = "Speed and acceleration of the shaft behind each joint, the first shaft of the line turning evenly"
-    return Table(columns, tuple(rows), caption)
+    return Table(columns, tuple(rows), caption, short="Speed and acceleration behind each joint")
 
 
 def couples(joints: "Joints") -> Table | None:
@@ -111,10 +121,12 @@ def couples(joints: "Joints") -> Table | None:
     unit = scale("N m", [couple.largest for _, couple in known])
     torque = scale("N m", [abs(joint.torque or 0.0) for joint, _ in known])
     columns = [
-        Column("Joint", align="left"), Column("Shaft", align="left"), Column("Torque", torque.unit),
-        Column("Mean", unit.unit), Column("Order"), Column("Amplitude, normal", unit.unit),
-        Column("Amplitude, in plane", unit.unit), Column("Largest", unit.unit),
-        *([Column("Bearings", "N")] if held else []), *([Column("Force across", "N")] if pushed else []),
+        texts("Joint", "joint"), texts("Shaft", "on the shaft"), Column("Torque", torque.unit),
+        Column("Mean", unit.unit, short="mean"), Column("Order", short="order"),
+        Column("Amplitude, normal", unit.unit, short="normal"),
+        Column("Amplitude, in plane", unit.unit, short="in plane"), Column("Largest", unit.unit, short="largest"),
+        *([Column("Bearings", "N", short="bearing, N")] if held else []),
+        *([Column("Force across", "N")] if pushed else []),
     ]  # fmt: skip
     rows = []
     for joint, couple in known:
@@ -125,7 +137,7 @@ def couples(joints: "Joints") -> Table | None:
             normal, plane, unit.text(couple.largest), *([number(couple.bearing)] if held else []),
             *([number(joint.force) if joint.force else NONE] if pushed else []),
         ))  # fmt: skip
-    return Table(tuple(columns), tuple(rows), COUPLES)
+    return Table(tuple(columns), tuple(rows), COUPLES, short=f"Secondary couples, {unit.unit}")
 
 
 def optimum(joints: "Joints", line: "LineFound") -> list[Block]:
@@ -134,11 +146,13 @@ def optimum(joints: "Joints", line: "LineFound") -> list[Block]:
     if found is None:
         return []
     columns = (
-        Column("Joint", align="left"), Column(f"{found.variable.capitalize()} now", "deg"), Column("Best", "deg"),
-        Column(f"Index if {ASSEMBLY} off the best", "%"),
+        texts("Joint", "joint"), Column(f"{found.variable.capitalize()} now", "deg", short="now"),
+        Column("Best", "deg", short="best"),
+        Column(f"Index if {ASSEMBLY} off the best", "%", short=f"index if {ASSEMBLY} off, %"),
     )  # fmt: skip
     rows = best_rows(found)
-    return [Table(columns, rows, f"Best {found.variable} of {names(joints, line)}"), Paragraph(gained(found))]
+    title = f"Best {found.variable} of {names(joints, line)}"
+    return [Table(columns, rows, title, short=f"{title}, deg"), Paragraph(gained(found), brief=True)]
 
 
 def best_rows(found: "OptimumFound") -> tuple[tuple[str, ...], ...]:
@@ -189,3 +203,31 @@ def _percent(value: float) -> str:
 def _angle(value: float) -> str:
     """A resultant angle; its square is the amplitude that rounding is judged by."""
     return number(math.degrees(value), below_right(value)) if value * value > STILL else "0"
+
+
+def columns(findings: Findings) -> list[Series]:
+    """Motion and couples of every joint over the angle of the first shaft, title with unit and values."""
+    found = findings.need(Joints)
+    curves = [curve for joint in found.joints for curve in _curves(joint)]
+    return [("angle of first shaft [deg]", np.degrees(found.angle)), *curves]
+
+
+def _curves(joint: "JointFound") -> list[Series]:
+    """Motion, torque ratio and couples; speeds and accelerations where the speed is known, else as ratios."""
+    name = joint.name
+    made: list[Series] = [
+        (f"{name} error [deg]", np.degrees(joint.error)),
+        (f"{name} speed ratio [1]", joint.speed_ratio),
+    ]
+    if joint.speed is None:
+        made.append((f"{name} acceleration / speed² [1/rad]", joint.acceleration))
+    else:
+        made.append((f"{name} speed [rpm]", joint.speed_ratio * joint.speed * RPM))
+        made.append((f"{name} acceleration [rad/s²]", joint.acceleration * joint.speed**2))
+    made.append((f"{name} torque ratio [1]", joint.torque_ratio))
+    for couple in joint.couples:
+        made.append((f"{name} couple on {couple.shaft} shaft about normal [N m]", couple.normal))
+        made.append((f"{name} couple on {couple.shaft} shaft in plane [N m]", couple.inplane))
+        if couple.yoke is not None:
+            made.append((f"{name} couple on {couple.shaft} shaft in turning yoke [N m]", couple.yoke))
+    return made

@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Column, Table
+from torsion.output.blocks import Column, Table, texts
 from torsion.output.numbers import NONE, RPM, number, rpm, scale
 from torsion.output.reported_values import NO_VALUE, largest
 
@@ -23,8 +23,8 @@ MICRO = 1e6
 def shafts(found: "tuple[ShaftFound, ...]") -> Table:
     """Length, what holds it, and the lowest frequency of both planes without rotation."""
     columns = (
-        Column("Shaft", align="left"), Column("Length", "m"), Column("Speed / reference"),
-        Column("Held by", align="left"), Column("Lowest frequency at rest, y", "Hz"), Column("z", "Hz"),
+        texts("Shaft"), Column("Length", "m"), Column("Speed / reference"),
+        texts("Held by"), Column("Lowest frequency at rest, y", "Hz"), Column("z", "Hz"),
     )  # fmt: skip
     rows = tuple(
         (
@@ -40,11 +40,12 @@ def shafts(found: "tuple[ShaftFound, ...]") -> Table:
 def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
     """Speeds of the reference at which an order of a shaft meets one of its bending frequencies."""
     columns = (
-        Column("Shaft", align="left"), Column("Order"), Column("Mode"), Column("Critical speed", "rpm"),
-        Column("Frequency", "Hz"), Column("Whirl", align="left"), Column("Damping ratio"), Column("In the range"),
+        texts("Shaft", "shaft"), Column("Order", short="order"), Column("Mode"),
+        Column("Critical speed", "rpm", short="rpm"), Column("Frequency", "Hz", short="Hz"), texts("Whirl", "whirl"),
+        Column("Damping ratio", short="damping ratio"), Column("In the range", short="in range"),
     )  # fmt: skip
     told = [(shaft, one) for shaft in found for one in near(shaft, speeds)]
-    rows = [(*critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in told]
+    rows = [(*_critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in told]
     marks = tuple("note" if row[-1] == "yes" else "" for row in rows)
     caption = (
         "Critical bending speeds: orders count turns of the shaft (1: unbalance; others: its joints' couples), speeds "
@@ -52,13 +53,15 @@ def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
     )
     if speeds is not None:
         caption += f"; above {number(FARTHEST * speeds[1] * RPM)} rpm only the lowest two of an order"
-    return Table(columns, tuple(rows), caption, marks)
+    return Table(columns, tuple(rows), caption, marks, "Critical bending speeds")
 
 
-def critical_row(shaft: "ShaftFound", one: "Critical") -> tuple[str, ...]:
-    """Shaft, order, mode, reference rpm, Hz, sense of whirl, damping ratio."""
+def _critical_row(shaft: "ShaftFound", one: "Critical") -> tuple[str, ...]:
+    """Shaft and whether it is unstable, order, mode, reference rpm, Hz, sense of whirl, damping ratio."""
+    grows = shaft.whirl is not None and bool(unstable(shaft.whirl.log_decrement).any())
+    grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
     return (
-        shaft.name, str(one.order), str(one.mode), rpm(one.speed / float(shaft.ratio)), number(one.frequency),
+        f"{shaft.name} (UNSTABLE)" if grows else shaft.name, str(one.order), str(one.mode), rpm(one.speed / float(shaft.ratio)), number(one.frequency),
         sense(one.direction), number(one.damping_ratio, 3),
     )  # fmt: skip
 
@@ -93,9 +96,9 @@ def sense(direction: float) -> str:
 def whirl(found: "tuple[ShaftFound, ...]") -> Table | None:
     """Frequencies at both ends of the range, and whether the motion dies out; None where no speeds are given."""
     columns = (
-        Column("Shaft", align="left"), Column("Mode"), Column("Frequency at the lowest speed", "Hz"),
-        Column("at the highest", "Hz"), Column("Whirl at the highest", align="left"),
-        Column("Least log. decrement"), Column("at", "rpm"), Column("Stability", align="left"),
+        texts("Shaft"), Column("Mode"), Column("Frequency at the lowest speed", "Hz"),
+        Column("at the highest", "Hz"), texts("Whirl at the highest"),
+        Column("Least log. decrement"), Column("at", "rpm"), texts("Stability"),
     )  # fmt: skip
     rows, marks = [], []
     for shaft in found:
@@ -145,7 +148,7 @@ def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
         return None
     unit = scale("N m", [_top(sound(one, extent(one.moment))) for _, one in told])
     columns = (
-        Column("Shaft", align="left"), Column("Order"), Column("Largest displacement", "µm"), Column("at", "m"),
+        texts("Shaft"), Column("Order"), Column("Largest displacement", "µm"), Column("at", "m"),
         Column("at", "rpm"), Column("Largest bending moment", unit.unit), Column("at", "m"), Column("at", "rpm"),
         Column("Speeds without reliable answer"),
     )  # fmt: skip
@@ -172,7 +175,7 @@ def forces(found: "tuple[ShaftFound, ...]") -> Table | None:
         return None
     unit = scale("N", [_top(sound(one, extent(one.force))) for _, one in told])
     columns = (
-        Column("Shaft", align="left"), Column("On", align="left"), Column("At", "m"), Column("Order"),
+        texts("Shaft"), texts("On"), Column("At", "m"), Column("Order"),
         Column("Largest force", unit.unit), Column("at", "rpm"),
     )  # fmt: skip
     rows = []

@@ -8,7 +8,7 @@ from torsion.analyses.requests import has_inertia
 from torsion.assembly.section.resolved import stress_modulus
 from torsion.components.propeller import Propeller
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, exact, given, number, scale
 from torsion.primitives import Bar, SectionMesh
@@ -62,9 +62,9 @@ def _inertias(findings: Findings) -> Table:
             "held" if held else number(inertia * ratio**2, 6), _source(findings, station.part),
         ))  # fmt: skip
     columns = (
-        Column("No."), Column("Station", align="left"), Column("J given, own", "kg m²"),
+        Column("No."), texts("Station"), Column("J given, own", "kg m²"),
         Column("J with shaft share, own", "kg m²"), Column("Speed ratio i"), Column("J referred", "kg m²"),
-        Column("Source", align="left"),
+        texts("Source"),
     )  # fmt: skip
     return Table(columns, tuple(rows), "Inertias")
 
@@ -97,10 +97,10 @@ def _springs(findings: Findings) -> Table:
             referred, *_losses(findings, element), _source(findings, element.part),
         ))  # fmt: skip
     columns = (
-        Column("Element", align="left"), Column("Kind", align="left"), Column("Between", align="left"),
+        texts("Element"), texts("Kind"), texts("Between"),
         Column("k own", unit.unit), Column("Flexibility own", "rad/(N m)"), Column("i"),
         Column("k referred", unit.unit),
-        Column("Loss factor"), Column("Viscous", "N m s/rad"), Column("Source", align="left"),
+        Column("Loss factor"), Column("Viscous", "N m s/rad"), texts("Source"),
     )  # fmt: skip
     return Table(columns, tuple(rows), "Elastic elements")
 
@@ -128,9 +128,9 @@ def _shafts(findings: Findings) -> Table:
             given(bar.density), str(findings.system.segments.get(bar.name, 1)), _source(findings, bar.part),
         ))  # fmt: skip
     columns = (
-        Column("Shaft", align="left"), Column("d", "mm"), Column("d_{i}", "mm"), Column("Length", "mm"),
-        Column("W_{p}", "mm³"), Column("J of the shaft", "kg m²"), Column("Material", align="left"),
-        Column("G", "GPa"), Column("ρ", "kg/m³"), Column(_pieces(findings)), Column("Source", align="left"),
+        texts("Shaft"), Column("d", "mm"), Column("d_{i}", "mm"), Column("Length", "mm"),
+        Column("W_{p}", "mm³"), Column("J of the shaft", "kg m²"), texts("Material"),
+        Column("G", "GPa"), Column("ρ", "kg/m³"), Column(_pieces(findings)), texts("Source"),
     )  # fmt: skip
     return Table(columns, tuple(rows), "Dimensions of the shafts (of a cone, the smallest W_{p})")
 

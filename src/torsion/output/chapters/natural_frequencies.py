@@ -8,7 +8,7 @@ from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.chapters.holzer_table import holzer_table
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import number, rpm
@@ -62,8 +62,9 @@ def _introduction(modes: Modes) -> Paragraph:
 
 def _frequencies(modes: Modes) -> Table:
     columns = (
-        Column("Mode"), Column("Frequency", "Hz"), Column("Per minute", "1/min"), Column("Angular", "rad/s"),
-        Column("Nodes"), Column("Lower bound", "Hz"), Column("Upper bound", "Hz"), Column("Width / frequency"),
+        Column("Mode", short="mode"), Column("Frequency", "Hz", short="Hz"),
+        Column("Per minute", "1/min", short="per minute"), Column("Angular", "rad/s"), Column("Nodes", short="nodes"),
+        Column("Lower bound", "Hz"), Column("Upper bound", "Hz"), Column("Width / frequency"),
     )  # fmt: skip
     rows = []
     for index, f in enumerate(modes.frequency.tolist()):
@@ -72,7 +73,7 @@ def _frequencies(modes: Modes) -> Table:
             str(index + 1), number(f, 7), number(per_minute(f), 7), number(2 * math.pi * f, 7),
             str(int(modes.nodes[index])), number(low, 10), number(high, 10), number((high - low) / f, 2),
         ))  # fmt: skip
-    return Table(columns, tuple(rows), "Natural frequencies of the undamped train")
+    return Table(columns, tuple(rows), "Natural frequencies of the undamped train", short="Natural frequencies")
 
 
 def _damped(findings: Findings) -> list[Block]:
@@ -80,7 +81,8 @@ def _damped(findings: Findings) -> list[Block]:
     if damped is None:
         return []
     columns = (
-        Column("Mode"), Column("Frequency", "Hz"), Column("Per minute", "1/min"), Column("Damping ratio", "%"),
+        Column("Mode", short="mode"), Column("Frequency", "Hz", short="Hz"),
+        Column("Per minute", "1/min", short="per minute"), Column("Damping ratio", "%", short="damping ratio, %"),
         Column("Magnifier 1/(2ζ)"), Column("Decay", "1/s"),
     )  # fmt: skip
     rows = []
@@ -91,7 +93,8 @@ def _damped(findings: Findings) -> list[Block]:
             number(0.5 / ratio if ratio > 0 else math.inf, 4), number(-float(damped.eigenvalue[index].real), 4),
         ))  # fmt: skip
     at = f", damping as at {rpm(damped.speed)} rpm" if damped.speed > 0 else ""
-    blocks: list[Block] = [Table(columns, tuple(rows), f"Damped natural frequencies{at}")]
+    title = f"Damped natural frequencies{at}"
+    blocks: list[Block] = [Table(columns, tuple(rows), title, short=title)]
     if len(damped.overdamped):
         roots = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:8])
         more = ", …" if len(damped.overdamped) > 8 else ""
@@ -101,7 +104,7 @@ def _damped(findings: Findings) -> list[Block]:
 
 def _shares(findings: Findings, modes: Modes) -> Table:
     shown = min(len(modes.frequency), MOST_MODES)
-    columns = (Column("Part", align="left"), *(Column(f"Mode {m + 1}", "%") for m in range(shown)))
+    columns = (texts("Part"), *(Column(f"Mode {m + 1}", "%") for m in range(shown)))
     rows = [_share_row(f"kinetic: {name}", values) for name, values in _kinetic(findings, modes, shown)]
     for element in elements(findings.system):
         share = modes.elastic[list(element.spans), :shown].sum(axis=0)

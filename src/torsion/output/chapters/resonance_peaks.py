@@ -9,7 +9,7 @@ from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Column, Table
+from torsion.output.blocks import Column, Table, texts
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, Scale, number, order, rpm
 from torsion.output.reported_values import amplitude
@@ -58,9 +58,9 @@ def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
     found = found_peaks(findings, elements)
     kept = sorted(found, key=lambda peak: -peak.torque * peak.element.ratio)[:MOST_ROWS]
     columns = (
-        Column("Element", align="left"), Column("Line"), Column("Torque amplitude", unit.unit),
+        texts("Element"), Column("Line"), Column("Torque amplitude", unit.unit),
         Column("At speed", "rpm"),
-        Column("Frequency", "Hz"), Column("Mode"), Column("Sources", align="left"),
+        Column("Frequency", "Hz"), Column("Mode"), texts("Sources"),
     )  # fmt: skip
     rows = []
     for peak in (peak for peak in found if peak in kept):

@@ -6,7 +6,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.assembly.section.resolved import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import NO_VALUE, barred, largest, orders_together, rated_rpm, unreliable
 from torsion.primitives import Bar
@@ -83,7 +83,7 @@ def _stress(findings: Findings, bar: Bar) -> FloatArray:
 def _table(findings: Findings, curves: dict[str, Curves]) -> Table:
     limited = any(curve.continuous is not None for curve in curves.values())
     columns = (
-        Column("Shaft", align="left"), Column("Role", align="left"), Column("Largest stress", "N/mm²"),
+        texts("Shaft"), texts("Role"), Column("Largest stress", "N/mm²"),
         Column("At speed", "rpm"), *(LIMITS if limited else ()),
     )  # fmt: skip
     rows = []

@@ -5,7 +5,7 @@ import numpy as np
 from torsion.analyses.motion.map import StabilityMap
 from torsion.analyses.motion.stability import Stability
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.chapters.unstable_ranges import ABOVE, BELOW, beyond, end, fastest, legend
 from torsion.output.numbers import NONE, RPM, counted, number, rpm, told_apart
 from torsion.output.reported_values import rated_rpm, reference
@@ -82,13 +82,14 @@ def _verdict(findings: Findings, found: "Stability") -> Paragraph:
 def _ranges(findings: Findings, found: "Stability") -> Table:
     speeds = findings.study.operation.speeds
     columns: tuple[Column, ...] = (
-        Column("From", "rpm"), Column("To", "rpm"), Column("Type", align="left"), Column("Largest growth", "1/s"),
-        Column("At speed", "rpm"), Column("Factor per turn"), Column("Within the operation", align="left"),
+        Column("From", "rpm", short="from rpm"), Column("To", "rpm", short="to rpm"), texts("Type", "type"),
+        Column("Largest growth", "1/s", short="growth, 1/s"), Column("At speed", "rpm", short="at rpm"),
+        Column("Factor per turn"), texts("Within the operation", "operation"),
     )  # fmt: skip
     shown = found.ranges[:MOST_ROWS]
     further = any(beyond(one) for one in shown)
     if further:
-        columns += (Column("Beyond its ends", align="left"),)
+        columns += (texts("Beyond its ends"),)
     rows, marks = [], []
     for one in shown:
         inside = speeds is None or one.meets(speeds.first, speeds.last)
@@ -99,8 +100,8 @@ def _ranges(findings: Findings, found: "Stability") -> Table:
         ))  # fmt: skip
         marks.append("fail" if inside else "note")
     rest = f"; {MOST_ROWS} of {len(found.ranges)}" if len(found.ranges) > MOST_ROWS else ""
-    caption = f"Unstable ranges of speed{legend(shown)}{rest}"
-    return Table(columns, tuple(rows), caption, tuple(marks))
+    title = f"Unstable ranges of speed{legend(shown)}"
+    return Table(columns, tuple(rows), title + rest, tuple(marks), title)
 
 
 def _unsolved(found: "Stability") -> Table:
@@ -108,7 +109,7 @@ def _unsolved(found: "Stability") -> Table:
     rest = f"; {MOST_ROWS} of {found.unsolved.size}" if found.unsolved.size > MOST_ROWS else ""
     told = told_apart([speed * RPM for speed in speeds])
     rows = tuple((speed, "no periodic motion was found: nothing can be said of its stability") for speed in told)
-    columns = (Column("Speed", "rpm"), Column("Remark", align="left"))
+    columns = (Column("Speed", "rpm"), texts("Remark"))
     return Table(columns, rows, f"Speeds without an answer{rest}", ("fail",) * len(rows))
 
 
@@ -162,7 +163,7 @@ def _values(found: "StabilityMap", what: str, unit: str, value: np.ndarray) -> T
     """The fastest growth at values spread over the map."""
     columns = (
         Column(what.capitalize(), unit), Column("Largest growth", "1/s"), Column("At speed", "rpm"),
-        Column("Speeds unstable", "%"), Column("Without an answer", "%"), Column("", align="left"),
+        Column("Speeds unstable", "%"), Column("Without an answer", "%"), texts(""),
     )  # fmt: skip
     rows, marks = [], []
     for k in np.unique(np.linspace(0, len(value) - 1, MOST_VALUES).round().astype(int)).tolist():

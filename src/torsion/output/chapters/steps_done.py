@@ -1,7 +1,7 @@
 """Chapter: what was done, how, of what size and in what time; what was left out and why."""
 
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, KeyValues, Table
+from torsion.output.blocks import Block, Column, Heading, KeyValues, Table, texts
 from torsion.output.numbers import number
 
 
@@ -9,13 +9,13 @@ def chapter(findings: Findings) -> list[Block]:
     """Always printed."""
     plan = findings.plan
     columns = (
-        Column("Step", align="left"), Column("Method", align="left"), Column("Size", align="left"),
-        Column("Time", "ms"), Column("Why", align="left"),
+        texts("Step"), texts("Method"), texts("Size"),
+        Column("Time", "ms"), texts("Why"),
     )  # fmt: skip
     rows = tuple((line.what, line.method, line.size, number(1e3 * line.seconds, 3), line.why) for line in plan.done)
     blocks: list[Block] = [Heading("What was computed"), Table(columns, rows, "Steps that were done")]
     if plan.left_out:
-        left = Column("Left out", align="left"), Column("Why", align="left")
+        left = texts("Left out"), texts("Why")
         blocks.append(Table(left, tuple(plan.left_out), "Left out"))
     if plan.versions:
         blocks.append(KeyValues(tuple(plan.versions.items())))

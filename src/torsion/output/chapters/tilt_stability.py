@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
 from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import rated_rpm
 from torsion.rules.check import Checks
@@ -42,7 +42,7 @@ def zone_name(zone: "Zone") -> str:
 
 def _bodies(told: "list[tuple[ShaftFound, Tilting]]") -> Table:
     columns = (
-        Column("Shaft", align="left"), Column("Driven by", align="left"), Column("Transverse inertia", "kg m²"),
+        texts("Shaft"), texts("Driven by"), Column("Transverse inertia", "kg m²"),
         Column("Polar inertia", "kg m²"), Column("Frequency of the tilt, y", "Hz"), Column("z", "Hz"),
         Column("Decay rate, y", "1/s"), Column("z", "1/s"),
     )  # fmt: skip
@@ -75,8 +75,8 @@ def _verdict(findings: Findings) -> list[Block]:
 def _zones(findings: Findings, told: "list[tuple[ShaftFound, Tilting]]") -> Table:
     speeds = findings.study.operation.speeds
     columns = (
-        Column("Shaft", align="left"), Column("From", "rpm"), Column("To", "rpm"), Column("Type", align="left"),
-        Column("Largest growth", "1/s"), Column("At speed", "rpm"), Column("Within the operation", align="left"),
+        texts("Shaft"), Column("From", "rpm"), Column("To", "rpm"), texts("Type"),
+        Column("Largest growth", "1/s"), Column("At speed", "rpm"), texts("Within the operation"),
     )  # fmt: skip
     rows, marks = [], []
     for shaft, tilting in told:

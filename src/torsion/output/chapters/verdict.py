@@ -7,22 +7,22 @@ from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.motion.stability import Stability
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Table
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Table, on_terminal, texts
 from torsion.output.chapters.model_comparison import conclusion as compared_models
 from torsion.output.numbers import RPM, given, number, order, rpm
 from torsion.output.reported_values import band_words, barred_rpm, failed, unreliable
 from torsion.rules.check import TO_BE_VERIFIED, Check, Checks
 
 COLUMNS = (
-    Column("Check", align="left"), Column("Component", align="left"), Column("Worst value"), Column("Limit"),
-    Column("Unit", align="left"), Column("At speed", "rpm"), Column("Order"), Column("Limit from", align="left"),
-    Column("Verdict", align="left"),
+    texts("Check"), texts("Component", "component"), texts("Clause", "check"), Column("Worst value", short="value"),
+    Column("Limit", short="limit"), texts("Unit", "unit"), Column("At speed", "rpm", short="at rpm"), Column("Order"),
+    texts("Limit from", "limit from"), texts("Verdict", "verdict"),
 )  # fmt: skip
 
 
 def chapter(findings: Findings) -> list[Block]:
     """The verdict comes first in every report."""
-    blocks: list[Block] = [Heading("Verdict")]
+    blocks: list[Block] = [Heading("Verdict", at_end=True)]
     if findings.need(Checks).lines:
         rows = tuple(_row(check) for check in findings.need(Checks).lines)
         marks = tuple(check.verdict for check in findings.need(Checks).lines)
@@ -33,13 +33,19 @@ def chapter(findings: Findings) -> list[Block]:
                 "Checks against the rules asked, each at its worst point; without an order: all orders together, "
                 "or none",
                 marks,
+                "Checks, each at its worst point",
             )
         )
-    blocks.extend(conclusion(findings))
+    blocks.extend(on_terminal(conclusion(findings)))
     notes = _notes(findings)
     if notes:
         blocks.extend([Heading("Remarks on the checks", 2), Points(notes)])
     return blocks
+
+
+def judged(findings: Findings) -> list[Block]:
+    """The same; nothing where no rule judged."""
+    return chapter(findings) if findings.need(Checks).lines else []
 
 
 def conclusion(findings: Findings) -> list[Block]:
@@ -68,10 +74,10 @@ def _row(check: Check) -> tuple[str, ...]:
     limit = "none" if np.isnan(check.limit) else sign + given(check.limit)
     nothing = "no answer" if check.clause == "stability" else "no finite value"
     value = nothing if np.isinf(check.value) else number(check.value)
-    what = f"{check.what} ({check.rule}, {check.clause})"
+    what = f"{check.what} ({check.rule})"
     unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
     at = rpm(check.speed), order(check.order)
-    return what, check.where, value, limit, unit, *at, check.standing, check.verdict.upper()
+    return what, check.where, check.clause, value, limit, unit, *at, check.standing, check.verdict.upper()
 
 
 def _overall(findings: Findings) -> Paragraph:

@@ -1,11 +1,13 @@
 """The mode shapes as modes.vtu, which ParaView opens: the train as a surface, with what each mode does to it."""
 
+import tempfile
 from pathlib import Path
 
 import numpy as np
 
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
+from torsion.output.document import Document
 from torsion.output.surface.surface import Rings, all_rings, angles, shapes, surface, torques, turned
 
 NAME = "modes.vtu"
@@ -13,10 +15,11 @@ AROUND, LEAST_AROUND = 48, 12  # points on a ring
 MOST_NUMBERS = 30_000_000  # in the file
 
 
-def write_vtu(findings: Findings, folder: Path) -> Path:
-    """Write modes.vtu into the folder; raises InputError where there is no mode, or more than such a file can hold."""
+def vtu(document: Document) -> bytes:
+    """The file; raises InputError where there is no mode, or more than such a file can hold."""
     import meshio
 
+    findings = document.source
     modes, rings = shapes(findings), all_rings(findings.system)
     count = modes.frequency.size
     made = surface(rings, _around(findings, rings, count))
@@ -37,9 +40,10 @@ def write_vtu(findings: Findings, folder: Path) -> Path:
         at_cells[f"{name}_torque"] = split(torque)
         if np.isfinite(rings.modulus).any():
             at_cells[f"{name}_stress"] = split(torque / rings.modulus)
-    path = folder / NAME
-    meshio.Mesh(made.points, cells, point_data=at_points, cell_data=at_cells).write(path, file_format="vtu")
-    return path
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / NAME
+        meshio.Mesh(made.points, cells, point_data=at_points, cell_data=at_cells).write(path, file_format="vtu")
+        return path.read_bytes()
 
 
 def _around(findings: Findings, rings: Rings, modes: int) -> int:

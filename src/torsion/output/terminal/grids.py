@@ -1,15 +1,13 @@
 """Tables and sentences on the terminal: words may be cut, numbers never."""
 
-import numpy as np
+from itertools import zip_longest
+
 from rich.box import SIMPLE
 from rich.console import OverflowMethod, RenderableType
 from rich.table import Table as Grid
 from rich.text import Text
 
-from torsion.findings import Findings
-from torsion.output.blocks import Block, Paragraph, Points
-from torsion.output.numbers import given, number, rpm
-from torsion.rules.check import Checks
+from torsion.output.blocks import Block, Paragraph, Points, Table
 
 COLOURS = {
     "pass": "green",
@@ -43,17 +41,16 @@ def filled(made: Grid, rows: list[list[str]]) -> Grid:
     return made
 
 
-def verdicts(findings: Findings) -> Grid:
-    """The checks in a line each."""
-    heads = (("verdict", "<"), ("component", "<"), ("check", "<"), ("value", ">"), ("limit", ">"), ("unit", "<"))
-    made = grid("Checks, each at its worst point", *heads, ("at rpm", ">"), ("limit from", "<"))
-    for check in findings.need(Checks).lines:
-        limit = "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit, 4)
-        unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
-        word = Text(check.verdict.upper(), style=COLOURS[check.verdict])
-        value = "no answer" if np.isinf(check.value) else number(check.value, 4)
-        cells = (check.where, check.clause, value, limit, unit, rpm(check.speed, 4), check.standing)
-        made.add_row(word, *(Text(cell) for cell in cells))
+def in_short(table: Table) -> Grid:
+    """A table of the report in its short form; marks colour the last cell of their row."""
+    kept = [k for k, column in enumerate(table.columns) if column.short]
+    heads = [(table.columns[k].short, "<" if table.columns[k].align == "left" else ">") for k in kept]
+    made = grid(plain(table.short), *heads)
+    for row, mark in zip_longest(table.rows[:MOST_ROWS], table.marks[:MOST_ROWS], fillvalue=""):
+        *cells, last = (row[k] for k in kept)
+        made.add_row(*(Text(cell) for cell in cells), Text(last, style=COLOURS.get(mark, "")))
+    if len(table.rows) > MOST_ROWS:
+        made.caption = f"and {len(table.rows) - MOST_ROWS} more rows in the report"
     return made
 
 
