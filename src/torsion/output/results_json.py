@@ -24,11 +24,11 @@ MODELS = ("check",)  # keys of the file of the models alone
 LEGEND = {
     "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
     "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
-    "own_speed": "angles, torques and inertias are told at the station's own speed, a span's at its driving station",
+    "own_speed": "angles, torques and inertias are those at the station's own speed, a span's at its driving station",
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
     "reference": "orders and speeds count from the component `scene.reference`",
     "status": "ok, near-singular or singular: how far a line can be trusted; where not ok, amplitudes are null",
-    "long_shafts": f"of a shaft of more than {MOST_SEGMENTS} segments stretches are told, as `name [first..last]`: "
+    "long_shafts": f"of a shaft of more than {MOST_SEGMENTS} segments groups are reported, as `name [first..last]`: "
     "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
     "null": "no value, not a number, or infinite (a held station's inertia)",
 }
