@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from benchmarks.papers.writing import table
-from torsion.plots.error_curves import error_axis
-from torsion.plots.style import BAD, COLOURS, legend_below, page
+from torsion.output.figures.error_curves import error_axis
+from torsion.output.figures.style import BAD, COLOURS, legend_below, page
 
 ROUNDING = 2.0**-53  # a smaller error is drawn here
 USEFUL = 1e-6  # the error beyond which a method has ended

@@ -17,17 +17,17 @@ FLOORS = {
     "analyses": 6,
     "rules": 7,
     "schema": 8,
-    "report": 9, "plots": 9, "output": 9,
+    "output": 9,
     "runner": 10, "commands": 11, "cli": 12, "__main__": 13,
 }  # fmt: skip
 DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
-    "meshio": ("assembly/section/mesh.py", "report/surface/vtu.py"),
-    "matplotlib": ("plots/",),
-    "jinja2": ("report/",),
-    "typst": ("report/",),
+    "meshio": ("assembly/section/mesh.py", "output/surface/vtu.py"),
+    "matplotlib": ("output/figures/",),
+    "jinja2": ("output/",),
+    "typst": ("output/",),
     "typer": ("cli.py",),
     "dask": (),
 }

@@ -1,5 +1,6 @@
 """A file to its findings and its report: what the command does."""
 
+from collections.abc import Collection
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ from torsion.schema.read import located, read
 
 if TYPE_CHECKING:
     from torsion.analyses.compare.frontier import Timings
+    from torsion.output.document import Document
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -33,11 +35,21 @@ def solve(
     """Read, solve and judge a scene; write its report into `out` (default: reports/<scene>/ beside where you stand).
 
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
-    report stays whole then. memory: as of `run`. With `vtu` the mode shapes are written and pictured as a surface.
+    report stays whole then. With `vtu` the mode shapes are written too, as a surface, and pictured.
     """
-    findings = run(read(file), progress=progress, memory=memory)
-    write(findings, folder_of(file, out), pdf=pdf, vtu=vtu)
+    findings = solved(file, memory=memory, progress=progress)
+    write(findings, folder_of(file, out), also=outputs(pdf=pdf, vtu=vtu))
     return findings
+
+
+def solved(file: str | Path, *, memory: str | float | None = None, progress: Progress = silent) -> Findings:
+    """Read, solve and judge a scene; nothing is written. memory: as of `run`."""
+    return run(read(file), memory=memory, progress=progress)
+
+
+def outputs(**asked: bool) -> tuple[str, ...]:
+    """The outputs that are asked for by their name."""
+    return tuple(name for name, is_asked in asked.items() if is_asked)
 
 
 def folder_of(file: str | Path, out: str | Path | None) -> Path:
@@ -45,12 +57,15 @@ def folder_of(file: str | Path, out: str | Path | None) -> Path:
     return Path(out) if out is not None else Path("reports") / Path(file).stem
 
 
-def write(findings: Findings, folder: Path, *, pdf: bool = False, vtu: bool = False) -> list[Path]:
-    """Write report and results; raises InputError where the folder cannot be written or `vtu` has no mode to draw."""
-    from torsion.report.write import write as write_report
+def write(findings: Findings, folder: Path, report: str = "solve", *, also: Collection[str] = ()) -> "Document":
+    """Write the files of a report, `also` those of outputs on request; the report.
+
+    Raises InputError where the folder cannot be written, or a file cannot be made of these findings.
+    """
+    from torsion.output.write import write as write_report
 
     try:
-        return write_report(findings, folder, pdf=pdf, vtu=vtu)
+        return write_report(findings, folder, report, also=also)
     except OSError as error:
         raise _unwritable(folder, error) from None
     except InputError as error:
@@ -85,16 +100,6 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine, *unjudged)))
 
 
-def write_joints(findings: Findings, folder: Path) -> list[Path]:
-    """Write joints.html, joints.json and joints.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.joints import write_joints as write_pages
-
-    try:
-        return write_pages(findings, folder)
-    except OSError as error:
-        raise _unwritable(folder, error) from None
-
-
 def check(file: str | Path, *, progress: Progress = silent) -> Findings:
     """Read a scene and compare the models of its shafts, whether it asks that or not; nothing is written.
 
@@ -103,16 +108,6 @@ def check(file: str | Path, *, progress: Progress = silent) -> Findings:
     findings = run(replace(read(file), rules=()), only=("check",), progress=progress)
     rest = ("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
     return replace(findings, plan=replace(findings.plan, left_out=(*findings.plan.left_out, rest)))
-
-
-def write_check(findings: Findings, folder: Path) -> list[Path]:
-    """Write check.html and check.json; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.comparison_pages import write_check as write_pages
-
-    try:
-        return write_pages(findings, folder)
-    except OSError as error:
-        raise _unwritable(folder, error) from None
 
 
 def study(
@@ -164,9 +159,9 @@ def _tolerance(given: str | float) -> float:
     return value
 
 
-def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Path]:
-    """Write study.html, study.json and study.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.comparison_pages import write_study as write_pages
+def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":
+    """Write study.html, study.json and study.csv; the report. Raises InputError where the folder cannot be written."""
+    from torsion.output.pages.comparison_pages import write_study as write_pages
 
     try:
         return write_pages(findings, timings, folder)
@@ -182,7 +177,7 @@ def write_matrices(findings: Findings, file: Path) -> str:
     from torsion.analyses.operating_matrices import operating_matrices
 
     try:
-        found = operating_matrices(findings.study, findings.system.whole)
+        found = operating_matrices(findings.study, findings.system)
     except InputError as error:
         raise located(error, findings.study) from None
     arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(found.view).items()}

@@ -60,7 +60,8 @@ def of_trains() -> dict[str, Digits]:
                 found = tree_modes(Tree(parent, flexibility, inertia, np.zeros(size, dtype=bool)), None)
                 name = f"{shape} of {size}, spread 1e{spread:g}"
                 taken |= {
-                    f"{name}: {what}": digits(getattr(found, what)) for what in ("frequency", "lower", "upper", "torque")
+                    f"{name}: {what}": digits(getattr(found, what))
+                    for what in ("frequency", "lower", "upper", "torque")
                 }
     return taken
 

@@ -3,9 +3,9 @@
 import json
 
 import pytest
+from tests.contracts.frozen import FILE, SCENES, of_scene, of_trains
 
 import torsion
-from tests.contracts.frozen import FILE, SCENES, of_scene, of_trains
 
 KNOWN = json.loads(FILE.read_text(encoding="utf-8"))
 

@@ -137,9 +137,10 @@ def test_scene_of_six_stations_fails_by_its_stability():
 LIGHT = """
 import sys, torsion
 from torsion.output.results_json import text
-from torsion.report.terminal.tables import tables
+from torsion.output.document import document
+from torsion.output.terminal.screen import screen
 found = torsion.run(torsion.parse({scene!r}))
-text(found), tables(found)
+text(found), screen(document(found))
 print([name for name in sys.modules if "analyses.motion" in name or ".periodic" in name])
 """
 

@@ -13,7 +13,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.over_speed import ResponseSettings, response
 from torsion.errors import InputError
 from torsion.findings import Findings
-from torsion.report.chapters import chapters
+from torsion.output.chapters import chapters
 from torsion.rules.check import Checks
 
 RPM = math.pi / 30.0

@@ -73,6 +73,11 @@ def _result(value: Any, selection: Selection) -> Any:
     return found[""] if "" in found else {**{LISTED[axis]: at for axis, at in positions.items()}, **found}
 
 
+def shown(value: Any, one: Quantity, selection: Selection) -> Any:
+    """A quantity of a result as every output shows it: reduced to what is reported, NaN where it is not known."""
+    return _reduced(_known(value, one), one, one.axes, selection)
+
+
 def _known(value: Any, one: Quantity) -> Any:
     """The quantity of a result, with NaN where its status says that it is not known."""
     held = getattr(value, one.name)

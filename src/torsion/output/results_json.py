@@ -13,6 +13,7 @@ import torsion
 from torsion.analyses import ANALYSES
 from torsion.assembly.segment_groups import MOST_GROUPS
 from torsion.findings import Findings
+from torsion.output.document import Document
 from torsion.output.json_text import MOST_NUMBERS, SERIES, lines, listed, write_json
 from torsion.output.keys import Key, keys
 from torsion.output.plain import plain
@@ -23,11 +24,10 @@ from torsion.rules.check import Checks
 
 FORMAT = 1
 HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has
-JOINTS, MODELS = ("joints", "checks"), ("check",)  # keys of the files of the joints, and of the models, alone
 LEGEND = {
     "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
     "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
-    "own_speed": "angles, torques and inertias are told at the station's own speed, a span's at its driving station",
+    "own_speed": "angles, torques and inertias are those at the station's own speed, a span's at its driving station",
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
     "reference": "orders and speeds count from the component `scene.reference`",
     "status": "ok, near-singular or singular: how far a line can be trusted; where not ok, amplitudes are null",
@@ -62,9 +62,11 @@ def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]
     return lines({key: make for key, make in _made(findings).items() if not only or key in (*HEAD, *only)})
 
 
-def write_results(findings: Findings, file: Path) -> list[Path]:
-    """Write the text into a file, and very long arrays into another beside it; the paths of all."""
-    return write_json(_made(findings), file)
+def rendered(document: Document) -> Callable[[Path], list[Path]]:
+    """What writes the results that a report is of into a file, and very long arrays into another beside it."""
+    only = document.report.keys
+    made = {key: make for key, make in _made(document.source).items() if not only or key in (*HEAD, *only)}
+    return partial(write_json, made)
 
 
 def _made(findings: Findings) -> dict[str, Callable[[], Any]]:

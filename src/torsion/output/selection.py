@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.assembly.segment_groups import MOST_GROUPS, SegmentGroups, segment_groups
 from torsion.assembly.system import System
-from torsion.report.elements import Element, elements
+from torsion.output.elastic_elements import Element, elements
 from torsion.results import Quantity
 
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}

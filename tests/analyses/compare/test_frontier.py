@@ -5,8 +5,8 @@ import math
 import pytest
 
 from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
-from torsion.report.pages.comparison_pages import csv_text
-from torsion.report.pages.run_time_blocks import best, recommendation, share
+from torsion.output.pages.comparison_pages import csv_text
+from torsion.output.pages.run_time_blocks import best, recommendation, share
 
 
 def row(name: str, error: float, *solve: float, assembly: float = 0.0) -> TimedRow:
