@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 from rich.console import Console
-from torsion.kernels.response import Status
 
 import torsion
 from torsion.analyses.lateral.bending import Lateral

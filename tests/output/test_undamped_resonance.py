@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from torsion.kernels.response import Status
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis

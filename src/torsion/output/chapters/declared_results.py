@@ -82,12 +82,11 @@ def _names(axis: str, count: int, chosen: Selection) -> list[str]:
 
 def cell(value: Any) -> str:
     """A single value: 2.5, 3 ∠ 40°, 1/2, yes."""
-    if isinstance(value, bool | np.bool_):
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, complex | np.complexfloating):
-        return f"{number(float(abs(value)))} ∠ {degrees(float(np.angle(value)), 4)}°"
-    if isinstance(value, np.floating):
-        return number(value.item())
+    if isinstance(value, complex):
+        return f"{number(abs(value))} ∠ {degrees(float(np.angle(value)), 4)}°"
     if isinstance(value, float):
         return number(value)
     if value is None or isinstance(value, Fraction):

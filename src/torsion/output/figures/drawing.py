@@ -20,9 +20,9 @@ PLOTS = {
     "joint index": "torsion.output.figures.fluctuation_index:joint_index",
     "whirl": "torsion.output.figures.whirl_and_bending:whirl",
     "bending": "torsion.output.figures.whirl_and_bending:bending",
-    "check modes": "torsion.output.figures.check:modes",
-    "check torques": "torsion.output.figures.check:torques",
-    "study": "torsion.output.figures.study:study",
+    "check modes": "torsion.output.figures.error_curves:modes",
+    "check torques": "torsion.output.figures.error_curves:torques",
+    "study": "torsion.output.figures.error_curves:run_times",
     "twisted shaft": "torsion.output.figures.twisted_surface:twisted_shaft",
 }
 
