@@ -21,7 +21,8 @@ def manual() -> str:
     """The page."""
     conventions = "".join(f"- {name.replace('_', ' ')}: {words}\n" for name, words in LEGEND.items())
     sections = [
-        f"\n## `{name}`\n\n" + _table(list(rows)) for name, rows in groupby(documented(), key=lambda key: _top(key.path))
+        f"\n## `{name}`\n\n" + _table(list(rows))
+        for name, rows in groupby(documented(), key=lambda key: _top(key.path))
     ]
     return HEAD + "\n" + conventions + "".join(sections)
 

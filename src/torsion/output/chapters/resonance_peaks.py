@@ -9,7 +9,7 @@ from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Column, Table, texts
+from torsion.output.blocks import Table, head
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, Scale, number, order, rpm
 from torsion.output.reported_values import amplitude
@@ -57,10 +57,9 @@ def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
     response = findings.need(Response)
     found = found_peaks(findings, elements)
     kept = sorted(found, key=lambda peak: -peak.torque * peak.element.ratio)[:MOST_ROWS]
-    columns = (
-        texts("Element"), Column("Line"), Column("Torque amplitude", unit.unit),
-        Column("At speed", "rpm"),
-        Column("Frequency", "Hz"), Column("Mode"), texts("Sources"),
+    columns = head(
+        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | "
+        "< Sources"
     )  # fmt: skip
     rows = []
     for peak in (peak for peak in found if peak in kept):
