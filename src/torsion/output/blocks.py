@@ -86,6 +86,24 @@ class Verbatim:
 Block = Heading | Paragraph | Points | Table | KeyValues | Figure | Verbatim
 
 
+def head(titles: str) -> tuple[Column, ...]:
+    """Columns of a table: '< Shaft -> | Critical speed [rpm] -> rpm'; '<' marks words, which stand to the left.
+
+    Behind '->' is the title on the terminal, by itself the same in small letters.
+
+    >>> head("< Shaft | Critical speed [rpm] -> rpm")[1]
+    Column(title='Critical speed', unit='rpm', align='right', short='rpm')
+    """
+    found = []
+    for words in titles.split("|"):
+        full, arrow, short = words.strip().partition(" ->")
+        title, _, unit = full.removesuffix("]").partition(" [")
+        name = title.removeprefix("<").strip()
+        align: Literal["left", "right"] = "left" if title.startswith("<") else "right"
+        found.append(Column(name, unit, align, short.strip() or (name.lower() if arrow else "")))
+    return tuple(found)
+
+
 def texts(title: str, short: str = "") -> Column:
     """A column of words."""
     return Column(title, align="left", short=short)

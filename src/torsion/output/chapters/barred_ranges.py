@@ -1,7 +1,7 @@
 """Chapter: barred speed ranges."""
 
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Heading, Paragraph, Table, head
 from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import band_words, barred, barred_rpm, rated
 
@@ -12,11 +12,7 @@ def chapter(findings: Findings) -> list[Block]:
     if not found:
         return []
     speed = rated(findings)
-    columns = (
-        texts("Shaft"), Column("Critical speed", "rpm"), Column("λ = n/n_{rated}"),
-        Column("From", "rpm"),
-        Column("To", "rpm"),
-    )  # fmt: skip
+    columns = head("< Shaft | Critical speed [rpm] | λ = n/n_{rated} | From [rpm] | To [rpm]")
     rows = tuple(
         (b.shaft, rpm(b.critical), number(b.critical / speed, 4) if speed else "–", rpm(b.lower), rpm(b.upper))
         for b in found

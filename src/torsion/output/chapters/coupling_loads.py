@@ -7,7 +7,7 @@ from torsion.analyses.steady import Steady
 from torsion.components.part_records import CouplingRatings
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, Scale, rpm, scale
 from torsion.output.reported_values import NO_VALUE, largest, orders_together, synthesis, unreliable
@@ -36,11 +36,10 @@ def _damps(findings: Findings, element: Element) -> bool:
 
 
 def _table(findings: Findings, couplings: list[tuple[Element, CouplingRatings, FloatArray]], unit: Scale) -> Table:
-    columns = (
-        texts("Coupling"), Column("Vibratory torque", unit.unit), Column("At speed", "rpm"),
-        Column("T_{KW}", unit.unit), Column("Mean torque", unit.unit), Column("T_{KN}", unit.unit),
-        Column("Peak torque", unit.unit), Column("T_{Kmax}", unit.unit), Column("Heat", "W"), Column("At speed", "rpm"),
-        Column("P_{KW}", "W"),
+    columns = head(
+        f"< Coupling | Vibratory torque [{unit.unit}] | At speed [rpm] | T_{{KW}} [{unit.unit}] | "
+        f"Mean torque [{unit.unit}] | T_{{KN}} [{unit.unit}] | Peak torque [{unit.unit}] | "
+        f"T_{{Kmax}} [{unit.unit}] | Heat [W] | At speed [rpm] | P_{{KW}} [W]"
     )  # fmt: skip
     rows = []
     for element, limits, values in couplings:

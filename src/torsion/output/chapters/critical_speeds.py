@@ -5,7 +5,7 @@ from fractions import Fraction
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
 
@@ -59,9 +59,9 @@ def _list(findings: Findings) -> Table:
     """The critical speeds in the range, and how far they lie from the rated speed."""
     speed = rated(findings)
     columns = [
-        Column("Critical speed", "rpm", short="rpm"), Column("Order", short="order"), Column("Mode", short="mode"),
-        Column("Frequency", "Hz"),
-        *([Column("Distance from rated", "%")] if speed else []), texts("Sources", "excited by"),
+        *head("Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz]"),
+        *([Column("Distance from rated", "%")] if speed else []),
+        *head("< Sources -> excited by"),
     ]  # fmt: skip
     inside = sorted((c for c in findings.need(CriticalSpeeds).crossings if c.is_inside), key=lambda c: c.speed)
     rows = []

@@ -8,7 +8,7 @@ from torsion.analyses.damped import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, given, given_rpm, number
 from torsion.output.reported_values import rated
@@ -80,9 +80,9 @@ def _elements(findings: Findings) -> Table:
             number(2 * math.pi * eta) if eta else NONE, number(1 / eta) if eta else NONE,
             number(viscous) if viscous else NONE,
         ))  # fmt: skip
-    columns = (
-        texts("Element"), texts("As given"), Column("Loss factor η"),
-        Column("Relative damping ψ"), Column("Magnifier M"), Column("Viscous c", "N m s/rad"),
+    columns = head(
+        "< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | "
+        "Viscous c [N m s/rad]"
     )  # fmt: skip
     return Table(columns, tuple(rows), "Internal damping")
 
@@ -98,10 +98,7 @@ def _as_given(findings: Findings, part: int) -> str:
 def _grounds(findings: Findings) -> Table:
     system, speed = findings.system, rated(findings)
     at = f" at {given_rpm(speed)} rpm" if speed is not None else ""
-    columns = (
-        texts("At"), texts("Model"), texts("Factor"),
-        Column(f"Value{at}", "N m s/rad"), texts("Source"),
-    )  # fmt: skip
+    columns = head(f"< At | < Model | < Factor | Value{at} [N m s/rad] | < Source")
     rows = []
     for damper in system.dampers:
         station = system.stations[damper.station]

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
 from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm
@@ -70,10 +70,7 @@ def _flagged(findings: Findings) -> list[Block]:
     found, bad = findings.need(PeriodicResponse), np.flatnonzero(flagged(findings))
     if not bad.size:
         return []
-    columns = (
-        Column("Speed", "rpm"), texts("Periodic motion"), Column("Growth of deviations", "1/s"),
-        Column("Harmonic left out"), texts("Why"),
-    )  # fmt: skip
+    columns = head("Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why")
     rows, marks = [], []
     told = told_apart([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
     for k, speed in zip(bad[:MOST_FLAGGED].tolist(), told, strict=True):
@@ -95,9 +92,9 @@ def _others(findings: Findings) -> list[Block]:
 
     if findings.need(PeriodicResponse).others is None:
         return []
-    columns = (
-        Column("Speed", "rpm"), texts("Motion"), Column("Largest torque amplitude", "N m"),
-        Column("Order"), texts("in"), Column("Growth of deviations", "1/s"),
+    columns = head(
+        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | "
+        "Growth of deviations [1/s]"
     )  # fmt: skip
     rows = [
         (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
@@ -115,11 +112,10 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
     from torsion.output.first_order_and_exact import flagged, signed
 
     response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
-    columns = (
-        texts("Element", "element"), Column("Order", short="order"),
-        Column("First order", unit.unit, short=f"first order, {unit.unit}"), Column("At speed", "rpm"),
-        Column("Exact", unit.unit, short=f"exact, {unit.unit}"), Column("At speed", "rpm", short="at rpm"),
-        Column("Difference", "%", short="%"), texts("Remark", "remark"),
+    columns = head(
+        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | "
+        f"At speed [rpm] | Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | "
+        "Difference [%] -> % | < Remark ->"
     )  # fmt: skip
     cells, marks = [], []
     for row in sorted(rows, key=lambda row: row.order is not None)[:MOST_ROWS]:

@@ -4,7 +4,7 @@ import math
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Heading, Paragraph, Table, head
 from torsion.output.numbers import NONE, degrees, given, given_rpm, number, order, scale
 from torsion.output.reported_values import reference
 from torsion.primitives import Torque
@@ -28,9 +28,9 @@ def chapter(findings: Findings) -> list[Block]:
 
 
 def _torques(findings: Findings) -> Table:
-    columns = (
-        texts("At"), Column("Order, own shaft"), Column("Order, reference"), Column("Frequency", "Hz"),
-        texts("Amplitude (half range)"), Column("Phase", "deg"), texts("Source"),
+    columns = head(
+        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) | "
+        "Phase [deg] | < Source"
     )  # fmt: skip
     rows = []
     for torque in findings.study.train.torques:
@@ -65,9 +65,7 @@ def _amplitude(torque: Torque) -> str:
 
 def _lines(findings: Findings) -> Table:
     response = findings.need(Response)
-    columns = (
-        Column("Order of the reference"), Column("Frequency over the range", "Hz"), texts("Sources"),
-    )  # fmt: skip
+    columns = head("Order of the reference | Frequency over the range [Hz] | < Sources")
     rows = []
     for index, line in enumerate(response.lines):
         low, high = float(response.frequency[:, index].min()), float(response.frequency[:, index].max())

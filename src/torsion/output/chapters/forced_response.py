@@ -7,7 +7,7 @@ from torsion.analyses.response.over_speed import asked_orders
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.chapters.resonance_peaks import peaks
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
@@ -104,11 +104,10 @@ def _status(findings: Findings, response: Response) -> Paragraph:
 def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     response, made = findings.need(Response), findings.get(Synthesis)
     mean = scale("N m", np.abs(response.mean).max(axis=0).tolist())
-    columns = (
-        texts("Element", "element"), Column("Synthesis, half range", unit.unit, short=unit.unit),
-        Column("At speed", "rpm", short="at rpm"),
-        Column("Largest order there"), Column("Its torque", unit.unit), Column("RMS", unit.unit),
-        Column("Sum of magnitudes", unit.unit), Column("Mean", mean.unit),
+    columns = head(
+        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | "
+        f"At speed [rpm] -> at rpm | Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | "
+        f"Sum of magnitudes [{unit.unit}] | Mean [{mean.unit}]"
     )  # fmt: skip
     rows, nothing = [], rounding(findings)
     for element in found:
@@ -139,9 +138,9 @@ def _line(response: Response, index: int) -> str:
 
 
 def _angles(findings: Findings, response: Response) -> Table:
-    columns = (
-        texts("Station"), Column("Largest amplitude", "deg"), Column("Amplitude", "rad"),
-        Column("Order"), Column("At speed", "rpm"), Column("Speed amplitude", "rpm"),
+    columns = head(
+        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | "
+        "Speed amplitude [rpm]"
     )  # fmt: skip
     rows = []
     for index, station in enumerate(findings.study.train.stations):

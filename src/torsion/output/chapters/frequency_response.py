@@ -6,7 +6,7 @@ from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, degrees, number, scale
 from torsion.output.reported_values import NO_VALUE, largest
@@ -69,7 +69,10 @@ def _lines(names: list[str], values: np.ndarray) -> list[tuple[str, np.ndarray]]
 
 def _table(caption: str, what: str, names: list[str], values: np.ndarray, unit: str, frequency: np.ndarray) -> Table:
     in_degrees = unit == "rad"
-    columns = [Column(what, align="left"), Column("Amplitude", unit), Column("At frequency", "Hz")]
+    columns = [
+        Column(what, align="left"),
+        *head(f"Amplitude [{unit}] | At frequency [Hz]"),
+    ]
     if in_degrees:
         columns.insert(2, Column("Amplitude", "deg"))
     rows = []

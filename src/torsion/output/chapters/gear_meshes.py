@@ -6,7 +6,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, RPM, Scale, number, rpm, scale
 from torsion.output.reported_values import (
@@ -47,10 +47,9 @@ def _mean(findings: Findings, mesh: Element) -> FloatArray | None:
 
 
 def _table(findings: Findings, torque: dict[Element, FloatArray], unit: Scale) -> Table:
-    columns = (
-        texts("Mesh"), Column("Largest vibratory torque", unit.unit), Column("At speed", "rpm"),
-        Column("Mean torque there", unit.unit), Column("Largest vibratory / mean"), Column("At speed", "rpm"),
-        texts("Load reverses"),
+    columns = head(
+        f"< Mesh | Largest vibratory torque [{unit.unit}] | At speed [rpm] | "
+        f"Mean torque there [{unit.unit}] | Largest vibratory / mean | At speed [rpm] | < Load reverses"
     )  # fmt: skip
     speed = findings.need(Response).speed if findings.get(Response) is not None else np.zeros(0)
     rows, marks = [], []

@@ -9,15 +9,13 @@ from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray, IntArray
-from torsion.output.blocks import Block, Column, Table, texts
+from torsion.output.blocks import Block, Table, head
 from torsion.output.numbers import NONE, number
 
 MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first: then the largest is 1
-COLUMNS = (
-    texts("Station"), Column("J referred", "kg m²"), Column("Angle", "rad"),
-    Column("ω² J × angle", "N m"),
-    texts("Through"), Column("Torque", "N m"), Column("Flexibility", "rad/(N m)"),
-    Column("Twist", "rad"),
+COLUMNS = head(
+    "< Station | J referred [kg m²] | Angle [rad] | ω² J × angle [N m] | < Through | Torque [N m] | "
+    "Flexibility [rad/(N m)] | Twist [rad]"
 )  # fmt: skip
 
 

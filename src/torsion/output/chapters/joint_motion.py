@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.joints.found import Joints
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, head
 from torsion.output.chapters import joint_figures, joint_tables, verdict
 from torsion.output.numbers import NONE, number, order, rpm
 from torsion.output.reported_values import NO_VALUE, joint_model, largest
@@ -91,9 +91,9 @@ def _response(findings: Findings, found: "Joints") -> list[Block]:
     exciting = [joint for joint in found.joints if joint.order and joint.amplitude]
     if findings.get(Response) is None or not findings.need(Response).lines or not exciting:
         return []
-    columns = (
-        texts("Joint"), Column("Line"), Column("Largest torque through the joint", "N m"),
-        Column("At speed", "rpm"), Column("Estimated model error there", "%"),
+    columns = head(
+        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | "
+        "Estimated model error there [%]"
     )  # fmt: skip
     rows = [row for joint in exciting for row in _answers(findings, joint)]
     table = Table(columns, tuple(rows), "The order of each joint's shaft: response of the train")

@@ -9,7 +9,7 @@ import numpy as np
 from torsion.analyses.joints.found import Joints
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Paragraph, Table, texts
+from torsion.output.blocks import Block, Column, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale
 
 if TYPE_CHECKING:
@@ -27,11 +27,10 @@ ASSEMBLY = "1 deg"  # of error, for which the sensitivity is told
 
 def geometry(joints: "Joints") -> Table:
     """Kind, angle, plane and phase of every joint."""
-    columns = (
-        texts("Joint", "joint"), texts("Kind", "kind"), Column("Angle β", "deg", short="angle"),
-        Column("Plane to the previous joint's", "deg", short="plane"),
-        Column("Phase of the yokes", "deg", short="phase"),
-        Column("Driving yoke from its plane at angle zero", "deg"), Column("q = tan²(β/2)"),
+    columns = head(
+        "< Joint -> | < Kind -> | Angle β [deg] -> angle | "
+        "Plane to the previous joint's [deg] -> plane | Phase of the yokes [deg] -> phase | "
+        "Driving yoke from its plane at angle zero [deg] | q = tan²(β/2)"
     )  # fmt: skip
     leading = {line.joints[0] for line in joints.lines}
     rows = tuple(
@@ -48,11 +47,9 @@ def geometry(joints: "Joints") -> Table:
 
 def alone(joints: "Joints") -> Table:
     """Transmission error and unevenness of every joint by itself."""
-    columns = (
-        texts("Joint", "joint"), Column("Order, own shaft", short="order"), Column("Order, reference"),
-        Column("Error amplitude", "rad"), Column("Error amplitude", "deg", short="error, deg"),
-        Column("Its phase", "deg"),
-        Column("Unevenness", "%"),
+    columns = head(
+        "< Joint -> | Order, own shaft -> order | Order, reference | Error amplitude [rad] | "
+        "Error amplitude [deg] -> error, deg | Its phase [deg] | Unevenness [%]"
     )  # fmt: skip
     rows = []
     for joint in joints.joints:
@@ -68,11 +65,10 @@ def alone(joints: "Joints") -> Table:
 
 def lines(joints: "Joints") -> Table:
     """The joints of each shaft line as one."""
-    columns = (
-        texts("Joints", "joints"), Column("Resultant angle", "deg", short="as one, deg"),
-        Column("Small-angle sum", "deg", short="small-angle"), Column("Phase", "deg"),
-        Column("Greatest speed ratio", short="greatest"), Column("at", "deg"), Column("Least", short="least"),
-        Column("at", "deg"), Column("Index of fluctuation", "%", short="index, %"),
+    columns = head(
+        "< Joints -> | Resultant angle [deg] -> as one, deg | "
+        "Small-angle sum [deg] -> small-angle | Phase [deg] | Greatest speed ratio -> greatest | "
+        "at [deg] | Least -> | at [deg] | Index of fluctuation [%] -> index, %"
     )  # fmt: skip
     rows = []
     for line in joints.lines:
@@ -94,10 +90,9 @@ def at_speed(joints: "Joints") -> Table | None:
     known = [joint for joint in joints.joints if joint.speed is not None]
     if not known:
         return None
-    columns = (
-        texts("Joint", "joint"), Column("Mean speed", "rpm", short="rpm"), Column("Greatest behind it", "rpm"),
-        Column("Least", "rpm"), Column("Largest acceleration behind it", "rad/s²", short="rad/s² behind"),
-        Column("Speed × angle", "deg/min"),
+    columns = head(
+        "< Joint -> | Mean speed [rpm] -> rpm | Greatest behind it [rpm] | Least [rpm] | "
+        "Largest acceleration behind it [rad/s²] -> rad/s² behind | Speed × angle [deg/min]"
     )  # fmt: skip
     rows = []
     for joint in known:
@@ -121,10 +116,11 @@ def couples(joints: "Joints") -> Table | None:
     unit = scale("N m", [couple.largest for _, couple in known])
     torque = scale("N m", [abs(joint.torque or 0.0) for joint, _ in known])
     columns = [
-        texts("Joint", "joint"), texts("Shaft", "on the shaft"), Column("Torque", torque.unit),
-        Column("Mean", unit.unit, short="mean"), Column("Order", short="order"),
-        Column("Amplitude, normal", unit.unit, short="normal"),
-        Column("Amplitude, in plane", unit.unit, short="in plane"), Column("Largest", unit.unit, short="largest"),
+        *head(
+            f"< Joint -> | < Shaft -> on the shaft | Torque [{torque.unit}] | "
+            f"Mean [{unit.unit}] -> mean | Order -> | Amplitude, normal [{unit.unit}] -> normal | "
+            f"Amplitude, in plane [{unit.unit}] -> in plane | Largest [{unit.unit}] -> largest"
+        ),
         *([Column("Bearings", "N", short="bearing, N")] if held else []),
         *([Column("Force across", "N")] if pushed else []),
     ]  # fmt: skip
@@ -145,10 +141,9 @@ def optimum(joints: "Joints", line: "LineFound") -> list[Block]:
     found = line.optimum
     if found is None:
         return []
-    columns = (
-        texts("Joint", "joint"), Column(f"{found.variable.capitalize()} now", "deg", short="now"),
-        Column("Best", "deg", short="best"),
-        Column(f"Index if {ASSEMBLY} off the best", "%", short=f"index if {ASSEMBLY} off, %"),
+    columns = head(
+        f"< Joint -> | {found.variable.capitalize()} now [deg] -> now | Best [deg] -> best | "
+        f"Index if {ASSEMBLY} off the best [%] -> index if {ASSEMBLY} off, %"
     )  # fmt: skip
     rows = best_rows(found)
     title = f"Best {found.variable} of {names(joints, line)}"

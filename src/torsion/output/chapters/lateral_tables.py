@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.kernels.tree import FloatArray
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Column, Table, texts
+from torsion.output.blocks import Table, head
 from torsion.output.numbers import NONE, RPM, number, rpm, scale
 from torsion.output.reported_values import NO_VALUE, largest
 
@@ -22,10 +22,7 @@ MICRO = 1e6
 
 def shafts(found: "tuple[ShaftFound, ...]") -> Table:
     """Length, what holds it, and the lowest frequency of both planes without rotation."""
-    columns = (
-        texts("Shaft"), Column("Length", "m"), Column("Speed / reference"),
-        texts("Held by"), Column("Lowest frequency at rest, y", "Hz"), Column("z", "Hz"),
-    )  # fmt: skip
+    columns = head("< Shaft | Length [m] | Speed / reference | < Held by | Lowest frequency at rest, y [Hz] | z [Hz]")
     rows = tuple(
         (
             shaft.name, number(shaft.length), str(shaft.ratio),
@@ -39,10 +36,9 @@ def shafts(found: "tuple[ShaftFound, ...]") -> Table:
 
 def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
     """Speeds of the reference at which an order of a shaft meets one of its bending frequencies."""
-    columns = (
-        texts("Shaft", "shaft"), Column("Order", short="order"), Column("Mode"),
-        Column("Critical speed", "rpm", short="rpm"), Column("Frequency", "Hz", short="Hz"), texts("Whirl", "whirl"),
-        Column("Damping ratio", short="damping ratio"), Column("In the range", short="in range"),
+    columns = head(
+        "< Shaft -> | Order -> | Mode | Critical speed [rpm] -> rpm | Frequency [Hz] -> Hz | "
+        "< Whirl -> | Damping ratio -> | In the range -> in range"
     )  # fmt: skip
     told = [(shaft, one) for shaft in found for one in near(shaft, speeds)]
     rows = [(*_critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in told]
@@ -61,8 +57,8 @@ def _critical_row(shaft: "ShaftFound", one: "Critical") -> tuple[str, ...]:
     grows = shaft.whirl is not None and bool(unstable(shaft.whirl.log_decrement).any())
     grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
     return (
-        f"{shaft.name} (UNSTABLE)" if grows else shaft.name, str(one.order), str(one.mode), rpm(one.speed / float(shaft.ratio)), number(one.frequency),
-        sense(one.direction), number(one.damping_ratio, 3),
+        f"{shaft.name} (UNSTABLE)" if grows else shaft.name, str(one.order), str(one.mode),
+        rpm(one.speed / float(shaft.ratio)), number(one.frequency), sense(one.direction), number(one.damping_ratio, 3),
     )  # fmt: skip
 
 
@@ -95,10 +91,9 @@ def sense(direction: float) -> str:
 
 def whirl(found: "tuple[ShaftFound, ...]") -> Table | None:
     """Frequencies at both ends of the range, and whether the motion dies out; None where no speeds are given."""
-    columns = (
-        texts("Shaft"), Column("Mode"), Column("Frequency at the lowest speed", "Hz"),
-        Column("at the highest", "Hz"), texts("Whirl at the highest"),
-        Column("Least log. decrement"), Column("at", "rpm"), texts("Stability"),
+    columns = head(
+        "< Shaft | Mode | Frequency at the lowest speed [Hz] | at the highest [Hz] | "
+        "< Whirl at the highest | Least log. decrement | at [rpm] | < Stability"
     )  # fmt: skip
     rows, marks = [], []
     for shaft in found:
@@ -147,10 +142,9 @@ def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
     if not told:
         return None
     unit = scale("N m", [_top(sound(one, extent(one.moment))) for _, one in told])
-    columns = (
-        texts("Shaft"), Column("Order"), Column("Largest displacement", "µm"), Column("at", "m"),
-        Column("at", "rpm"), Column("Largest bending moment", unit.unit), Column("at", "m"), Column("at", "rpm"),
-        Column("Speeds without reliable answer"),
+    columns = head(
+        "< Shaft | Order | Largest displacement [µm] | at [m] | at [rpm] | "
+        f"Largest bending moment [{unit.unit}] | at [m] | at [rpm] | Speeds without reliable answer"
     )  # fmt: skip
     rows, marks = [], []
     for shaft, one in told:
@@ -174,10 +168,7 @@ def forces(found: "tuple[ShaftFound, ...]") -> Table | None:
     if not told:
         return None
     unit = scale("N", [_top(sound(one, extent(one.force))) for _, one in told])
-    columns = (
-        texts("Shaft"), texts("On"), Column("At", "m"), Column("Order"),
-        Column("Largest force", unit.unit), Column("at", "rpm"),
-    )  # fmt: skip
+    columns = head(f"< Shaft | < On | At [m] | Order | Largest force [{unit.unit}] | at [rpm]")
     rows = []
     for shaft in found:
         for place, held in enumerate(shaft.point):

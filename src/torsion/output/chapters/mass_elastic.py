@@ -7,7 +7,7 @@ import numpy as np
 from torsion.analyses.requests import has_inertia
 from torsion.assembly.section.resolved import stress_modulus
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, exact, given, number, scale
 from torsion.primitives import Bar, SectionMesh
@@ -60,10 +60,9 @@ def _inertias(findings: Findings) -> Table:
             "held" if held else number(inertia, 6), exact(station.ratio),
             "held" if held else number(inertia * ratio**2, 6), _source(findings, station.part),
         ))  # fmt: skip
-    columns = (
-        Column("No."), texts("Station"), Column("J given, own", "kg m²"),
-        Column("J with shaft share, own", "kg m²"), Column("Speed ratio i"), Column("J referred", "kg m²"),
-        texts("Source"),
+    columns = head(
+        "No. | < Station | J given, own [kg m²] | J with shaft share, own [kg m²] | Speed ratio i | "
+        "J referred [kg m²] | < Source"
     )  # fmt: skip
     return Table(columns, tuple(rows), "Inertias")
 
@@ -96,11 +95,9 @@ def _springs(findings: Findings) -> Table:
             element.name, element.kind, _between(findings, element), own, "0" if h == 0 else number(h, 6), exact(ratio),
             referred, *_losses(findings, element), _source(findings, element.part),
         ))  # fmt: skip
-    columns = (
-        texts("Element"), texts("Kind"), texts("Between"),
-        Column("k own", unit.unit), Column("Flexibility own", "rad/(N m)"), Column("i"),
-        Column("k referred", unit.unit),
-        Column("Loss factor"), Column("Viscous", "N m s/rad"), texts("Source"),
+    columns = head(
+        f"< Element | < Kind | < Between | k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
+        f"k referred [{unit.unit}] | Loss factor | Viscous [N m s/rad] | < Source"
     )  # fmt: skip
     return Table(columns, tuple(rows), "Elastic elements")
 
@@ -127,10 +124,9 @@ def _shafts(findings: Findings) -> Table:
             number(_inertia(findings, bar), 6), material, given(asked.shear_modulus / 1e9),
             given(bar.density), str(findings.system.segments.get(bar.name, 1)), _source(findings, bar.part),
         ))  # fmt: skip
-    columns = (
-        texts("Shaft"), Column("d", "mm"), Column("d_{i}", "mm"), Column("Length", "mm"),
-        Column("W_{p}", "mm³"), Column("J of the shaft", "kg m²"), texts("Material"),
-        Column("G", "GPa"), Column("ρ", "kg/m³"), Column(_pieces(findings)), texts("Source"),
+    columns = head(
+        "< Shaft | d [mm] | d_{i} [mm] | Length [mm] | W_{p} [mm³] | J of the shaft [kg m²] | "
+        f"< Material | G [GPa] | ρ [kg/m³] | {_pieces(findings)} | < Source"
     )  # fmt: skip
     return Table(columns, tuple(rows), "Dimensions of the shafts (of a cone, the smallest W_{p})")
 

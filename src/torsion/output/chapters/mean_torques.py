@@ -5,7 +5,7 @@ import numpy as np
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import RPM, number, rpm, scale
 from torsion.output.reported_values import rated, rated_rpm
@@ -24,9 +24,9 @@ def chapter(findings: Findings) -> list[Block]:
     unit = scale("N m", [float(row.max()) for row in torque])
     speed = rated(findings)
     at = int(np.argmin(np.abs(steady.speed - speed))) if speed is not None else len(steady.speed) - 1
-    columns = (
-        texts("Element"), Column("Own speed", "rpm"), Column("Mean torque", unit.unit),
-        Column("Power", "kW"), Column("Largest over the range", unit.unit),
+    columns = head(
+        f"< Element | Own speed [rpm] | Mean torque [{unit.unit}] | Power [kW] | "
+        f"Largest over the range [{unit.unit}]"
     )  # fmt: skip
     rows = []
     for element, values in zip(found, torque, strict=True):

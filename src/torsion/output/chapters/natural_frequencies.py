@@ -9,7 +9,7 @@ from torsion.analyses.modes import Modes
 from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
 from torsion.output.chapters.holzer_table import holzer_table
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import number, rpm
@@ -61,10 +61,9 @@ def _introduction(modes: Modes) -> Paragraph:
 
 
 def _frequencies(modes: Modes) -> Table:
-    columns = (
-        Column("Mode", short="mode"), Column("Frequency", "Hz", short="Hz"),
-        Column("Per minute", "1/min", short="per minute"), Column("Angular", "rad/s"), Column("Nodes", short="nodes"),
-        Column("Lower bound", "Hz"), Column("Upper bound", "Hz"), Column("Width / frequency"),
+    columns = head(
+        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | "
+        "Nodes -> | Lower bound [Hz] | Upper bound [Hz] | Width / frequency"
     )  # fmt: skip
     rows = []
     for index, f in enumerate(modes.frequency.tolist()):
@@ -80,10 +79,9 @@ def _damped(findings: Findings) -> list[Block]:
     damped = findings.get(DampedModes)
     if damped is None:
         return []
-    columns = (
-        Column("Mode", short="mode"), Column("Frequency", "Hz", short="Hz"),
-        Column("Per minute", "1/min", short="per minute"), Column("Damping ratio", "%", short="damping ratio, %"),
-        Column("Magnifier 1/(2ζ)"), Column("Decay", "1/s"),
+    columns = head(
+        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | "
+        "Damping ratio [%] -> damping ratio, % | Magnifier 1/(2ζ) | Decay [1/s]"
     )  # fmt: skip
     rows = []
     for index, f in enumerate(damped.frequency.tolist()):

@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.components.lowering import Part
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
 from torsion.output.numbers import below_right, degrees, exact, given_rpm
 from torsion.output.reported_values import rated, reference
 from torsion.output.station_layout import Layout, layout
@@ -27,8 +27,9 @@ def chapter(findings: Findings) -> list[Block]:
     parts = findings.study.train.parts
     noted = any(part.note for part in parts)
     columns = (
-        Column("No."), texts("Component"), texts("Kind"), Column("Speed ratio"),
-        *([Column("Rated speed", "rpm")] if speed is not None else []), texts("Source of the figures"),
+        *head("No. | < Component | < Kind | Speed ratio"),
+        *([Column("Rated speed", "rpm")] if speed is not None else []),
+        *head("< Source of the figures"),
         *([texts("Note")] if noted else []),
     )  # fmt: skip
     rows = []

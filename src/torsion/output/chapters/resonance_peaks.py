@@ -9,7 +9,7 @@ from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Column, Table, texts
+from torsion.output.blocks import Table, head
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, Scale, number, order, rpm
 from torsion.output.reported_values import amplitude
@@ -58,10 +58,9 @@ def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
     found = found_peaks(findings, elements)
     size = [-peak.torque * peak.element.ratio for peak in found]
     kept = sorted(sorted(range(len(found)), key=size.__getitem__)[:MOST_ROWS])
-    columns = (
-        texts("Element"), Column("Line"), Column("Torque amplitude", unit.unit),
-        Column("At speed", "rpm"),
-        Column("Frequency", "Hz"), Column("Mode"), texts("Sources"),
+    columns = head(
+        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | "
+        "< Sources"
     )  # fmt: skip
     rows = []
     for peak in (found[place] for place in kept):

@@ -6,17 +6,14 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.assembly.section.resolved import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import NO_VALUE, barred, largest, orders_together, rated_rpm, unreliable
 from torsion.primitives import Bar
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12
-LIMITS = (
-    Column("τ_{C} there", "N/mm²"), Column("τ_{T} there", "N/mm²"), Column("Largest τ / τ_{C}"),
-    Column("At speed", "rpm"),
-)  # fmt: skip
+LIMITS = head("τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]")
 
 
 def chapter(findings: Findings) -> list[Block]:
@@ -83,8 +80,8 @@ def _stress(findings: Findings, bar: Bar) -> FloatArray:
 def _table(findings: Findings, curves: dict[str, Curves]) -> Table:
     limited = any(curve.continuous is not None for curve in curves.values())
     columns = (
-        texts("Shaft"), texts("Role"), Column("Largest stress", "N/mm²"),
-        Column("At speed", "rpm"), *(LIMITS if limited else ()),
+        *head("< Shaft | < Role | Largest stress [N/mm²] | At speed [rpm]"),
+        *(LIMITS if limited else ()),
     )  # fmt: skip
     rows = []
     for name, curve in curves.items():

@@ -5,7 +5,7 @@ import numpy as np
 from torsion.analyses.motion.map import StabilityMap
 from torsion.analyses.motion.stability import Stability
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
 from torsion.output.chapters.unstable_ranges import ABOVE, BELOW, beyond, end, fastest, legend
 from torsion.output.numbers import NONE, RPM, counted, number, rpm, told_apart
 from torsion.output.reported_values import rated_rpm, reference
@@ -81,10 +81,10 @@ def _verdict(findings: Findings, found: "Stability") -> Paragraph:
 
 def _ranges(findings: Findings, found: "Stability") -> Table:
     speeds = findings.study.operation.speeds
-    columns: tuple[Column, ...] = (
-        Column("From", "rpm", short="from rpm"), Column("To", "rpm", short="to rpm"), texts("Type", "type"),
-        Column("Largest growth", "1/s", short="growth, 1/s"), Column("At speed", "rpm", short="at rpm"),
-        Column("Factor per turn"), texts("Within the operation", "operation"),
+    columns: tuple[Column, ...] = head(
+        "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | "
+        "Largest growth [1/s] -> growth, 1/s | At speed [rpm] -> at rpm | Factor per turn | "
+        "< Within the operation -> operation"
     )  # fmt: skip
     shown = found.ranges[:MOST_ROWS]
     further = any(beyond(one) for one in shown)
@@ -109,7 +109,7 @@ def _unsolved(found: "Stability") -> Table:
     rest = f"; {MOST_ROWS} of {found.unsolved.size}" if found.unsolved.size > MOST_ROWS else ""
     told = told_apart([speed * RPM for speed in speeds])
     rows = tuple((speed, "no periodic motion was found: nothing can be said of its stability") for speed in told)
-    columns = (Column("Speed", "rpm"), texts("Remark"))
+    columns = head("Speed [rpm] | < Remark")
     return Table(columns, rows, f"Speeds without an answer{rest}", ("fail",) * len(rows))
 
 
@@ -161,9 +161,9 @@ def _missed(findings: Findings, found: "StabilityMap") -> str:
 
 def _values(found: "StabilityMap", what: str, unit: str, value: np.ndarray) -> Table:
     """The fastest growth at values spread over the map."""
-    columns = (
-        Column(what.capitalize(), unit), Column("Largest growth", "1/s"), Column("At speed", "rpm"),
-        Column("Speeds unstable", "%"), Column("Without an answer", "%"), texts(""),
+    columns = head(
+        f"{what.capitalize()} [{unit}] | Largest growth [1/s] | At speed [rpm] | Speeds unstable [%] | "
+        "Without an answer [%] | < "
     )  # fmt: skip
     rows, marks = [], []
     for k in np.unique(np.linspace(0, len(value) - 1, MOST_VALUES).round().astype(int)).tolist():

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import rated_rpm
 from torsion.rules.check import Checks
@@ -41,10 +41,9 @@ def zone_name(zone: "Zone") -> str:
 
 
 def _bodies(told: "list[tuple[ShaftFound, Tilting]]") -> Table:
-    columns = (
-        texts("Shaft"), texts("Driven by"), Column("Transverse inertia", "kg m²"),
-        Column("Polar inertia", "kg m²"), Column("Frequency of the tilt, y", "Hz"), Column("z", "Hz"),
-        Column("Decay rate, y", "1/s"), Column("z", "1/s"),
+    columns = head(
+        "< Shaft | < Driven by | Transverse inertia [kg m²] | Polar inertia [kg m²] | "
+        "Frequency of the tilt, y [Hz] | z [Hz] | Decay rate, y [1/s] | z [1/s]"
     )  # fmt: skip
     rows = []
     for shaft, tilting in told:
@@ -74,9 +73,9 @@ def _verdict(findings: Findings) -> list[Block]:
 
 def _zones(findings: Findings, told: "list[tuple[ShaftFound, Tilting]]") -> Table:
     speeds = findings.study.operation.speeds
-    columns = (
-        texts("Shaft"), Column("From", "rpm"), Column("To", "rpm"), texts("Type"),
-        Column("Largest growth", "1/s"), Column("At speed", "rpm"), texts("Within the operation"),
+    columns = head(
+        "< Shaft | From [rpm] | To [rpm] | < Type | Largest growth [1/s] | At speed [rpm] | "
+        "< Within the operation"
     )  # fmt: skip
     rows, marks = [], []
     for shaft, tilting in told:

@@ -7,16 +7,16 @@ from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.motion.stability import Stability
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Table, on_terminal, texts
+from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, head, on_terminal
 from torsion.output.chapters.model_comparison import conclusion as compared_models
 from torsion.output.numbers import RPM, given, number, order, rpm
 from torsion.output.reported_values import band_words, barred_rpm, failed, unreliable
 from torsion.rules.check import TO_BE_VERIFIED, Check, Checks
 
-COLUMNS = (
-    texts("Check"), texts("Component", "component"), texts("Clause", "check"), Column("Worst value", short="value"),
-    Column("Limit", short="limit"), texts("Unit", "unit"), Column("At speed", "rpm", short="at rpm"), Column("Order"),
-    texts("Limit from", "limit from"), texts("Verdict", "verdict"),
+COLUMNS = head(
+    "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | "
+    "< Unit -> | At speed [rpm] -> at rpm | Order | < Limit from -> | "
+    "< Verdict ->"
 )  # fmt: skip
 
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.output.figures.style import BAD, GREY, INK, hatch, legend_below, page, ranges, rated_line
+from torsion.output.figures.curves_over_speed import SPEED, over
+from torsion.output.figures.style import BAD, GREY, INK, hatch, legend_below, page, rated_line
 
 Array = NDArray[np.float64]
 COLOURS = "RdBu_r"
@@ -18,9 +19,9 @@ def stability(
 ) -> str:
     """speed: (speeds,) rpm; growth: (speeds,) 1/s, NaN where there is no periodic motion; unstable: rpm and name."""
     missing = ~np.isfinite(growth)
-    with page(name, 3.0) as sheet:
+    bands = [(tuple((low, high) for low, high, _ in unstable), "unstable range")]
+    with over(name, 3.0, speed, "growth rate, 1/s", rated=rated, bands=bands) as sheet:
         axes = sheet.axes[0]
-        ranges(axes, tuple((low, high) for low, high, _ in unstable), "unstable range")
         if np.any(missing):
             hatch(axes, speed, missing, "no periodic motion found")
         axes.axhline(0.0, color=GREY, linewidth=0.9)
@@ -36,11 +37,6 @@ def stability(
         for k, (low, high, words) in enumerate(unstable):
             axes.annotate(words, ((low + high) / 2.0, top), xytext=(0, -2 - 10 * (k % 3)), textcoords="offset points",
                           fontsize=7.5, ha="center", va="top", color=BAD)  # fmt: skip
-        rated_line(axes, rated)
-        axes.set_xlim(float(speed[0]), float(speed[-1]))
-        axes.set_xlabel("speed of the reference component, rpm")
-        axes.set_ylabel("growth rate, 1/s")
-        legend_below(sheet)
     return sheet.svg
 
 
@@ -61,7 +57,7 @@ def stability_map(
         if known.size and known.min() < 0 < known.max():
             axes.contour(speed, value, np.ma.masked_invalid(growth.T), levels=[0.0], colors=INK, linewidths=1.1)
         rated_line(axes, rated)
-        axes.set_xlabel("speed of the reference component, rpm")
+        axes.set_xlabel(SPEED)
         axes.set_ylabel(quantity)
         bar = sheet.figure.colorbar(drawn, ax=axes, extend="both")
         bar.set_label("growth rate, 1/s (red: unstable)")
