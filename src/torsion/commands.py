@@ -128,7 +128,7 @@ def study(
     SolveError.
     """
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
-    from torsion.analyses.division import assembled
+    from torsion.analyses.discretisation import assembled
     from torsion.analyses.requests import highest_excited, no_response
     from torsion.rules import needed
 

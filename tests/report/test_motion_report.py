@@ -24,8 +24,8 @@ from torsion.report.motion import compared, exact_half_range, first_order_judged
 from torsion.report.numbers import RPM
 from torsion.report.terminal.tables import show
 from torsion.report.unstable import words
-from torsion.rules.check import Checks
-from torsion.rules.stability import stability_check
+from torsion.rules.stable_motion import stability_check
+from torsion.rules.verdict_line import Checks
 
 KEYS = {key.path: key.meaning for key in documented()}
 

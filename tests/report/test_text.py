@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.report.numbers import number, rpm
 from torsion.report.reading import unreliable
 from torsion.report.terminal.tables import progress, show
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 
 def printed(findings: Findings) -> str:

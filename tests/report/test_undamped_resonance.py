@@ -15,7 +15,7 @@ from torsion.plots.style import hatch, page
 from torsion.report.blocks import Paragraph, Table
 from torsion.report.document import document
 from torsion.report.reading import NO_VALUE, unreliable
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 SCENE = """
 name: undamped

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 import pytest
 
 import torsion
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Paragraph, Table
 from torsion.report.chapters import couplings, gears, mass_elastic
 from torsion.report.chapters.holzer import holzer_table
 from torsion.report.elements import elements
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 GEARED = """
 name: a geared train

@@ -8,7 +8,7 @@ from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import RPM, number, rpm
 from torsion.report.reading import rated_rpm
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.bending import ShaftFound

@@ -8,7 +8,7 @@ from torsion.errors import Fault
 from torsion.fields import Declared
 from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
-from torsion.rules.check import Check
+from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
 

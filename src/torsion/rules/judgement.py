@@ -10,8 +10,8 @@ import numpy as np
 from torsion.analyses.response.grid import missed_peaks
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.kernels.tree_response import Status
-from torsion.rules.check import Check, Standing, verdict_of
 from torsion.rules.evidence import in_rpm
+from torsion.rules.verdict_line import Check, Standing, verdict_of
 
 if TYPE_CHECKING:
     from torsion.analyses.response.over_speed import Line, Response

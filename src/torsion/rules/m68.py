@@ -15,7 +15,6 @@ from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules import m68_formulas as formulas
 from torsion.rules.base_rule import Rule
-from torsion.rules.check import TO_BE_VERIFIED, BarredRange, Check, Verdict, verdict_of
 from torsion.rules.evidence import (
     coverage,
     in_rpm,
@@ -40,6 +39,7 @@ from torsion.rules.judgement import (
 from torsion.rules.m68_barred import Barring, barring
 from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS
 from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, judged, stress_modulus
+from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Verdict, verdict_of
 from torsion.study import Study
 
 RULE = "iacs-m68"

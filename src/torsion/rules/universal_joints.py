@@ -11,9 +11,9 @@ from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
 from torsion.rules.base_rule import Rule
-from torsion.rules.check import TO_BE_VERIFIED, Check, Standing, verdict_of
 from torsion.rules.evidence import rule_path
 from torsion.rules.joint_tubes import Tube, tubes
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Standing, verdict_of
 from torsion.study import Study
 
 RULE = "universal-joints"

@@ -10,7 +10,7 @@ from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Tab
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, RPM, Scale, number, rpm, scale
 from torsion.report.reading import NO_VALUE, barred_rpm, largest, orders_together, rated_rpm, synthesis, unreliable
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 
 def chapter(findings: Findings) -> list[Block]:

@@ -12,7 +12,7 @@ from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Poi
 from torsion.report.chapters import verdict
 from torsion.report.numbers import NONE, number, order, rpm
 from torsion.report.reading import NO_VALUE, joint_model, largest
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import JointFound, Joints

@@ -9,7 +9,7 @@ from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Tab
 from torsion.report.numbers import NONE, RPM, counted, number, rpm, told_apart
 from torsion.report.reading import rated_rpm, reference
 from torsion.report.unstable import ABOVE, BELOW, beyond, end, fastest, legend
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 MODEL = (
     "A joint makes the stiffness of the train vary with the angle. About the periodic motion that the joints and the "

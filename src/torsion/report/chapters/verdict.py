@@ -11,7 +11,7 @@ from torsion.report.blocks import Block, Column, Heading, Paragraph, Points, Tab
 from torsion.report.chapters.model_comparison import conclusion as compared_models
 from torsion.report.numbers import RPM, given, number, order, rpm
 from torsion.report.reading import band_words, barred_rpm, failed, unreliable
-from torsion.rules.check import TO_BE_VERIFIED, Check, Checks
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
 COLUMNS = (
     Column("Check", align="left"), Column("Component", align="left"), Column("Worst value"), Column("Limit"),

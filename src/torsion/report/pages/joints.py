@@ -22,7 +22,7 @@ from torsion.report.cover import checksum, cover
 from torsion.report.document import Document
 from torsion.report.numbering import numbered
 from torsion.report.numbers import RPM
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import JointFound

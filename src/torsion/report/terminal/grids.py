@@ -11,7 +11,7 @@ from rich.text import Text
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Paragraph, Points, Table
 from torsion.report.numbers import given, number, rpm
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 COLOURS = {
     "pass": "green",

@@ -15,7 +15,7 @@ from torsion.report.chapters import verdict
 from torsion.report.numbers import NONE, number, rpm, scale
 from torsion.report.pages.joints import PAGE
 from torsion.report.terminal.grids import filled, grid, printed, verdicts
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import Joints, OptimumFound

@@ -11,11 +11,11 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.damped import DampedModes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.joints.found import Joints
 from torsion.analyses.lateral.bending import Lateral
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.report.chapters import verdict
 from torsion.report.chapters.lateral import speed_range

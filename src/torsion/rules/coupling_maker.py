@@ -14,10 +14,10 @@ from torsion.fields import Declared, given
 from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.rules.base_rule import Rule
-from torsion.rules.check import Check
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import rule_path, spans_of, vibration, vibration_faults
 from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
+from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
 if TYPE_CHECKING:

@@ -11,7 +11,6 @@ from torsion.fields import Declared, Quantity, given
 from torsion.findings import Results
 from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules.base_rule import Rule
-from torsion.rules.check import TO_BE_VERIFIED, Check, Standing
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
 from torsion.rules.evidence import (
     coverage,
@@ -22,6 +21,7 @@ from torsion.rules.evidence import (
     vibration_faults,
 )
 from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Standing
 from torsion.study import Operation, Study
 
 RULE = "gear-hammer"
