@@ -9,8 +9,7 @@ from torsion.fields import Declared
 if TYPE_CHECKING:
     from torsion.errors import Fault
     from torsion.findings import Results
-    from torsion.rules.base_rule import Rule
-    from torsion.rules.verdict_line import Check
+    from torsion.rules.verdict_line import Check, Rule
     from torsion.study import Study
 
 RULES = {  # name in the file: class

@@ -12,17 +12,26 @@ from torsion.components.part_records import CouplingRatings
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
-from torsion.rules.base_rule import Rule
-from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
-from torsion.rules.evidence import rule_path, spans_of, vibration, vibration_faults
-from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
-from torsion.rules.verdict_line import Check
+from torsion.kernels.tree import FloatArray, IntArray
+from torsion.rules.judgement import (
+    MOSTLY,
+    RATED,
+    Clause,
+    Continuous,
+    RuleOverSpeed,
+    continuous_faults,
+    continuous_words,
+    curve_of,
+    rule_path,
+    spans_of,
+    vibration,
+    vibration_faults,
+    within,
+)
 from torsion.study import Study
 
 if TYPE_CHECKING:
     from torsion.analyses.response.over_speed import Response
-    from torsion.assembly.system import System
 
 RULE = "coupling-maker"
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
@@ -34,11 +43,10 @@ class CouplingSettings(Declared):
     continuous: Continuous | None = given("speeds of continuous use, for T_KW and P_KW: {from, to} (default: all)")
 
 
-class CouplingMaker(Rule):
+class CouplingMaker(RuleOverSpeed):
     """The rule, as the study reads it."""
 
     settings = CouplingSettings
-    needs = ("steady", "response")
 
     def faults(self, study: Study, asked: CouplingSettings) -> list[Fault]:
         """What the file lacks for this rule."""
@@ -52,7 +60,7 @@ class CouplingMaker(Rule):
         means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
         if means and not study.operation.has_mean_torque:
             message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
-            found.append(Fault(("operation", "rated", "power"), message, "rated: {speed: 1500 rpm, power: 100 kW}"))
+            found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found
 
     def left_out(self, study: Study, asked: CouplingSettings) -> tuple[tuple[str, str], ...]:
@@ -60,29 +68,20 @@ class CouplingMaker(Rule):
         silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
         return tuple((f"{RULE} for {name}", "its maker's limits are not given") for name in silent)
 
-    def check(self, evidence: Results, asked: CouplingSettings) -> tuple[Check, ...]:
-        """Mean, vibratory and greatest torque and the heat of every coupling, as far as its limits are given."""
-        found: list[Check | None] = []
+    def clauses(self, evidence: Results, asked: CouplingSettings) -> Iterator[Clause]:
+        """Of every coupling, as far as its limits are given.
+
+        Mean torque, vibratory torque and heat in continuous use, and greatest torque always.
+        """
+        steady = evidence.get(Steady)
         for number, part, ratings in _couplings(evidence.study):
             spans = spans_of(evidence.system, number)
-            if ratings.rated_torque is not None:
-                found.append(_mean(evidence, part, spans, ratings.rated_torque))
+            if ratings.rated_torque is not None and steady is not None:
+                mean = curve_of(steady.speed, np.abs(steady.torque[spans]).max(axis=0), ratings.rated_torque)
+                always = np.ones(len(mean.speed), dtype=bool)
+                yield Clause(RULE, "T_KN", part.name, "mean torque", "maker", mean, always)
             if ratings.limit_vibration:
-                found += _vibration(evidence, part, ratings, spans, asked)
-        return tuple(line for line in found if line is not None)
-
-    def speeds(self, study: Study, asked: CouplingSettings) -> tuple[float, ...]:
-        """rad/s: the rated speed and the ends of continuous use."""
-        rated = study.operation.rated
-        return (*(() if rated is None else (rated.speed,)), *ends(asked.continuous))
-
-    def speeds_between(self, evidence: Results, asked: CouplingSettings) -> FloatArray:
-        """(speeds,) rad/s between those computed at which a coupling may be worse."""
-        found = []
-        for number, part, ratings in _couplings(evidence.study):
-            spans = spans_of(evidence.system, number)
-            found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, ratings, spans, asked)]
-        return between(found)
+                yield from _vibration(evidence, part, ratings, spans, asked)
 
 
 def heat(response: "Response", flexibility: float, viscous: float, loss_factor: float, span: int) -> FloatArray:
@@ -107,61 +106,23 @@ def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
     return ((k, part, part.ratings) for k, part in enumerate(study.train.parts) if part.ratings is not None)
 
 
-def _clause(part: Part, clause: str, what: str, unit: str = "N m") -> Clause:
-    return Clause(RULE, clause, part.name, what, unit, "maker")
-
-
-def _mean(evidence: Results, part: Part, spans: IntArray, limit: float) -> Check | None:
-    """Mean torque against T_KN."""
-    steady = evidence.get(Steady)
-    if steady is None:
-        return None
-    value = np.abs(steady.torque[spans]).max(axis=0)
-    curve = Curve(steady.speed, value, np.full(len(value), limit), np.zeros(len(value), dtype=np.int64))
-    return judge(_clause(part, "T_KN", "mean torque"), curve, np.ones(len(value), dtype=bool))
-
-
 def _vibration(
     evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, asked: CouplingSettings
-) -> list[Check]:
-    """The verdicts on the vibration of one coupling."""
-    response, found = vibration(evidence)[0], []
-    for clause, curve, use, words in _clauses(evidence, part, ratings, spans, asked):
-        if (line := judge(clause, curve, use)) is not None:
-            found.append(noted(line, words, largest_line(response, line, spans), _tolerance(ratings)))
-    return found
-
-
-def _clauses(
-    evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, asked: CouplingSettings
-) -> list[tuple[Clause, Curve, BoolArray, str]]:
-    """Vibratory torque against T_KW and heat against P_KW in continuous use, greatest torque against T_Kmax always."""
+) -> Iterator[Clause]:
+    """The clauses about the vibration of one coupling; that the tolerance of its stiffness was not varied is noted."""
     response, synthesis = vibration(evidence)
-    always = np.ones(len(response.speed), dtype=bool)
     use, words = within(asked.continuous, response.speed), continuous_words(asked.continuous)
     half_range, peak = synthesis.half_range[:, spans].max(axis=1), synthesis.peak[:, spans].max(axis=1)
-    power = _heat(evidence.system, response, spans)
+    system, tolerance = evidence.system, ratings.tolerance
+    laws = zip(system.flexibility[spans], system.viscous[spans], system.loss_factor[spans], spans.tolist(), strict=True)
+    power = np.asarray(np.sum([heat(response, *law) for law in laws], axis=0))
+    varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
     rows = (
-        (ratings.vibratory_torque, _clause(part, "T_KW", "vibratory torque, synthesis"), half_range, use, words),
-        (ratings.heat_limit, _clause(part, "P_KW", "power loss, sum of all lines", "W"), power, use, words),
-        (ratings.max_torque, _clause(part, "T_Kmax", "greatest torque, mean and vibration"), peak, always, ""),
+        ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, words),
+        ("P_KW", "power loss, sum of all harmonic components", "W", ratings.heat_limit, power, use, words),
+        ("T_Kmax", "greatest torque, mean and vibration", "N m", ratings.max_torque, peak, use | True, ""),
     )
-    status = worst_status(response)
-    return [
-        (clause, Curve(response.speed, value, np.full(len(value), limit), status), judged, where)
-        for limit, clause, value, judged, where in rows
-        if limit is not None
-    ]
-
-
-def _heat(system: "System", response: "Response", spans: IntArray) -> FloatArray:
-    """(speeds,) W of the whole coupling."""
-    data = zip(system.flexibility[spans], system.viscous[spans], system.loss_factor[spans], spans.tolist(), strict=True)
-    rows = [heat(response, flexibility, viscous, loss, span) for flexibility, viscous, loss, span in data]
-    return np.asarray(np.sum(rows, axis=0))
-
-
-def _tolerance(ratings: CouplingRatings) -> str:
-    """That the tolerance of the stiffness was not varied; empty where none is given."""
-    tolerance = ratings.tolerance
-    return f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
+    for clause, what, unit, limit, value, judged, where in rows:
+        if limit is not None:
+            curve, notes = curve_of(response.speed, value, limit, response), (where, MOSTLY, varied)
+            yield Clause(RULE, clause, part.name, what, "maker", curve, judged, unit, notes, spans)

@@ -9,19 +9,25 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Results
-from torsion.kernels.tree import BoolArray, FloatArray
-from torsion.rules.base_rule import Rule
-from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within
-from torsion.rules.evidence import (
+from torsion.rules.judgement import (
+    MOSTLY,
+    RATED,
+    Clause,
+    Continuous,
+    RuleOverSpeed,
+    continuous_faults,
+    continuous_words,
     coverage,
+    curve_of,
+    rated_speed,
     rated_torque,
     rule_path,
     spans_of,
     vibration,
     vibration_faults,
+    within,
 )
-from torsion.rules.judgement import Clause, Curve, between, judge, largest_line, noted, worst_status
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Standing
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
 from torsion.study import Operation, Study
 
 RULE = "gear-hammer"
@@ -40,11 +46,10 @@ class GearHammerSettings(Declared):
     )
 
 
-class GearHammer(Rule):
+class GearHammer(RuleOverSpeed):
     """The rule, as the study reads it."""
 
     settings = GearHammerSettings
-    needs = ("steady", "response")
 
     def faults(self, study: Study, asked: GearHammerSettings) -> list[Fault]:
         """What the file lacks for this rule."""
@@ -53,59 +58,33 @@ class GearHammer(Rule):
         missing = [*_rated_faults(study.operation), *continuous_faults(study, asked, RULE, asked.continuous)]
         return missing + vibration_faults(study, asked, RULE)
 
-    def check(self, evidence: Results, asked: GearHammerSettings) -> tuple[Check, ...]:
-        """Both clauses at every mesh; torques are told at the driving gear's speed."""
-        found = []
+    def clauses(self, evidence: Results, asked: GearHammerSettings) -> Iterator[Clause]:
+        """Of every mesh, at the driving gear's speed.
+
+        Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use.
+        """
+        response, synthesis = vibration(evidence)
+        every = rated_torque(evidence, np.arange(len(evidence.system.spans)))
+        if every is None:
+            raise ValueError("the torque at the rated speed is not known")
+        use, words = within(asked.continuous, response.speed), continuous_words(asked.continuous)
+        reach = coverage(float(response.speed[-1]), rated_speed(evidence.study))
         for number, part in evidence.study.train.of_kind("gear"):
-            for span in spans_of(evidence.system, number).tolist():
-                found += list(_mesh(evidence, part, span, asked))
-        return tuple(found)
-
-    def speeds(self, study: Study, asked: GearHammerSettings) -> tuple[float, ...]:
-        """rad/s: the rated speed and the ends of continuous use."""
-        return (_rated_speed(study), *ends(asked.continuous))
-
-    def speeds_between(self, evidence: Results, asked: GearHammerSettings) -> FloatArray:
-        """(speeds,) rad/s between those computed at which a mesh may be worse."""
-        found = []
-        for number, part in evidence.study.train.of_kind("gear"):
-            for span in spans_of(evidence.system, number).tolist():
-                found += [(curve, use) for _, curve, use, _ in _clauses(evidence, part, span, asked)]
-        return between(found)
-
-
-def _rated_speed(study: Study) -> float:
-    """rad/s of the reference station; raises ValueError where the study has none."""
-    if study.operation.rated is None:
-        raise ValueError(f"{RULE} needs the rated speed")
-    return study.operation.rated.speed
-
-
-def _mesh(evidence: Results, part: Part, span: int, asked: GearHammerSettings) -> Iterator[Check]:
-    """The verdicts on one mesh."""
-    response = vibration(evidence)[0]
-    for clause, curve, use, words in _clauses(evidence, part, span, asked):
-        if (line := judge(clause, curve, use)) is not None:
-            yield noted(line, *words, largest_line(response, line, np.array([span])))
-
-
-def _clauses(
-    evidence: Results, part: Part, span: int, asked: GearHammerSettings
-) -> Iterator[tuple[Clause, Curve, BoolArray, tuple[str, ...]]]:
-    """Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use."""
-    response, synthesis = vibration(evidence)
-    status, vibratory = worst_status(response), synthesis.half_range[:, span]
-    where, rated = evidence.system.spans[span].name, _rated(evidence, span)
-    share, origin, standing = _share(part, asked)
-    if rated > 0:
-        clause = Clause(RULE, "(K_A - 1) T_rated", where, "vibratory mesh torque, synthesis", "N m", standing)
-        curve = Curve(response.speed, vibratory, np.full(len(vibratory), share * rated), status)
-        reach = coverage(float(response.speed[-1]), _rated_speed(evidence.study))
-        yield clause, curve, np.ones(len(vibratory), dtype=bool), (f"{share:.4g} ({origin}) x {rated:.5g} N m", reach)
-    clause = Clause(RULE, "torque reversal", where, "vibratory against mean mesh torque", "N m", TO_BE_VERIFIED)
-    curve = Curve(response.speed, vibratory, np.abs(response.mean[:, span]), status)
-    words = "" if rated > 0 else "the mesh carries no mean torque", continuous_words(asked.continuous)
-    yield clause, curve, within(asked.continuous, response.speed), words
+            share, origin, standing = _share(part, asked)
+            for span in spans_of(evidence.system, number):
+                at, where, vibratory = np.array([span]), evidence.system.spans[span].name, synthesis.half_range[:, span]
+                rated = float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0  # nothing but rounding
+                curve = curve_of(response.speed, vibratory, share * rated, response)
+                notes, what = (
+                    (f"{share:.4g} ({origin}) x {rated:.5g} N m", reach, MOSTLY),
+                    "vibratory mesh torque, synthesis",
+                )
+                if rated > 0:
+                    yield Clause(RULE, "(K_A - 1) T_rated", where, what, standing, curve, use | True, "N m", notes, at)
+                curve = curve_of(response.speed, vibratory, np.abs(response.mean[:, span]), response)
+                notes = ("" if rated > 0 else "the mesh carries no mean torque", words, MOSTLY)
+                what = "vibratory against mean mesh torque"
+                yield Clause(RULE, "torque reversal", where, what, TO_BE_VERIFIED, curve, use, "N m", notes, at)
 
 
 def _share(part: Part, asked: GearHammerSettings) -> tuple[float, str, Standing]:
@@ -117,21 +96,12 @@ def _share(part: Part, asked: GearHammerSettings) -> tuple[float, str, Standing]
     return share, origin, TO_BE_VERIFIED
 
 
-def _rated(evidence: Results, span: int) -> float:
-    """Mean torque at the rated speed, N m; exactly 0 in a mesh that carries nothing but rounding."""
-    everywhere = rated_torque(evidence, np.arange(len(evidence.system.spans)))
-    if everywhere is None:
-        raise ValueError("the torque at the rated speed is not known")
-    return float(everywhere[span]) if everywhere[span] > NO_LOAD * np.max(everywhere) else 0.0
-
-
 def _rated_faults(operation: Operation) -> list[Fault]:
     """The rated torque must be known."""
     rated = operation.rated
-    hint = "rated: {speed: 1500 rpm, power: 100 kW}"
     if rated is None:
-        return [Fault(("operation", "rated"), f"`rated` is missing; {RULE} compares with the rated torque", hint)]
+        return [Fault(("operation", "rated"), f"`rated` is missing; {RULE} compares with the rated torque", RATED)]
     if not operation.has_mean_torque:
         message = f"`power` is missing; {RULE} compares with the rated torque"
-        return [Fault(("operation", "rated", "power"), message, hint)]
+        return [Fault(("operation", "rated", "power"), message, RATED)]
     return []
