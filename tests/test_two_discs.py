@@ -11,9 +11,9 @@ import pytest
 
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.damped import DampedModes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.holzer import holzer
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 
 DOCS = Path(__file__).parents[1] / "docs"

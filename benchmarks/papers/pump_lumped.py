@@ -13,8 +13,8 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.pump_steps import Chain
 from benchmarks.papers.scenes import solved
 from benchmarks.papers.writing import Misprint, Page, Picture, bound, told
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 
 NAME = "pump_lumped"

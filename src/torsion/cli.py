@@ -15,22 +15,18 @@ from torsion.errors import InputError, SolveError
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
 
-ALONE = "no file is written, and no option that writes one is taken"  # what --json goes with
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
-app = typer.Typer(
-    add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
-)  # fmt: skip
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
+Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
+JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
+Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
 
 @app.callback()
 def about() -> None:
     """Torsional vibration of shaft trains: frequencies, response, universal joints, class rules, report."""
-
-
-Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
-Json = Annotated[bool, typer.Option("--json", help=f"Print the results as JSON; {ALONE}.")]
 
 
 @app.command()
@@ -72,7 +68,9 @@ def joint(
     file: File,
     out: Out = None,
     json: Json = False,
-    turns: Annotated[int | None, typer.Option("--turns", min=1, max=100, help="Turns of the driving shaft.")] = None,
+    turns: Annotated[
+        int | None, typer.Option("--turns", min=1, max=100, help="Revolutions of the driving shaft.")
+    ] = None,
 ) -> None:
     """Print the universal joints of a scene and write joints.html, joints.json and joints.csv.
 
@@ -111,7 +109,7 @@ def study(
     tolerance: Annotated[
         str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
     ] = "0.1%",
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer divisions and runs: seconds, not minutes.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer elements and runs: seconds, not minutes.")] = False,
 ) -> None:
     """Time every model and method on this train against its error; write study.html, study.json and study.csv.
 

@@ -1,6 +1,7 @@
 """A file to its findings and its report: what the command does."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from torsion.findings import Findings, Progress, silent
 from torsion.plan import Plan
 from torsion.runner import run
 from torsion.schema.read import located, read
+from torsion.study import Study
 
 if TYPE_CHECKING:
     from torsion.analyses.compare.frontier import Timings
@@ -64,17 +66,25 @@ def write(findings: Findings, folder: Path, report: str = "solve", *, also: Coll
     """
     from torsion.output.write import write as write_report
 
-    try:
+    with _writing_report(findings, folder):
         return write_report(findings, folder, report, also=also)
+
+
+def _writing_report(findings: Findings, folder: Path) -> AbstractContextManager[None]:
+    """As `_writing` of a report into its folder."""
+    return _writing(findings.study, f"the report cannot be written to {folder}", " (choose another folder with -o)")
+
+
+@contextmanager
+def _writing(study: Study, refusal: str, remedy: str = "") -> Iterator[None]:
+    """Raise InputError, with the `refusal`, where something cannot be written; locate other faults in the file."""
+    try:
+        yield
     except OSError as error:
-        raise _unwritable(folder, error) from None
+        message = f"{refusal}: {error.strerror or error}"
+        raise InputError([Fault((), message)], message + remedy) from None
     except InputError as error:
-        raise located(error, findings.study) from None
-
-
-def _unwritable(folder: Path, error: OSError) -> InputError:
-    message = f"the report cannot be written to {folder}: {error.strerror or error}"
-    return InputError([Fault((), message)], f"{message} (choose another folder with -o)")
+        raise located(error, study) from None
 
 
 def joint(file: str | Path, *, turns: int | None = None) -> Findings:
@@ -123,7 +133,7 @@ def study(
     SolveError.
     """
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
-    from torsion.analyses.division import assembled
+    from torsion.analyses.discretisation import assembled
     from torsion.analyses.requests import highest_excited, no_response
     from torsion.rules import needed
 
@@ -163,31 +173,36 @@ def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Docume
     """Write study.html, study.json and study.csv; the report. Raises InputError where the folder cannot be written."""
     from torsion.output.pages.comparison_pages import write_study as write_pages
 
-    try:
+    with _writing_report(findings, folder):
         return write_pages(findings, timings, folder)
-    except OSError as error:
-        raise _unwritable(folder, error) from None
 
 
 def write_matrices(findings: Findings, file: Path) -> str:
-    """Write J, K, C and H in free coordinates as .npz, and tell in a sentence at which speed their damping is.
+    """Write J, K, C and H in free coordinates as .npz, and state in a sentence at which speed their damping is.
 
-    Raises InputError where the file cannot be written, or the damping follows from what the scene does not give.
+    The damping is that of the rated speed, else of the highest, as of the damped modes. Raises InputError where the
+    file cannot be written, the damping follows from a speed or a mean torque that the scene does not give, or the model
+    is the exact one, which has no matrices.
     """
-    from torsion.analyses.operating_matrices import operating_matrices
+    from torsion.analyses.response.solver import ground_damping
+    from torsion.analyses.steady import steady_if_known
+    from torsion.assembly.matrices import matrices
 
-    try:
-        found = operating_matrices(findings.study, findings.system)
-    except InputError as error:
-        raise located(error, findings.study) from None
-    arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(found.view).items()}
-    try:
+    study, system, speed = findings.study, findings.system.whole, findings.study.operation.speed
+    following = [damper for damper in system.dampers if damper.torque_factor or damper.speed_factor]
+    with _writing(study, f"the matrices cannot be written to {file}"):
+        if following and not speed:
+            name = system.stations[following[0].station].name
+            message = f"the damping of '{name}' follows from the speed, and so do the matrices; none is given"
+            raise InputError([Fault(("operation",), message, "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`")])
+        grid = np.array([speed or 0.0])
+        steady = steady_if_known(study, system, grid) if speed else None
+        view = matrices(system, ground_damping=ground_damping(system, grid, steady)[:, 0])
+        mean = np.full(len(system.stations), np.nan) if steady is None else steady.applied[:, 0]
+        arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(view).items()}
         with file.open("wb") as target:
-            np.savez(target, **arrays, speed=found.speed, mean_torque=found.mean_torque)
-    except OSError as error:
-        message = f"the matrices cannot be written to {file}: {error.strerror or error}"
-        raise InputError([Fault((), message)], message) from None
-    if np.isnan(found.speed):
+            np.savez(target, **arrays, speed=speed or np.nan, mean_torque=mean)
+    if not speed:
         return f"Matrices: {file}; no damping of theirs follows from the speed"
-    torque = "" if np.isnan(found.mean_torque).all() else " and its mean torque"
-    return f"Matrices: {file}; damping to ground at {found.speed * 30.0 / np.pi:.6g} rpm{torque}"
+    torque = "" if steady is None else " and its mean torque"
+    return f"Matrices: {file}; damping to ground at {speed * 30.0 / np.pi:.6g} rpm{torque}"

@@ -6,11 +6,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.modes import modes
 from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.excitation import excitations, sources
+from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.held import held_faults
 from torsion.components.branch import Branch

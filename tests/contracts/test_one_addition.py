@@ -48,7 +48,7 @@ RULE = '''
 from typing import Annotated
 from torsion.fields import Declared, Quantity, required
 from torsion.rules.base_rule import Rule
-from torsion.rules.check import Check, verdict_of
+from torsion.rules.verdict_line import Check, verdict_of
 
 class Allowed(Declared):
     speed: Annotated[float, Quantity("m/s", above=0)] = required("highest speed of a rim")

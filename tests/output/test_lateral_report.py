@@ -25,8 +25,8 @@ from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.results_json import documented, results, text
 from torsion.output.terminal.screen import screen
-from torsion.rules.bending import bending_checks
-from torsion.rules.check import Checks
+from torsion.rules.stable_bending import bending_checks
+from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 
 KEYS = {key.path: key.meaning for key in documented()}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Table

@@ -29,8 +29,8 @@ from torsion.output.first_order_and_exact import compared, exact_half_range, fir
 from torsion.output.numbers import RPM
 from torsion.output.results_json import documented, results
 from torsion.output.terminal.screen import show
-from torsion.rules.check import Checks
-from torsion.rules.stability import stability_check
+from torsion.rules.stable_motion import stability_check
+from torsion.rules.verdict_line import Checks
 
 KEYS = {key.path: key.meaning for key in documented()}
 

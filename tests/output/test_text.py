@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.document import document
 from torsion.output.numbers import number, rpm
 from torsion.output.reported_values import unreliable
 from torsion.output.terminal.screen import progress, show
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 
 def printed(findings: Findings) -> str:

@@ -15,7 +15,7 @@ from torsion.output.document import document
 from torsion.output.figures.style import hatch, page
 from torsion.output.reported_values import NO_VALUE, unreliable
 from torsion.output.results_json import results
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 SCENE = """
 name: undamped

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import pytest
 
 import torsion
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table
 from torsion.output.chapters import coupling_loads as couplings
@@ -14,7 +14,7 @@ from torsion.output.chapters import gear_meshes as gears
 from torsion.output.chapters import mass_elastic
 from torsion.output.chapters.holzer_table import holzer_table
 from torsion.output.elastic_elements import elements
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 GEARED = """
 name: a geared train

@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.motion.stability import Stability, UnstableRange
 from torsion.analyses.motion.zones import Zone
-from torsion.rules.stability import stability_check
+from torsion.rules.stable_motion import stability_check
 from torsion.study import Operation
 
 OPERATED = Operation(speeds={"from": "100 rad/s", "to": "200 rad/s"})

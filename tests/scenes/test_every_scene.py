@@ -11,12 +11,12 @@ import pytest
 
 import torsion
 from torsion.analyses.joints.found import Joints
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.source import parse_source
 

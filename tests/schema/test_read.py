@@ -10,7 +10,7 @@ import pytest
 
 from torsion.errors import Fault, InputError
 from torsion.fields import Amount
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 from torsion.schema.example import example
 from torsion.schema.read import located, parse, read

@@ -65,18 +65,20 @@ ANALYSES: dict[str, Analysis] = {
     "sections": Analysis(
         "cross-sections", "torsion.analyses.mesh_sections", wanted=lambda study: study.has_meshed_sections
     ),
-    "assembly": Analysis("assembly", "torsion.analyses.division", "run_assembly", needs=("sections",), wanted=always),
+    "assembly": Analysis(
+        "assembly", "torsion.analyses.discretisation", "run_assembly", needs=("sections",), wanted=always
+    ),
     "modes": Analysis(
-        "natural frequencies", "torsion.analyses.division", "run_modes",
-        settings="torsion.analyses.modes:ModesSettings", needs=("assembly",),
-        results={"modes": "torsion.analyses.modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
+        "natural frequencies", "torsion.analyses.discretisation", "run_modes",
+        settings="torsion.analyses.undamped_modes:ModesSettings", needs=("assembly",),
+        results={"modes": "torsion.analyses.undamped_modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
     ),
     "damped": Analysis(
-        "damped modes", "torsion.analyses.damped", needs=("modes",), results={"damped_modes": "DampedModes"},
+        "damped modes", "torsion.analyses.damped_modes", needs=("modes",), results={"damped_modes": "DampedModes"},
         wanted=always, chapters=("natural_frequencies",), place=("analyses", "modes", "damped"),
     ),
     "segment groups": Analysis(
-        "segment groups", "torsion.analyses.division", "run_groups", needs=("damped",), wanted=always,
+        "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
     ),
     "steady": Analysis(
         "mean torque", "torsion.analyses.steady", needs=("segment groups",), results={"mean": "Steady"}, wanted=always,

@@ -12,7 +12,7 @@ from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.output.numbers import RPM, given, number
 from torsion.rules import needed
-from torsion.rules.check import BarredRange, Check, Checks
+from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0

@@ -20,7 +20,7 @@ from torsion.output.plain import plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
 from torsion.output.selection import Selection
 from torsion.plan import Plan
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 FORMAT = 1
 HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has

@@ -14,7 +14,7 @@ from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree import FloatArray, IntArray
 from torsion.primitives import Bar
 from torsion.rules import m68_formulas as formulas
-from torsion.rules.evidence import spans_of
+from torsion.rules.judgement import spans_of
 from torsion.rules.m68_formulas import ASSUMED, DETAILS, Detail, Mark, Role
 from torsion.study import Study
 from torsion.train import Train

@@ -12,7 +12,7 @@ from torsion.analyses.motion.equations import right_hand_side
 from torsion.analyses.motion.loading import scene
 from torsion.analyses.motion.periodic import Found, PeriodicResponse, orbit, periodic_response, told
 from torsion.analyses.motion.several import others
-from torsion.analyses.response.excitation import excitations, sources
+from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.statics import statics

@@ -8,7 +8,6 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from torsion.analyses.modes import modes
 from torsion.analyses.motion.equations import linearised, mean_angle, right_hand_side, state
 from torsion.analyses.motion.floquet import Variation, by_hill, by_monodromy, hill_count, variation
 from torsion.analyses.motion.loading import operating, scene
@@ -16,6 +15,7 @@ from torsion.analyses.motion.modes import Basis, basis
 from torsion.analyses.motion.periodic import orbit
 from torsion.analyses.motion.stability import search, stability
 from torsion.analyses.motion.zones import zone
+from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling

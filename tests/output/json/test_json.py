@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.results_json import documented, results, text
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.surface.axes import axes
 from torsion.output.surface.surface import Surface, all_rings, angles, surface, torques, turned

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import torsion
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.cli import app
 from torsion.findings import Findings
 from torsion.output.document import Document, document

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from torsion.analyses.compare.timing import Candidate, Effort
-from torsion.analyses.division import assembled
-from torsion.analyses.modes import Modes, modes, modes_as_discretised, undamped_tree
+from torsion.analyses.discretisation import assembled
+from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.assembly import assemble
 from torsion.assembly.section.resolved import resolved
 from torsion.assembly.system import System

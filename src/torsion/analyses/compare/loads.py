@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 
 from torsion.analyses.compare.torque_ends import Ends, elastic_ends
-from torsion.analyses.response.excitation import Line, Sources, excitations, sources
+from torsion.analyses.response.harmonic_components import Line, Sources, excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.assembly.system import System

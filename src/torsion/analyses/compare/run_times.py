@@ -13,7 +13,7 @@ from torsion.analyses.compare.frontier import TimedQuantity, Timings
 from torsion.analyses.compare.model_errors import relative_errors
 from torsion.analyses.compare.timed_torques import timed_torques
 from torsion.analyses.compare.timing import FULL, QUICK, Candidate, Effort, timed
-from torsion.analyses.modes import Modes, modes
+from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.findings import Progress, silent

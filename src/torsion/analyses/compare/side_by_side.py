@@ -15,10 +15,10 @@ from torsion.analyses.compare.loads import Harmonics, Loaded, Torques, eliminati
 from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
 from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.compare.torque_ends import driving_ends
-from torsion.analyses.division import assembled, told_division
-from torsion.analyses.modes import Modes, modes, undamped_tree
-from torsion.analyses.response.excitation import Line, excitations
+from torsion.analyses.discretisation import assembled, told_division
+from torsion.analyses.response.harmonic_components import Line, excitations
 from torsion.analyses.response.over_speed import asked_orders
+from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.fields import Declared, given, refuse

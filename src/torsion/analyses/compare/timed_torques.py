@@ -15,8 +15,8 @@ from torsion.analyses.compare.loads import Harmonics, Loaded, eliminated, elimin
 from torsion.analyses.compare.model_errors import over_peaks
 from torsion.analyses.compare.superposition import superposed
 from torsion.analyses.compare.timing import Candidate, Effort, timed
-from torsion.analyses.modes import modes
-from torsion.analyses.response.excitation import Line
+from torsion.analyses.response.harmonic_components import Line
+from torsion.analyses.undamped_modes import modes
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.analyses.response.excitation import Excitation
+from torsion.analyses.response.harmonic_components import Excitation
 from torsion.assembly.system import System
 from torsion.kernels.tree import ComplexArray, FloatArray
 

@@ -12,7 +12,7 @@ import numpy as np
 from torsion.analyses.motion.equations import Loading, mean_angle
 from torsion.analyses.motion.joints import Turning, at_rest, beyond
 from torsion.analyses.motion.layout import Layout, common_order, layout
-from torsion.analyses.response.excitation import amplitude, excitations
+from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import reference_station, steady_if_known
 from torsion.assembly.system import System

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from torsion.analyses.response.excitation import Line
+from torsion.analyses.response.harmonic_components import Line
 from torsion.assembly.system import System
 from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.kernels.tree_response import Status

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.steady import SAME_SPEED
+from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
 from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray

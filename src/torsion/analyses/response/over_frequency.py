@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, merged
-from torsion.analyses.response.excitation import Sources, sources, sweeping
+from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
 from torsion.analyses.response.size import refuse_too_large
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError

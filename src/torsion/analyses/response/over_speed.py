@@ -9,15 +9,15 @@ import numpy as np
 from pydantic import BeforeValidator
 
 from torsion import fields
-from torsion.analyses.damped import DampedModes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.joints.first_order import joint_errors
-from torsion.analyses.modes import Modes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, merged
-from torsion.analyses.response.excitation import Excitation, Line, excitations, excited_orders, lines, sources
+from torsion.analyses.response.harmonic_components import Excitation, Line, excitations, excited_orders, lines, sources
 from torsion.analyses.response.size import blocks, refuse_too_large
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError

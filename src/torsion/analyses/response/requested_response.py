@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.requests import no_response
 from torsion.analyses.response.amplitudes import Response, Synthesis, joined, part_of
 from torsion.analyses.response.over_speed import asked_orders, response, response_at
 from torsion.analyses.response.size import SMALL_BLOCK, blocks
 from torsion.analyses.response.synthesis import synthesis
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import System
 from torsion.findings import Work
 

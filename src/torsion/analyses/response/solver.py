@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.modes import bar_torques, span_torques
-from torsion.analyses.response.excitation import Sources
+from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
+from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree

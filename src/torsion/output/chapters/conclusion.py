@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.chapters.verdict import conclusion
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import given_rpm, number, order, rpm
 from torsion.output.reported_values import amplitude, largest, reference
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 
 def chapter(findings: Findings) -> list[Block]:

@@ -80,7 +80,7 @@ def _peak(findings: Findings, element: Element, unit: Scale) -> str:
 
 def _heat(findings: Findings, element: Element) -> FloatArray:
     """(speeds,) W; NaN where the response has no reliable value."""
-    from torsion.rules.coupling import heat
+    from torsion.rules.coupling_maker import heat
 
     response, system = findings.get(Response), findings.system
     if response is None:

@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm

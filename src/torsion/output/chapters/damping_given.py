@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head

@@ -18,7 +18,7 @@ from torsion.output.reported_values import (
     synthesis,
     unreliable,
 )
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 
 def chapter(findings: Findings) -> list[Block]:

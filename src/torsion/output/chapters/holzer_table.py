@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.holzer import HolzerTable, holzer
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray, IntArray
 from torsion.output.blocks import Block, Table, head

@@ -12,7 +12,7 @@ from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Tab
 from torsion.output.chapters import joint_figures, joint_tables, verdict
 from torsion.output.numbers import NONE, number, order, rpm
 from torsion.output.reported_values import NO_VALUE, joint_model, largest
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joints import JointFound, Joints

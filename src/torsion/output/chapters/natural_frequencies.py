@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
+from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray

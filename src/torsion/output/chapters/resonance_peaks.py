@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Table, head

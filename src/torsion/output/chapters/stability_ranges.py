@@ -9,7 +9,7 @@ from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Tab
 from torsion.output.chapters.unstable_ranges import ABOVE, BELOW, beyond, end, fastest, legend
 from torsion.output.numbers import NONE, RPM, counted, number, rpm, told_apart
 from torsion.output.reported_values import rated_rpm, reference
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 MODEL = (
     "A joint makes the stiffness of the train vary with the angle. About the periodic motion that the joints and the "

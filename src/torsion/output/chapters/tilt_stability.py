@@ -8,7 +8,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import rated_rpm
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.bending import ShaftFound

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph
 from torsion.output.numbers import number

@@ -11,7 +11,7 @@ from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, head
 from torsion.output.chapters.model_comparison import conclusion as compared_models
 from torsion.output.numbers import RPM, given, number, order, rpm
 from torsion.output.reported_values import band_words, barred_rpm, failed, unreliable
-from torsion.rules.check import TO_BE_VERIFIED, Check, Checks
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
 COLUMNS = head(
     "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | "

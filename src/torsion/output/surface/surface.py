@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.modes import Modes
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings

@@ -11,14 +11,14 @@ import pytest
 
 import torsion
 from torsion.analyses.joints.found import Joints
-from torsion.analyses.modes import Modes
 from torsion.analyses.motion.map import StabilityMap
 from torsion.analyses.motion.periodic import PeriodicResponse
 from torsion.analyses.motion.stability import Stability
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
-SCENE = Path(__file__).parents[2] / "shafting_specs" / "six_stations.yaml"
+SCENE = Path(__file__).parents[3] / "shafting_specs" / "six_stations.yaml"
 TRAIN = """
 name: six stations
 operation:

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.over_speed import ResponseSettings, response
+from torsion.analyses.undamped_modes import Modes
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.output.chapters import chapters
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 RPM = math.pi / 30.0
 FERRY = """

@@ -2,16 +2,19 @@
 
 import json
 import re
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 import torsion
+from torsion.analyses import ANALYSES, Analysis
+from torsion.analyses.motion.stability import Stability
+from torsion.analyses.undamped_modes import Modes
 from torsion.cli import app
 from torsion.errors import Fault, InputError, SolveError
 from torsion.output.results_json import results
-from torsion.plan import Log
 from torsion.study import Study
 
 GEAR = """name: joints on both sides of a gear
@@ -93,44 +96,59 @@ def test_remedy_that_is_offered_gives_the_answer():
     teeth = re.search(r"`(teeth: \[\d+, \d+\])`", one.remedy).group(1)
     found = torsion.run(scene(few.replace("teeth: [37, 211]", teeth), "stability: "))
     assert found.plan.unanswered == ()
-    assert (found.stability.growth < 0).all()
+    assert (found.need(Stability).growth < 0).all()
 
 
 def test_stability_without_an_answer_leaves_the_map_out_too_and_nothing_else():
     asked = "stability: {map: {over: angle, from: 1 deg, to: 9 deg, steps: 3}}"
     found = torsion.run(scene(GEAR, "modes: ", asked))
-    assert [one.analysis for one in found.plan.unanswered] == ["stability", "stability.map"]
-    assert found.modes is not None
+    assert [one.analysis for one in found.plan.unanswered] == ["stability", "stability map"]
+    assert found.need(Modes).frequency.size
 
 
-def test_what_the_file_does_not_name_leaves_the_exit_status_alone():
+@dataclass(frozen=True)
+class Refusing(Analysis):
+    """An analysis that every study wants and that ends by an error."""
+
+    error: Exception = field(default_factory=Exception)
+
+    def function(self):
+        def refuse(work) -> None:
+            raise self.error
+
+        return refuse
+
+
+def run_with(monkeypatch, study: Study, **errors: Exception):
+    """The findings where the analyses of those names end by those errors."""
+    for name, error in errors.items():
+        refusing = Refusing(name, __name__, wanted=lambda study: True, error=error)
+        monkeypatch.setitem(ANALYSES, name, refusing)
+    return torsion.run(study)
+
+
+def test_what_the_file_does_not_name_leaves_the_exit_status_alone(monkeypatch):
     study = torsion.parse(SHAFT.replace("length: 1 m", "length: 1 m, support: {at: 0.5 m, stiffness: 1e6}"))
-    log = Log(study)
-    assert log.attempt("lateral", "bending of the shafts", _refuse, SolveError("too many elements", "fewer")) is None
-    assert log.attempt("modes", "natural frequencies", _refuse, SolveError("too low")) is None
-    assert [one.is_named for one in log.unanswered] == [False, True]
-    assert log.left_out[0] == ("bending of the shafts", "too many elements; remedy: fewer")
+    errors = {"lateral": SolveError("too many elements", "fewer"), "modes": SolveError("too low")}
+    plan = run_with(monkeypatch, study, **errors).plan
+    assert {one.analysis: one.is_named for one in plan.unanswered} == {"lateral": False, "modes": True}
+    assert ("lateral", "too many elements; remedy: fewer") in plan.left_out
 
 
-def _refuse(error: Exception) -> None:
-    raise error
-
-
-def test_result_of_an_attempt_is_that_of_the_function_and_a_bug_is_not_caught():
-    log = Log(scene(SHAFT, "modes: "))
-    assert log.attempt("modes", "natural frequencies", divmod, 7, 2) == (3, 1)
+def test_a_bug_in_an_analysis_is_not_caught(monkeypatch):
+    study = scene(SHAFT, "modes: ")
+    assert torsion.run(study).plan.unanswered == ()
     with pytest.raises(ZeroDivisionError):
-        log.attempt("modes", "natural frequencies", divmod, 7, 0)
-    assert log.unanswered == []
+        run_with(monkeypatch, study, joints=ZeroDivisionError())
 
 
 @pytest.mark.parametrize("error", [SolveError("no way", "another"), InputError([Fault(("train", 1), "bad", "good")])])
-def test_analysis_that_a_rule_of_the_file_reads_is_not_left_out(error):
-    rule = "rules: [universal-joints]\n"
-    log = Log(torsion.parse(f"{SHAFT}{rule}"))
-    with pytest.raises(type(error)):
-        log.attempt("joints", "universal joints", _refuse, error)
-    assert log.attempt("lateral", "bending of the shafts", _refuse, error) is None
+def test_analysis_that_a_rule_of_the_file_reads_is_not_left_out(error, monkeypatch):
+    study = torsion.parse(f"{SHAFT}rules: [universal-joints]\n")
+    with pytest.raises(type(error), match=error.args[0] if isinstance(error, SolveError) else "bad"):
+        run_with(monkeypatch, study, joints=error)
+    monkeypatch.undo()
+    assert [one.analysis for one in run_with(monkeypatch, study, critical=error).plan.unanswered] == ["critical"]
 
 
 def test_nothing_is_reported_where_nothing_has_an_answer():

@@ -1,8 +1,8 @@
 """The discretisation of a study: its system for a highest frequency, and what the plan says of it."""
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes, condensed_modes, modes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.requests import has_inertia, highest_excited, modes_settings
+from torsion.analyses.undamped_modes import Modes, condensed_modes, modes
 from torsion.assembly import assemble
 from torsion.assembly.segment_groups import MOST_GROUPS, condensed
 from torsion.assembly.system import System

@@ -1,9 +1,16 @@
-"""The verdict of a rule on one thing."""
+"""A rule: what it needs, what it does not judge, and the lines of its verdict."""
 
 from fractions import Fraction
-from typing import Literal
+from typing import Any, Literal
 
+import numpy as np
+
+from torsion.errors import Fault
+from torsion.fields import Declared
+from torsion.findings import Results
+from torsion.kernels.tree import FloatArray
 from torsion.results import reported, result
+from torsion.study import Study
 
 Verdict = Literal["pass", "fail", "not kept", "outside"]  # not kept: a limit to be verified is exceeded
 Standing = Literal[
@@ -72,3 +79,33 @@ class Checks:
     def fails(self) -> bool:
         """A limit is not kept."""
         return any(check.fails for check in self.lines)
+
+
+class Rule:
+    """Base of all rules, which need nothing, leave nothing out and judge nothing until they say so.
+
+    `asked` are the settings of the file, of the class `settings`.
+    """
+
+    settings: type[Declared] = Declared
+    needs: tuple[str, ...] = ()  # analyses that it reads
+
+    def faults(self, study: Study, asked: Any) -> list[Fault]:
+        """What the file lacks."""
+        return []
+
+    def left_out(self, study: Study, asked: Any) -> tuple[tuple[str, str], ...]:
+        """What it does not judge, and why."""
+        return ()
+
+    def speeds(self, study: Study, asked: Any) -> tuple[float, ...]:
+        """Speeds (rad/s of the reference station) that must be computed, where they lie in the range."""
+        return ()
+
+    def speeds_between(self, evidence: Results, asked: Any) -> FloatArray:
+        """(speeds,) rad/s between those computed at which it may find more."""
+        return np.empty(0)
+
+    def check(self, evidence: Results, asked: Any) -> tuple[Check, ...]:
+        """Its verdicts."""
+        return ()

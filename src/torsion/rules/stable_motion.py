@@ -5,8 +5,7 @@ import numpy as np
 from torsion.analyses.motion.stability import Stability
 from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
-from torsion.rules.base_rule import Rule
-from torsion.rules.check import Check
+from torsion.rules.verdict_line import Check, Rule
 from torsion.study import Operation
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"

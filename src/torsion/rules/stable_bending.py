@@ -11,8 +11,7 @@ from torsion.analyses.lateral.bending import Lateral, ShaftFound
 from torsion.analyses.lateral.tilting import Tilting
 from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
-from torsion.rules.base_rule import Rule
-from torsion.rules.check import Check
+from torsion.rules.verdict_line import Check, Rule
 from torsion.study import Operation
 
 ROUNDING = 1e-9  # of a logarithmic decrement, and of speeds relative to themselves

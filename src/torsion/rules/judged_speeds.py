@@ -9,8 +9,8 @@ from torsion.fields import Declared
 from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
 from torsion.rules import of_study
-from torsion.rules.base_rule import Rule
-from torsion.rules.evidence import vibration
+from torsion.rules.judgement import vibration
+from torsion.rules.verdict_line import Rule
 from torsion.study import Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
