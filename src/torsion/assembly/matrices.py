@@ -6,7 +6,8 @@ import numpy as np
 
 from torsion.assembly.system import BarSpans, System
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.kernels.spanning_forest import connected
+from torsion.kernels.tree import FloatArray
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     if system.bars is not None and system.bars.degree == 0:
         message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
-    group = _joined(system)
+    rigid = system.flexibility == 0
+    group = connected(len(system.stations), system.driving[rigid], system.driven[rigid])  # turn together
     fixed = np.isin(group, group[system.held])
     free = np.unique(group[~fixed])
     basis = np.where((group[:, None] == free) & ~fixed[:, None], system.speed_ratio[:, None], 0.0)
@@ -88,13 +90,3 @@ def _constant_damping(system: System) -> FloatArray:
     for damper in system.dampers:
         damping[damper.station] += damper.constant
     return damping
-
-
-def _joined(system: System) -> IntArray:
-    """(stations,) number of the stations that turn together, in the order of the first of each."""
-    rigid: BoolArray = system.flexibility == 0
-    group = np.arange(len(system.stations))
-    for a, b in zip(system.driving[rigid].tolist(), system.driven[rigid].tolist(), strict=True):
-        low, high = sorted((int(group[a]), int(group[b])))
-        group[group == high] = low
-    return group

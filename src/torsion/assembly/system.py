@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.assembly.folding import Folded, fold
+from torsion.assembly.referred_tree import Folded, fold
 from torsion.assembly.spans import Row, Span
 from torsion.kernels.round_sections import polar_area_moment
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
