@@ -26,7 +26,7 @@ DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
-    "meshio": ("assembly/section/mesh.py", "report/surface/vtu.py"),
+    "meshio": ("assembly/section/section_mesh.py", "report/surface/vtu.py"),
     "matplotlib": ("plots/",),
     "jinja2": ("report/",),
     "typst": ("report/",),

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from torsion.analyses.requests import has_inertia
-from torsion.assembly.section.resolved import stress_modulus
+from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.primitives import Bar, SectionMesh
 from torsion.report.blocks import Block, Column, Heading, Paragraph, Table
