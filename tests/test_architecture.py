@@ -24,7 +24,7 @@ DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
-    "meshio": ("assembly/section/mesh.py", "output/surface/vtu.py"),
+    "meshio": ("assembly/section/section_mesh.py", "output/surface/vtu.py"),
     "matplotlib": ("output/figures/",),
     "jinja2": ("output/",),
     "typst": ("output/",),

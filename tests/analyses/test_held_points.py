@@ -12,7 +12,7 @@ from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
-from torsion.assembly.held import held_faults
+from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
@@ -171,7 +171,7 @@ FAULTS = {
 
 @pytest.mark.parametrize(("line", "path", "words"), FAULTS.values(), ids=FAULTS)
 def test_two_held_points_with_nothing_elastic_between_are_a_fault_where_they_stand(line, path, words) -> None:
-    (fault,) = held_faults(train(line))
+    (fault,) = fixed_point_faults(train(line))
     assert fault.path == path
     assert words in fault.message
     with pytest.raises(InputError, match=words):

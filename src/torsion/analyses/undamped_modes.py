@@ -10,7 +10,7 @@ from pydantic import Field
 
 from torsion.analyses.shares import lumped_elastic, lumped_kinetic, nodes, shares
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
-from torsion.assembly.folding import Folded
+from torsion.assembly.referred_tree import Folded
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.fields import Declared, given

@@ -9,7 +9,7 @@ from torsion.analyses.compare.timing import Candidate, Effort
 from torsion.analyses.discretisation import assembled
 from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.assembly import assemble
-from torsion.assembly.section.resolved import resolved
+from torsion.assembly.section.solved_sections import resolved
 from torsion.assembly.system import System
 from torsion.errors import Fault, Path
 from torsion.study import FiniteElements, Study

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.kernels.tree import Tree
 
 
@@ -29,15 +30,14 @@ def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: Fl
     """
     near, far = np.append(tree.parent, first), np.append(np.arange(tree.size), second)
     soft = np.append(tree.flexibility, flexibility)
-    chosen = _lightest(tree.size, near, far, soft)
-    roots = np.argsort(~tree.held, kind="stable").tolist()
-    order, above, through = _toward_leaves(roots, near, far, chosen)
-    station = np.empty(tree.size, dtype=np.int64)
-    station[order] = np.arange(tree.size)
-    span = np.array([through[i] for i in order], dtype=np.int64)
-    parent = np.array([station[above[i]] if above[i] >= 0 else -1 for i in order], dtype=np.int64)
+    ranked = np.argsort(soft, kind="stable")
+    chosen = closing_no_loop(tree.size, near, far, ranked[near[ranked] >= 0])
+    way = walk(tree.size, near, far, chosen, np.flatnonzero(tree.held).tolist())
+    order, station = way.order, np.argsort(way.order)
+    span, above = way.above[order], way.parent[order]
+    parent = np.where(above >= 0, station[above], -1)
     new = Tree(parent, np.where(span >= 0, soft[span], 0.0), tree.inertia[order], tree.held[order])
-    torn = np.flatnonzero(~np.isin(np.arange(len(near)), chosen) & (near >= 0))
+    torn = np.flatnonzero(~chosen & (near >= 0))
     source, sign = np.arange(len(near)), np.zeros(len(near))
     inside = np.flatnonzero(span >= 0)
     source[span[inside]] = inside
@@ -45,51 +45,6 @@ def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: Fl
     source[torn], sign[torn] = tree.size + np.arange(len(torn)), 1.0
     source[sign == 0.0] = 0
     return LoopedTrain(new, station[near[torn]], station[far[torn]], soft[torn], station, source, sign)
-
-
-def _lightest(size: int, near: IntArray, far: IntArray, weight: FloatArray) -> list[int]:
-    """Spans of the spanning forest of least total flexibility."""
-    group = list(range(size))
-
-    def head(i: int) -> int:
-        while group[i] != i:
-            group[i] = group[group[i]]
-            i = group[i]
-        return i
-
-    chosen = []
-    for span in np.argsort(weight, kind="stable").tolist():
-        if near[span] < 0:
-            continue
-        a, b = head(int(near[span])), head(int(far[span]))
-        if a != b:
-            group[max(a, b)] = min(a, b)
-            chosen.append(span)
-    return chosen
-
-
-def _toward_leaves(
-    roots: list[int], near: IntArray, far: IntArray, chosen: list[int]
-) -> tuple[list[int], list[int], list[int]]:
-    """Stations from the first of `roots` in each part to the leaves; the one before each and the span, -1 at a root."""
-    size = len(roots)
-    joined: list[list[tuple[int, int]]] = [[] for _ in range(size)]
-    for span in chosen:
-        joined[near[span]].append((int(far[span]), span))
-        joined[far[span]].append((int(near[span]), span))
-    above, through, order = [-1] * size, [-1] * size, []
-    seen = [False] * size
-    for root in roots:
-        if not seen[root]:
-            seen[root] = True
-            branch = [root]
-            for i in branch:
-                for other, span in joined[i]:
-                    if not seen[other]:
-                        seen[other], above[other], through[other] = True, i, span
-                        branch.append(other)
-            order += branch
-    return order, above, through
 
 
 def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:

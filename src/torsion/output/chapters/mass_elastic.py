@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from torsion.analyses.requests import has_inertia
-from torsion.assembly.section.resolved import stress_modulus
+from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element, elements

@@ -3,7 +3,7 @@
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.assembly.section.resolved import stress_modulus
+from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head

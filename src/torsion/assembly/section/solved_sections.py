@@ -10,7 +10,7 @@ from torsion.primitives import Bar, Section, SectionMesh
 from torsion.train import Train
 
 if TYPE_CHECKING:
-    from torsion.assembly.section.result import SectionResult
+    from torsion.assembly.section.section_result import SectionResult
 
 
 def resolved(train: Train) -> Train:
@@ -32,8 +32,8 @@ def mesh_faults(train: Train) -> list[Fault]:
     found = []
     for bar in train.bars:
         if isinstance(bar.section, SectionMesh):
-            from torsion.assembly.section.mesh import SectionFault
-            from torsion.assembly.section.result import section_mesh
+            from torsion.assembly.section.section_mesh import SectionFault
+            from torsion.assembly.section.section_result import section_mesh
 
             try:
                 section_mesh(bar.section)
@@ -47,7 +47,7 @@ def section_results(train: Train) -> "dict[str, SectionResult]":
     found = {}
     for bar in train.bars:
         if isinstance(bar.section, SectionMesh):
-            from torsion.assembly.section.result import section_result
+            from torsion.assembly.section.section_result import section_result
 
             found[bar.name] = section_result(bar.section)
     return found
@@ -56,7 +56,7 @@ def section_results(train: Train) -> "dict[str, SectionResult]":
 def _resolved(bar: Bar) -> Bar:
     if not isinstance(bar.section, SectionMesh):
         return bar
-    from torsion.assembly.section.result import section_result
+    from torsion.assembly.section.section_result import section_result
 
     return with_section(bar, section_result(bar.section).section)
 

@@ -10,7 +10,7 @@ from torsion.train import Train
 Rigid = dict[int, list[tuple[int, Spring | Constraint]]]  # of each station: (the other one, the rigid span between)
 
 
-def held_faults(train: Train) -> list[Fault]:
+def fixed_point_faults(train: Train) -> list[Fault]:
     """A fault for every held point that rigid spans alone join to an earlier one."""
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
     if len(held) < 2:

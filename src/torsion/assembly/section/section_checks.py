@@ -4,8 +4,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from torsion.assembly.section.boundary import Boundary, all_sides, boundary
-from torsion.assembly.section.mesh import SectionFault, Triangles
+from torsion.assembly.section.section_boundary import Boundary, all_sides, boundary
+from torsion.assembly.section.section_mesh import SectionFault, Triangles
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 SAME = 1e-9  # of the extent: points nearer than this are one

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.assembly.walking import MANY, connected, walk
+from torsion.kernels.spanning_forest import MANY, connected, walk
 
 
 @pytest.mark.parametrize("number", [300, MANY + 1000])

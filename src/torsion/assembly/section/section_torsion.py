@@ -16,8 +16,8 @@ import skfem
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from torsion.assembly.section.boundary import Boundary, boundary
-from torsion.assembly.section.mesh import Triangles
+from torsion.assembly.section.section_boundary import Boundary, boundary
+from torsion.assembly.section.section_mesh import Triangles
 from torsion.kernels.tree import FloatArray, IntArray
 
 ORDER = 8  # of the quadrature: exact for degree 4 on straight triangles, and for r^2 on curved ones

@@ -1,4 +1,4 @@
-"""Shafts as spans with distributed inertia, for the models `fem` and `exact`."""
+"""Shafts as spans with distributed inertia, for the models `fem` and `exact`; exact: continua that add no error."""
 
 import math
 from collections.abc import Callable
@@ -6,14 +6,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from torsion.assembly.collected import Collected
-from torsion.assembly.shafts import bar_segments, is_uniform
+from torsion.assembly.distributed_spans import BarSpans
+from torsion.assembly.lumped import MOST
+from torsion.assembly.shafts import Piece, bar_segments, is_uniform, phase
 from torsion.assembly.spans import Span
-from torsion.assembly.system import BarSpans, Discretisation, Piece, System
-from torsion.errors import SolveError
+from torsion.assembly.system import Discretisation, System
+from torsion.assembly.system_builder import Collected
 from torsion.primitives import Bar
 from torsion.train import Train
 
+LARGEST_PHASE = 1.0  # rad along a piece at the highest frequency asked for; far below pi, from where counts need more
+FEWEST = 4  # pieces of a shaft, for the picture of its shape
 STEEPEST = 3.0  # a diameter or wall changes by at most this factor over a piece, so that its integrals converge fast
 
 
@@ -52,18 +55,6 @@ def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, B
     return found, BarSpans(where, np.array(lumped), halves, tuple(pieces[k] for k in order)), numbers
 
 
-def made(
-    found: Collected, model: str, numbers: dict[str, int], requested: Discretisation, resolved_to: float,
-    bars: BarSpans | None,
-) -> System:  # fmt: skip
-    """The system of all that was collected; raises SolveError for distributed shafts in a train with closed loops."""
-    system = found.system(model, numbers, requested, resolved_to, bars)
-    if bars is not None and system.folded.extra.size:
-        why = "no closed loops, and no train that rigid spans hold at several points"
-        raise SolveError(f"the model {model} takes {why}; use the lumped model")
-    return system
-
-
 def steepness(bar: Bar) -> float:
     """The largest ratio of both ends of a shaft in diameter, wall or mean diameter."""
     outer, bore = np.array(bar.outer), np.array(bar.bore)
@@ -74,3 +65,18 @@ def steepness(bar: Bar) -> float:
 def pieces_for_steepness(bar: Bar) -> int:
     """Pieces of equal length, none of which is steeper than STEEPEST."""
     return max(1, int(np.ceil((steepness(bar) - 1.0) / (STEEPEST - 1.0))))
+
+
+def pieces_for(bar: Bar, frequency: float) -> int:
+    """Pieces of a shaft for a highest frequency (Hz); its `segments` are the least number."""
+    needed = math.ceil(phase(bar, frequency) / LARGEST_PHASE)
+    return max(min(max(needed, FEWEST, pieces_for_steepness(bar)), MOST), bar.segments or 1)
+
+
+def assemble_exact(train: Train, *, frequency: float = 0.0) -> System:
+    """The system in which every shaft is a continuum, in pieces short enough for a highest frequency (Hz).
+
+    Raises SolveError for a train with closed loops.
+    """
+    found, bars, pieces = collect(train, lambda bar: pieces_for(bar, frequency))
+    return found.system("exact", pieces, Discretisation(frequency), math.inf, bars)

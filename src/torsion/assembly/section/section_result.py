@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from torsion.assembly.section.check import refuse_size, sound
-from torsion.assembly.section.mesh import SectionFault, Triangles, read_triangles
-from torsion.assembly.section.solve import Level, Moments, moments, solve_level
+from torsion.assembly.section.section_checks import refuse_size, sound
+from torsion.assembly.section.section_mesh import SectionFault, Triangles, read_triangles
+from torsion.assembly.section.section_torsion import Level, Moments, moments, solve_level
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Section, SectionMesh
 

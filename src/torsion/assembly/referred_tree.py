@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.assembly.held import held_faults
-from torsion.assembly.walking import MANY, Walk, connected, walk
+from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
+from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
 
 if TYPE_CHECKING:
@@ -71,7 +71,8 @@ def _split_held(system: "System") -> _Ends:
     number = len(system.stations)
     if not system.held.any():
         return _Ends(number, driving, driven, (), [], ())
-    group = _groups(number, driving, driven, system.held)
+    free = ~system.held[driving] & ~system.held[driven]
+    group = connected(number, driving[free], driven[free])  # stations joined without passing through a fixed one
     held = np.flatnonzero(system.held).tolist()
     touching = {station: _touching(system, station) for station in held}
     root, anchors = _rigidly_rooted(system, touching, group)
@@ -114,47 +115,15 @@ def _rigidly_rooted(
     return root, tuple(sorted(anchors))
 
 
-def _groups(number: int, driving: IntArray, driven: IntArray, held: BoolArray) -> IntArray:
-    """Which stations hang together without passing through a held one."""
-    if number >= MANY:
-        free = ~held[driving] & ~held[driven]
-        return np.asarray(connected(number, driving[free], driven[free]), dtype=np.int64)
-    group = np.arange(number)
-
-    def root(a: int) -> int:
-        while group[a] != a:
-            group[a] = group[group[a]]
-            a = int(group[a])
-        return a
-
-    for a, b in zip(driving.tolist(), driven.tolist(), strict=True):
-        if not held[a] and not held[b]:
-            group[root(a)] = root(b)
-    return np.array([root(a) for a in range(number)])
-
-
 def _spanning(system: "System", flexibility: FloatArray, ends: _Ends) -> BoolArray:
     """Which spans form the tree: the stiffest that close no loop and join no two anchors; those of `links` last."""
-    group = list(range(ends.number))
-    for anchor in ends.anchors:
-        group[anchor] = ends.anchors[0]
-
-    def root(a: int) -> int:
-        while group[a] != a:
-            group[a] = group[group[a]]
-            a = group[a]
-        return a
-
-    chosen = np.zeros(len(flexibility), dtype=bool)
     closes = np.array([part.path[0] == "links" for part in system.train.parts])[system.span_part]
-    for span in np.lexsort((closes, flexibility)).tolist():
-        a, b = root(int(ends.driving[span])), root(int(ends.driven[span]))
-        if a != b:
-            group[a] = b
-            chosen[span] = True
-        elif flexibility[span] == 0:
-            part = system.train.parts[system.span_part[span]]
-            raise InputError(held_faults(system.train) or [_rigid_loop(part)])
+    ranked = np.lexsort((closes, flexibility))
+    chosen = closing_no_loop(ends.number, ends.driving, ends.driven, ranked, ends.anchors)
+    rigid = ranked[~chosen[ranked] & (flexibility[ranked] == 0)]
+    if rigid.size:
+        part = system.train.parts[system.span_part[rigid[0]]]
+        raise InputError(fixed_point_faults(system.train) or [_rigid_loop(part)])
     return chosen
 
 
@@ -169,8 +138,7 @@ def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: Bool
     """Number the tree from its roots outward."""
     stations = len(system.stations)
     order, number = way.order, len(way.order)
-    place = np.empty(number, dtype=np.int64)
-    place[order] = np.arange(number)
+    place = np.argsort(order)
     parent, above = way.parent[order], way.above[order]
     node = np.flatnonzero(above >= 0)
     span, ratio2 = above[node], system.span_ratio**2

@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.spans import Row, Runs, Span
-from torsion.assembly.system import BarSpans, Discretisation, System
+from torsion.assembly.system import Discretisation, System
+from torsion.errors import SolveError
 from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar, Station
 from torsion.train import Train
@@ -19,9 +21,7 @@ class Collected:
     stations: list[Station]
     inertia: list[float]  # kg m2 at own speed
     spans: list[Span] = field(default_factory=list)
-    flexibility: list[float] = field(default_factory=list)  # rad/(N m)
-    viscous: list[float] = field(default_factory=list)  # N m s/rad
-    loss_factor: list[float] = field(default_factory=list)
+    elastic: list[tuple[float, float, float]] = field(default_factory=list)  # rad/(N m), N m s/rad, loss factor
     rows: list[Row] = field(default_factory=list)  # behind all stations and spans
     inner_inertia: list[FloatArray] = field(default_factory=list)  # of each row: (segments - 1,) kg m2
     row_flexibility: list[FloatArray] = field(default_factory=list)  # of each row: (segments,) rad/(N m)
@@ -42,9 +42,7 @@ class Collected:
     def add(self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0) -> int:
         """Add a span; its position."""
         self.spans.append(span)
-        self.flexibility.append(flexibility)
-        self.viscous.append(viscous)
-        self.loss_factor.append(loss_factor)
+        self.elastic.append((flexibility, viscous, loss_factor))
         return len(self.spans) - 1
 
     def station(self, bar: Bar, name: str) -> int:
@@ -83,15 +81,23 @@ class Collected:
         self, model: str, segments: dict[str, int], requested: Discretisation, resolved_to: float,
         bars: BarSpans | None = None,
     ) -> System:  # fmt: skip
-        """The system of all that was collected; resolved_to: Hz."""
+        """The system of all that was collected; resolved_to: Hz.
+
+        Raises SolveError for distributed shafts in a train with closed loops.
+        """
         rows = self.rows
+        flexibility, viscous, loss_factor = np.array(self.elastic, dtype=float).reshape(-1, 3).T
         loss = [np.full(row.number, row.bar.loss_factor) for row in rows]
-        return System(
+        system = System(
             self.train, model,
             Runs(self.stations, [(row.number - 1, row.station) for row in rows]) if rows else tuple(self.stations),
             Runs(self.spans, [(row.number, row.span) for row in rows]) if rows else tuple(self.spans),
             np.concatenate([self.inertia, *self.inner_inertia]),
-            np.concatenate([self.flexibility, *self.row_flexibility]),
-            np.concatenate([self.viscous, *map(np.zeros_like, loss)]), np.concatenate([self.loss_factor, *loss]),
+            np.concatenate([flexibility, *self.row_flexibility]),
+            np.concatenate([viscous, *map(np.zeros_like, loss)]), np.concatenate([loss_factor, *loss]),
             self.train.dampers, segments, bars, tuple(rows), requested, resolved_to,
         )  # fmt: skip
+        if bars is not None and system.folded.extra.size:
+            why = "no closed loops, and no train that rigid spans hold at several points"
+            raise SolveError(f"the model {model} takes {why}; use the lumped model")
+        return system
