@@ -6,10 +6,10 @@ import re
 
 import pytest
 from rich.console import Console
-
-import torsion
 from torsion.analyses.check.models import Compared
 from torsion.report.terminal.check import show_check
+
+import torsion
 
 SEGMENTS, COUNT = 8, 3
 SCENE = f"""

@@ -6,10 +6,10 @@ import numpy as np
 
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.arrays import FloatArray
 from torsion.assembly.matrices import Matrices, matrices
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
 

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.shafts import is_uniform
 from torsion.kernels.distributed.profiled_shaft import profile_points, profile_shafts
 from torsion.kernels.distributed.span_laws import Law, Shafts
 from torsion.kernels.distributed.uniform_shaft import uniform_shafts
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from torsion.assembly.system import BarSpans, Piece

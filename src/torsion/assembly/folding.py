@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.held import held_faults
 from torsion.assembly.walking import MANY, Walk, connected, walk
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System

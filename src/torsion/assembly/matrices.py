@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import BarSpans, System
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.folding import Folded, fold
 from torsion.assembly.spans import Row, Span
 from torsion.kernels.round_sections import polar_area_moment
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.kernels.tree import BoolArray, IntArray
+from torsion.arrays import BoolArray, IntArray
 
 MANY = 4000  # stations from which scipy's search over sparse graphs is the faster (measured)
 

@@ -2,18 +2,14 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.layers import Layer, layers_of
-
-if TYPE_CHECKING:
-    from torsion.kernels.distributed.span_laws import Shafts
-
-__all__ = ["BoolArray", "ComplexArray", "FloatArray", "IntArray", "Tree"]
 
 _STATIONS_WITHOUT_LAYERS = 16  # (measured)
 
@@ -31,7 +27,7 @@ class Tree:
     flexibility: FloatArray  # (stations,) rad/(N m) of span i; 0 is rigid; unused at a root and of distributed shafts
     inertia: FloatArray  # (stations,) kg m2; 0 is massless; unused where held
     held: BoolArray  # (stations,)
-    shafts: "Shafts | None" = None  # the spans with distributed inertia
+    shafts: Shafts | None = None  # the spans with distributed inertia
 
     @property
     def size(self) -> int:

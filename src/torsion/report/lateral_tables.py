@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.report.blocks import Column, Table
 from torsion.report.numbers import NONE, RPM, number, rpm, scale

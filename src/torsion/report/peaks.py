@@ -7,8 +7,8 @@ import numpy as np
 from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Column, Table
 from torsion.report.elements import Element
 from torsion.report.numbers import NONE, Scale, number, order, rpm

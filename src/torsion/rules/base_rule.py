@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.errors import Fault
 from torsion.fields import Declared
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray
 from torsion.rules.check import Check
 from torsion.study import Study
 

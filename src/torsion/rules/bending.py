@@ -9,8 +9,8 @@ import numpy as np
 
 from torsion.analyses.lateral.bending import Lateral, ShaftFound
 from torsion.analyses.lateral.tilting import Tilting
+from torsion.arrays import FloatArray
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray
 from torsion.rules.base_rule import Rule
 from torsion.rules.check import Check
 from torsion.study import Operation

@@ -7,9 +7,9 @@ from pydantic import model_validator
 
 from torsion import fields
 from torsion.analyses.steady import SAME_SPEED
+from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import Fault
 from torsion.fields import Declared, refuse, required
-from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules.evidence import in_rpm, rule_path
 from torsion.study import Study
 

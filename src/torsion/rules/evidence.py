@@ -6,11 +6,11 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import SAME_SPEED, Steady
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, Path
 from torsion.fields import Declared
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray, IntArray
 from torsion.study import Study
 
 

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray
 from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Results
-from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules.base_rule import Rule
 from torsion.rules.check import TO_BE_VERIFIED, Check, Standing
 from torsion.rules.continuous import Continuous, continuous_faults, continuous_words, ends, within

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.response.grid import missed_peaks
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.tree_response import Status
 from torsion.rules.check import Check, Standing, verdict_of
 from torsion.rules.evidence import in_rpm

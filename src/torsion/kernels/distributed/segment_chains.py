@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 _ROUNDINGS = 8.0  # of one step of the elimination
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from torsion.analyses.damped import DampedModes
 from torsion.analyses.modes import Modes
+from torsion.arrays import FloatArray
 from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.chapters.holzer import holzer_table
 from torsion.report.elements import elements

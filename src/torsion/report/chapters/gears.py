@@ -4,8 +4,8 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import NONE, RPM, Scale, number, rpm, scale

@@ -7,8 +7,8 @@ import numpy as np
 
 from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.modes import Modes
+from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray, IntArray
 from torsion.report.blocks import Block, Column, Table
 from torsion.report.numbers import NONE, number
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.lateral.bending import Lateral
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.report import lateral_tables, tilting
 from torsion.report.blocks import Block, Figure, Heading, Paragraph, Points

@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsion.analyses.steady import Steady
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.elements import Element, elements
 from torsion.report.numbers import RPM, number, rpm, scale

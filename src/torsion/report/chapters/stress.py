@@ -3,9 +3,9 @@
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.arrays import FloatArray
 from torsion.assembly.section.resolved import stress_modulus
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, number, rpm

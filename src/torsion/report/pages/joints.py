@@ -11,8 +11,8 @@ import numpy as np
 
 import torsion
 from torsion.analyses.joints.found import Joints
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block
 from torsion.report.chapters import joints as joints_chapter
 from torsion.report.chapters import plan as plan_chapter
