@@ -121,7 +121,7 @@ def _special(name):
         return _tree([-1, 0, 0, 0, 3], [0, 1e-3, 2e-3, 3e-4, 1e-3], [0, 1, 2, 0.5, 3])
     if name == "rigid spans":
         return _tree([-1, 0, 1, 1, 3, 4], [0, 0, 2e-3, 0, 1e-3, 0], [1, 4, 2, 0, 3, 0.5])
-    if name == "massless, rigid and held":
+    if name == "massless, rigid and fixed":
         return _tree([-1, 0, 1, 2, 2, 4, 4], [0, 1e-3, 0, 2e-4, 1e-5, 0, 1e-2], [3, 0, 2, 1, 0, 5, 0], held=[3])
     return _tree([-1, 0, 0, 1, 1, 2, 2], [0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], held=[3, 5, 6])
 
@@ -132,8 +132,8 @@ SPECIAL = [
     "massless stations",
     "massless junction of three",
     "rigid spans",
-    "massless, rigid and held",
-    "held three times",
+    "massless, rigid and fixed",
+    "fixed three times",
 ]
 
 

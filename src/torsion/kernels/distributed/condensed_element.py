@@ -1,6 +1,6 @@
 """Finite elements of a shaft as spans: the unknowns inside are eliminated at each frequency (dynamic condensation).
 
-The angles inside an element are relative to its static bend, and there in its modes with both ends held, of
+The angles inside an element are relative to its static bend, and there in its modes with both ends fixed, of
 stiffness 1 and inertia c_j. With the whole inertia between static bends (a, b at the ends, c across) and the coupling
 g_j of the modes to both, the dynamic stiffness across is -1/h with
 
@@ -30,7 +30,7 @@ _NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the elemen
 
 @dataclass(frozen=True)
 class CondensedElements(Law):
-    """Condensed elements; modes inside, held at both ends, as (shafts, inside)."""
+    """Condensed elements; modes inside, fixed at both ends, as (shafts, inside)."""
 
     stiffness: FloatArray  # (shafts,) N m/rad, k of the static bend
     across: FloatArray  # (shafts,) kg m2, c
@@ -47,13 +47,13 @@ class CondensedElements(Law):
 
     @cached_property
     def limit(self) -> float:
-        """Lowest frequency (rad/s) of any element with both ends held; infinite without unknowns inside."""
+        """Lowest frequency (rad/s) of any element with both ends fixed; infinite without unknowns inside."""
         largest = float(self.modes.max(initial=0.0))
         return 1.0 / math.sqrt(largest) if largest > 0.0 else math.inf
 
     @cached_property
     def _distinct(self) -> tuple["CondensedElements", IntArray]:
-        """The different elements, and which one each bar is."""
+        """The different elements, and which one each shaft is."""
         columns = [getattr(self, name) for name in self.__dataclass_fields__]
         table = np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1)
         number: dict[bytes, int] = {}
@@ -165,7 +165,7 @@ def _linear(k: FloatArray, m: FloatArray) -> CondensedElements:
 def _condensed(k: FloatArray, m: FloatArray) -> CondensedElements:
     number, unknowns, _ = k.shape
     inside = k[:, 2:, 2:]
-    bend = np.zeros((number, unknowns))  # static, under the outer end's angle 1, the inner end held
+    bend = np.zeros((number, unknowns))  # static, under the outer end's angle 1, the inner end fixed
     bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
     turn = np.ones((number, unknowns))
     turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])

@@ -2,7 +2,7 @@
 
 Seen from its ends, a piece of a shaft at s = w^2 is a symmetric reciprocal two-port, so that a pi stands for it: a
 flexibility h(s) between the end inertias Ji(s) at its inner and Jo(s) at its outer end. Below the lowest frequency of
-the piece with both ends held all three are positive, and Sturm counts need no correction (Wittrick and Williams 1971).
+the piece with both ends fixed all three are positive, and Sturm counts need no correction (Wittrick and Williams 1971).
 With a loss factor of the material, G becomes G (1 + i eta): h and s are divided by 1 + i eta, J is J(s/(1 + i eta)).
 """
 

@@ -32,13 +32,13 @@ class UniformShafts(Law):
 
     @cached_property
     def limit(self) -> float:
-        """Lowest frequency (rad/s) with both ends held: pi over the longest travel time."""
+        """Lowest frequency (rad/s) with both ends fixed: pi over the longest travel time."""
         longest = float(self.travel.max(initial=0.0))
         return math.pi / math.sqrt(longest) if longest > 0.0 else math.inf
 
     @cached_property
     def _distinct(self) -> tuple[FloatArray, IntArray]:
-        """The different squares of travel times, and which one each bar has."""
+        """The different squares of travel times, and which one each shaft has."""
         values, position = np.unique(self.travel, return_inverse=True)
         return values, position.reshape(-1)
 
