@@ -366,7 +366,7 @@ def test_counts_in_many_digits_confirm_every_enclosure(random_tree, seed: int, h
 def test_modes_above_what_the_pieces_resolve_are_refused(trains) -> None:
     train, bars = trains.chain(4), trains.pieces(1.0, 1.0, 1.0, 4)
     assert len(_modes(train, bars, 3).frequency) == 3
-    with pytest.raises(SolveError, match=r"only 3 of the natural frequencies .* divide the shafts more finely"):
+    with pytest.raises(SolveError, match=r"only 3 of the requested .* divide the shafts more finely"):
         _modes(train, bars, 4)
 
 

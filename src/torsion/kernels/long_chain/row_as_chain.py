@@ -1,7 +1,7 @@
 """A row of stations as a chain of positive inertias and flexibilities only, and the shapes of the row from those of it.
 
 Rigid spans merge stations, a station without inertia joins its two spans into one: sums of positive numbers. A row
-fixed at both ends is solved for its torques: with J and h changed for one another it is a free chain. What is inside a merged
+fixed at both ends is solved for its torques: with J and h exchanged it is a free chain. What is inside a merged
 station or span is a weighted mean of its two ends, with positive weights: no difference of angles or torques.
 """
 
