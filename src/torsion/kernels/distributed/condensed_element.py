@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, distinct
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array
@@ -41,10 +41,6 @@ class CondensedElements(Law):
     coupling_outer: FloatArray  # (shafts, inside)
     coupling_turn: FloatArray  # (shafts, inside) g of the turning as a whole: not the rounded sum of the other two
 
-    @property
-    def size(self) -> int:
-        return len(self.stiffness)
-
     @cached_property
     def limit(self) -> float:
         """Lowest frequency (rad/s) of any element with both ends fixed; infinite without unknowns inside."""
@@ -55,11 +51,7 @@ class CondensedElements(Law):
     def _distinct(self) -> tuple["CondensedElements", IntArray]:
         """The different elements, and which one each shaft is."""
         columns = [getattr(self, name) for name in self.__dataclass_fields__]
-        table = np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1)
-        number: dict[bytes, int] = {}
-        position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
-        first = np.zeros(len(number), dtype=np.int64)
-        first[position[::-1]] = np.arange(self.size)[::-1]
+        first, position = distinct(np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1))
         return CondensedElements(*(column[first] for column in columns)), position
 
     @cached_property
@@ -73,17 +65,14 @@ class CondensedElements(Law):
         return np.stack([one * other for one, other in pairs], axis=1)
 
     def at(self, square: NDArray[Any]) -> Pi:
-        if square.ndim > 1:
-            return self._values(square)
-        if self.modes.size * len(square) <= _FEW:
-            return self._values(np.broadcast_to(square, (self.size, len(square))))
+        if square.ndim > 1 or self.modes.size * len(square) <= _FEW:
+            return self._values(np.broadcast_to(square, (self.size, square.shape[-1])))
         few, position = self._distinct
         flexibility, inner, outer = few._values(np.broadcast_to(square, (few.size, len(square))))
         return flexibility[position], inner[position], outer[position]
 
     def _values(self, s: NDArray[Any]) -> Pi:
-        rows = self._summed(s, lambda part, modes: part / (1.0 - part * modes))
-        return self._pi(s, rows)
+        return self._pi(s, self._summed(s, lambda part, modes: part / (1.0 - part * modes)))
 
     def _pi(self, s: NDArray[Any], rows: NDArray[Any]) -> Pi:
         spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))

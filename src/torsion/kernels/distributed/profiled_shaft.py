@@ -70,10 +70,6 @@ class ProfileShafts(Law):
     inner: FloatArray  # (shafts, terms) of e at the inner end
     outer: FloatArray  # (shafts, terms) of e at the outer end
 
-    @property
-    def size(self) -> int:
-        return len(self.inertia)
-
     @cached_property
     def _travel(self) -> FloatArray:
         return self.flexibility * self.inertia

@@ -45,9 +45,9 @@ class Law(ABC):
     """The pi of shafts of one sort, as a function of s = w^2."""
 
     @property
-    @abstractmethod
     def size(self) -> int:
-        """Number of shafts."""
+        """Number of shafts: rows of every field."""
+        return len(next(iter(vars(self).values())))
 
     @property
     @abstractmethod
@@ -153,6 +153,15 @@ class Shafts:
         return Shafts(
             self.node, tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True))
         )
+
+
+def distinct(table: FloatArray) -> tuple[IntArray, IntArray]:
+    """First row of each sort in `table` (shafts, values), and which sort (shafts,) each row is."""
+    number: dict[bytes, int] = {}
+    position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
+    first = np.zeros(len(number), dtype=np.int64)
+    first[position[::-1]] = np.arange(len(table))[::-1]
+    return first, position
 
 
 def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
