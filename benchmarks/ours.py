@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cases import Case, condensed
+from benchmarks.decomposition import chain_frequencies, plain_modes
 from benchmarks.scenes import scene
-from torsion.kernels.factors import chain_frequencies, plain_modes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import complex_compliance, tree_response

@@ -31,15 +31,21 @@ DOORS = {
     "typer": ("cli.py",),
     "dask": (),
 }
+CYCLES_LEFT = {  # modules on a cycle that only a type or an import inside a function closes; to become empty
+    "components.base", "components.lowering",
+    "schema.source", "schema.faults",
+    "assembly.system", "assembly.bar_laws", "assembly.element_matrices", "assembly.folding", "assembly.segment_groups",
+    "analyses.motion.ranges", "analyses.motion.stability",
+}  # fmt: skip
 FILES = sorted(path for path in SOURCE.rglob("*.py") if path != SOURCE / "__init__.py")
 
 
-def _imports(path: Path) -> list[str]:
-    """Modules that a file imports, but for those named to the type checker alone."""
+def _imports(path: Path, *, typed: bool = False) -> list[str]:
+    """Modules that a file imports anywhere in it; with `typed` also those named to the type checker alone."""
     found: list[str] = []
 
     def visit(node: ast.AST) -> None:
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+        if not typed and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             return
         if isinstance(node, ast.Import):
             found.extend(alias.name for alias in node.names)
@@ -74,15 +80,22 @@ def test_a_heavy_library_enters_by_its_door_alone(path: Path) -> None:
         assert doors is None or name.startswith(doors), f"{name} imports {module}"
 
 
-def test_no_circle_of_imports() -> None:
+def test_no_cycle_of_imports() -> None:
+    """Every import counts: those inside functions and those named to the type checker alone too."""
     names = {".".join(("torsion", *path.relative_to(SOURCE).with_suffix("").parts)): path for path in FILES}
     names = {name.removesuffix(".__init__"): path for name, path in names.items()}
-    arrows = {name: {m for m in _imports(path) if m in names and m != name} for name, path in names.items()}
-    while arrows:
-        free = [name for name, targets in arrows.items() if not targets & arrows.keys()]
-        assert free, f"a circle among {sorted(arrows)}"
-        for name in free:
-            del arrows[name]
+    arrows = {name: {m for m in _imports(path, typed=True) if m in names} for name, path in names.items()}
+
+    def reached(name: str) -> set[str]:
+        seen, left = set[str](), [name]
+        while left:
+            new = arrows[left.pop()] - seen
+            seen |= new
+            left += new
+        return seen
+
+    cycles = {name.removeprefix("torsion.") for name in names if name in reached(name)}
+    assert cycles <= CYCLES_LEFT, f"a cycle among {sorted(cycles - CYCLES_LEFT)}"
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(SOURCE).as_posix())

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
+from torsion.arrays import FloatArray
 from torsion.components.excitation import Table, read_table
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, Sized, given, refuse, required
-from torsion.kernels.tree import FloatArray
 from torsion.train import Train
 
 MEMORY = 2e9  # bytes that a response may need where nothing else is said

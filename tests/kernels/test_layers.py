@@ -86,13 +86,13 @@ def test_sweeps_by_layers_have_every_angle_and_torque_right_componentwise(
     np.testing.assert_allclose(modes.torque, sign * torque, rtol=1e-11, atol=1e-90)
 
 
-SPECIAL = {  # flexibility, inertia, held
+SPECIAL = {  # flexibility, inertia, `held`
     "massless": ([0, 1e-3, 2e-3, 3e-4, 1e-3, 1e-2, 1e-3], [1, 0, 2, 0, 3, 0, 0], []),
     "massless root": ([0, 1e-3, 2e-3, 3e-4, 1e-3, 1e-2, 1e-3], [0, 1, 2, 1, 3, 1, 1], []),
     "rigid": ([0, 0, 2e-3, 0, 1e-3, 0, 1e-3], [1, 4, 2, 0, 3, 0.5, 1], []),
-    "rigid, massless and held": ([0, 1e-3, 0, 2e-4, 1e-5, 0, 1e-2], [3, 0, 2, 1, 0, 5, 0], [3]),
-    "held thrice": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [3, 5, 6]),
-    "held at the root": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [0]),
+    "rigid, massless and fixed": ([0, 1e-3, 0, 2e-4, 1e-5, 0, 1e-2], [3, 0, 2, 1, 0, 5, 0], [3]),
+    "fixed thrice": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [3, 5, 6]),
+    "fixed at the root": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [0]),
 }
 
 

@@ -9,11 +9,11 @@ from torsion.analyses.requests import modes_settings
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.undamped_modes import modes_as_discretised, span_torques
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Work
-from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.results import reported, result
 
 MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to the accuracy asked of them

@@ -8,8 +8,9 @@ import numpy as np
 
 from torsion.analyses.shares import STANDS_STILL
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.span_laws import Shafts

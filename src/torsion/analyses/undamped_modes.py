@@ -9,12 +9,13 @@ import numpy as np
 from pydantic import Field
 
 from torsion.analyses.shares import lumped_elastic, lumped_kinetic, nodes, shares
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
 from torsion.assembly.referred_tree import Folded
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.fields import Declared, given
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 from torsion.results import derived, reported, result
 
 if TYPE_CHECKING:

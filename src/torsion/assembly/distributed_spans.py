@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.shafts import Piece, is_uniform
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.span_laws import Law, Shafts

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import skfem
 
+from torsion.arrays import FloatArray
 from torsion.assembly.shafts import Piece, is_uniform, uniform_area
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
-from torsion.kernels.tree import FloatArray
 
 if TYPE_CHECKING:
     from torsion.assembly.distributed_spans import BarSpans

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import connected
-from torsion.kernels.tree import FloatArray
 
 
 @dataclass(frozen=True)

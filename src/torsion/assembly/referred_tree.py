@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System

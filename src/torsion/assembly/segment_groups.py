@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.spans import Row, Runs
 from torsion.assembly.system import System
-from torsion.kernels.tree import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.segment_chains import SegmentChains

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.kernels.round_sections import polar_area_moment
-from torsion.kernels.tree import FloatArray
 from torsion.primitives import Bar
 
 BLOCK = 2**14  # pieces of a cone at once; 3 MB an array

@@ -7,7 +7,7 @@ from typing import TypeVar, overload
 
 import numpy as np
 
-from torsion.kernels.tree import IntArray
+from torsion.arrays import IntArray
 from torsion.primitives import Bar, Station
 
 T = TypeVar("T")

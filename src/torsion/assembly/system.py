@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.referred_tree import Folded, fold
 from torsion.assembly.spans import Row, Span
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.primitives import Damper, Station
 from torsion.train import Train
 

@@ -100,7 +100,7 @@ def _spread_by_stations(tree: Tree, sides: Sides, start: IntArray) -> Spread:
 
 
 def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
-    """Both sweeps, from the dynamic stiffness `own` (stations, m) of each station alone."""
+    """Both sweeps, from the dynamic stiffness `own` (stations, m) of each station by itself."""
     size, columns = own.shape
     total, to_leaves, to_root, rest = own.copy(), *np.empty((3, size, columns))
     passed, returned = np.empty((size + 1, columns)), np.empty((size, columns))

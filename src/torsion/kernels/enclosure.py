@@ -27,8 +27,8 @@ def enclose(
     """Bounds `lower`, `upper` (m,) rad/s of the modes rigid, rigid + 1, ... and which (m,) of them are proven.
 
     Mode j is proven by a count that exceeds the exact one at `lower` and is at most j, and one that the exact count
-    exceeds at `upper` and is at least j + 1. `passed` (m,) N m of the shapes says in which width a proof is expected
-    to succeed: see `expected_width`.
+    exceeds at `upper` and is at least j + 1. `passed` (m,) N m of the shapes says in which width an enclosure is
+    expected to succeed: see `expected_width`.
     """
     widest = _WIDEST if tree.shafts is None else _WIDEST_OF_SHAFTS
     half = expected_width(tree, frequency, 0.0 if passed is None else passed)
@@ -57,7 +57,7 @@ def _are_proven(tree: Tree, low: FloatArray, high: FloatArray, mode: IntArray) -
 
 
 def expected_width(tree: Tree, frequency: FloatArray, passed: FloatArray | float) -> FloatArray:
-    """Relative half width (m,) in which a proof of each frequency (m,) is expected to succeed, to first order.
+    """Relative half width (m,) in which an enclosure of each frequency (m,) should succeed, to first order.
 
     A margin d of the stiffness that a span passes on moves w^2 by d times torque times angle at the parent, whose sum
     over the spans is `passed` (m,) N m for shapes of generalised inertia 1; one of all inertias by d w^2.
@@ -87,9 +87,9 @@ def brackets(tree: Tree, mode: IntArray, *, tolerance: float | None = None) -> t
     above = np.searchsorted(count, mode, side="right")
     if np.isfinite(top) and np.any(above == len(grid)):
         raise SolveError(
-            f"only {np.count_nonzero(above < len(grid))} of the natural frequencies asked for lie below {top:.6g} rad/s"
-            ", for which the pieces of the shafts are short enough; divide the shafts more finely, or ask for fewer"
-            " modes"
+            f"only {np.count_nonzero(above < len(grid))} of the requested natural frequencies lie below {top:.6g} rad/s"
+            ", for which the pieces of the shafts are short enough; divide the shafts more finely, or request"
+            " fewer modes"
         )
     if np.any((above == 0) | (above == len(grid))):
         raise SolveError("a natural frequency lies outside 1e-50..1e50 rad/s; check the units of inertia and stiffness")

@@ -5,13 +5,11 @@ On a tree G has one column a spring, for a chain it is bidiagonal; on any other 
 triangular factor whose entries are sums, products and quotients of positive numbers.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.kernels.lapack import bidiagonal_singular_values, call, jacobi_svd
-from torsion.kernels.reduction import ReducedTrain, reduce_tree, rigidity
+from torsion.kernels.reduction import ReducedTrain
 from torsion.kernels.rerooting import rerooted_at_middle
 from torsion.kernels.tree import Tree
 
@@ -33,7 +31,9 @@ def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
     """
     ends = _chain_grounds(train)
     if ends is not None:
-        return _chain_values(train, *ends)[:elastic][::-1]
+        way = slice(None, None, -1 if ends[0] > 0.0 else 1)
+        factor = bidiagonal_factor(train.inertia[way], train.stiffness[way], ends[0] if ends[0] > 0.0 else ends[1])
+        return bidiagonal_singular_values(*factor)[:elastic][::-1]
     values = banded_values(train) if len(train.inertia) > _BODIES_FOR_BAND else None
     if values is not None or len(train.inertia) > _BODIES_FOR_DENSE:
         return values
@@ -118,25 +118,6 @@ def _chain_grounds(train: ReducedTrain) -> tuple[float, float] | None:
     return (0.0, ground[0]) if bodies == 1 else (ground[0], ground[-1])
 
 
-def _chain_values(train: ReducedTrain, first: float, last: float) -> FloatArray:
-    if first > 0.0:
-        return bidiagonal_singular_values(*bidiagonal_factor(train.inertia[::-1], train.stiffness[::-1], first))
-    return bidiagonal_singular_values(*bidiagonal_factor(train.inertia, train.stiffness, last))
-
-
-def chain_frequencies(inertia: FloatArray, stiffness: FloatArray, *, ground: float = 0.0) -> FloatArray:
-    """Natural frequencies, rad/s, ascending, without the rigid motion: (stations - 1,), or (stations,) if `ground` > 0.
-
-    `inertia` (stations,) kg m2, all positive; `stiffness` (stations - 1,) N m/rad, all positive and finite; `ground`
-    N m/rad ties the last station to a fixed point. Each is accurate to a few units of rounding (dqds).
-    """
-    diagonal, off_diagonal = bidiagonal_factor(
-        np.asarray(inertia, dtype=np.float64), np.asarray(stiffness, dtype=np.float64), ground
-    )
-    descending = bidiagonal_singular_values(diagonal, off_diagonal)
-    return (descending if ground > 0.0 else descending[:-1])[::-1].copy()
-
-
 def bidiagonal_factor(inertia: FloatArray, stiffness: FloatArray, ground: float) -> tuple[FloatArray, FloatArray]:
     """Diagonal (n,) and superdiagonal (n - 1,) of diag(k)^1/2 B diag(J)^-1/2, last row for the tie to ground."""
     diagonal = np.empty(len(inertia))
@@ -182,31 +163,3 @@ def _two_diagonals(band: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         band, rows, diagonal, off, none, 1, none, 1, none, 1, work, 0,
     )  # fmt: skip
     return None if found is None or found[-1] != 0 else (np.abs(diagonal), np.abs(off[:-1]))
-
-
-@dataclass(frozen=True)
-class PlainModes:
-    """Elastic modes in ascending order, scaled to a generalised inertia of 1 kg m2."""
-
-    frequency: FloatArray  # (m,) rad/s
-    angle: FloatArray  # (stations, m) rad
-    torque: FloatArray  # (stations, m) N m, on station i: (angle[parent] - angle[i]) / flexibility; 0 at the root
-
-
-def plain_modes(tree: Tree) -> PlainModes:
-    """All elastic modes of a tree of one root in which every station moves, has inertia and an elastic span.
-
-    The shortest way, without a certificate, for many variants of one train: frequencies are as accurate as those of
-    `tree_modes`, shapes in the norm (Drmac and Veselic 2008).
-
-    With G = J^-1/2 B' k^1/2 = U s V': frequencies s, angles J^-1/2 U, torques k^1/2 s V, no difference of angles.
-    Raises ValueError for any other tree.
-    """
-    if not tree.is_plain:
-        raise ValueError("plain_modes takes trees of one root without held stations, rigid spans or massless stations")
-    train = reduce_tree(tree, rigidity(tree))
-    left, values, right = jacobi_svd(incidence_factor(train), "UV")
-    angle = left[:, ::-1] / np.sqrt(tree.inertia)[:, None]
-    torque = np.zeros((tree.size, len(values)))
-    torque[1:] = np.sqrt(train.stiffness)[:, None] * right[:, ::-1] * values[::-1]
-    return PlainModes(values[::-1], angle, torque)

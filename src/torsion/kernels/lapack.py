@@ -1,6 +1,6 @@
 """Routines of LAPACK that scipy ships but does not wrap, and singular values of high relative accuracy by them.
 
-scipy publishes every routine as a capsule for compiled code; ctypes can call the same pointer. A capsule tells its
+scipy publishes every routine as a capsule for compiled code; ctypes can call the same pointer. A capsule states its
 signature, and one that is not the expected one, with 32-bit integers, is not called: slower public routines then do the
 same.
 """

@@ -79,9 +79,9 @@ def sweep_to_roots(
 ) -> None:
     """Dynamic stiffness of all branches, layer by layer from the leaves: zz = 1/(h + 1/z), added at the parent.
 
-    `total` (stations, m): of each station alone, then with all beyond it. `passed` (stations + 1, m): the flexibility
-    of each span, then what it passes on. `inverse` (stations, m) becomes 1/z; `after` may change what is passed on and
-    use it as room.
+    `total` (stations, m): of each station by itself, then with all beyond it. `passed` (stations + 1, m): the
+    flexibility of each span, then what it passes on. `inverse` (stations, m) becomes 1/z; `after` may change what
+    is passed on and use it as room.
     """
     reciprocal, add = np.reciprocal, np.add
     for layer in reversed(layers):

@@ -52,7 +52,7 @@ class Shapes:
 
     @property
     def finite(self) -> BoolArray:
-        """Whether each shape (m,) is finite throughout; the sum over its spans tells."""
+        """Whether each shape (m,) is finite throughout; the sum over its spans shows it."""
         return np.isfinite(self.passed)
 
     def put(self, columns: IntArray | slice, shapes: "Shapes") -> None:

@@ -50,11 +50,11 @@ def tree_modes(
 ) -> TreeModes:
     """The lowest `count` elastic modes of a tree, or all.
 
-    Few modes of a long row of stations are found one by one, and `progress` is told how many of how many are done.
+    Few modes of a long row of stations are found one by one, and `progress` is given how many of how many are done.
     Frequencies closer than 1e-13 (relative) count as repeated: their shapes are one orthogonal set of many. Raises
     SolveError for a frequency that cannot be proven. Flexibilities must be finite, inertias not negative.
 
-    With distributed shafts, `start` (count,) rad/s may tell frequencies near the modes, ascending; and a mode above
+    With distributed shafts, `start` (count,) rad/s may give frequencies near the modes, ascending; and a mode above
     0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
     """
     if count is not None and tree.shafts is None and tree.size >= _LONG and 0 < count * _STATIONS_A_MODE <= tree.size:
@@ -73,7 +73,7 @@ def tree_modes(
         shapes = Shapes.empty(tree, 0)
     else:
         frequency, shapes = _polish(swept, *_start(tree, swept, known, wanted, start))
-        frequency, lower, upper, wrong = _prove(swept, frequency, rigid, shapes.passed)
+        frequency, lower, upper, wrong = _enclosed(swept, frequency, rigid, shapes.passed)
         if wrong.any():
             shapes = shapes_at(swept, frequency)
         if swept is not solved:
@@ -139,7 +139,7 @@ def _polish(tree: Tree, frequency: FloatArray, low: FloatArray, high: FloatArray
     return frequency[order], shapes.take(order)
 
 
-def _prove(
+def _enclosed(
     tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
     """Frequencies, bounds `lower` and `upper`, and which frequencies had to be found anew by bisection; all (m,)."""

@@ -1,4 +1,4 @@
-"""Rigid spans to a held station: what they join does not move, and their torque is a sum of reactions."""
+"""Rigid spans to a fixed station: what they join does not move, and their torque is a sum of reactions."""
 
 from dataclasses import replace
 
@@ -10,14 +10,14 @@ from torsion.kernels.tree import Tree
 
 
 def needs_cutting(tree: Tree, known: Rigidity) -> bool:
-    """Whether a station that is not itself held is fixed by rigid spans."""
+    """Whether a station that is not itself `held` is fixed by rigid spans."""
     if not tree.holds:
         return False
     return bool(np.any(known.fixed & ~tree.held)) or bool(np.any(_inside(tree, known)))
 
 
 def cut(tree: Tree, known: Rigidity) -> Tree:
-    """The tree with every fixed station held and the rigid spans between them taken out."""
+    """The tree with every fixed station `held` and the rigid spans between them taken out."""
     return replace(tree, parent=np.where(_inside(tree, known), -1, tree.parent), held=known.fixed)
 
 
@@ -26,7 +26,7 @@ def with_reactions(tree: Tree, known: Rigidity, torque: FloatArray, outside: Flo
 
     `outside` (stations, m) N m is what acts on each station besides its spans.
 
-    Where a rigid body is held more than once, the shares are not determined: the held station numbered first bears all.
+    Where a body is fixed more than once, the shares are not determined: the fixed station numbered first takes all.
     """
     inside, parents = _inside(tree, known), tree.parent.tolist()
     load = np.where(tree.parent[:, None] >= 0, torque, 0.0) + outside

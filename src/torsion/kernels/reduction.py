@@ -18,9 +18,9 @@ class Rigidity:
     """What the graph alone says: which stations move as one, and which parts are free to turn."""
 
     body: IntArray  # (stations,) the first station of the rigid body that each one belongs to
-    fixed: BoolArray  # (stations,) joined rigidly to a held station, or held
+    fixed: BoolArray  # (stations,) `held`, or joined rigidly to such a station
     component: IntArray  # (stations,) root of the part each one belongs to
-    free_roots: IntArray  # (rigid motions,) root of every part with inertia and no held station
+    free_roots: IntArray  # (rigid motions,) root of every part with inertia and no fixed station
     elastic: int  # number of natural frequencies other than 0
 
 

@@ -32,7 +32,7 @@ class Rerooted:
 def rerooted_at_middle(tree: Tree) -> Rerooted:
     """The same train with the middle of its longest path as the root.
 
-    The root stays where there are several, and where a held one has more than one span: a held station is a leaf.
+    The root stays where there are several, and where a fixed one has more than one span: a fixed station is a leaf.
     A chain stays as it is, for it is swept from both ends at once; so do small trees, not worth while, and distributed
     shafts, whose shapes are swept station by station.
     """

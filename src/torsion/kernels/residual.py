@@ -22,7 +22,7 @@ class Amplitudes:
 
 
 def equilibrium_residual(plan: Layout, given: Equations, answer: Amplitudes) -> FloatArray:
-    """Worst relative residual, (columns,), over every station that is not held and every span.
+    """Worst relative residual, (columns,), over every station that is not fixed and every span.
 
     Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
     all zero is satisfied.

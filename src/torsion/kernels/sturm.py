@@ -3,7 +3,7 @@
 At angular frequency w the dynamic stiffness z of a station's branch, seen at it, is the sum of what the spans to its
 children pass on, less w^2 J; a span of flexibility h passes on zz = z / (1 + h z). Eliminating the angle of a station
 and the torque of a span has the pivots z and -(h + 1/z), so by Sylvester's law of inertia the count is the number of
-negative z less the number of negative h + 1/z. Neither 0 nor infinity is a special case: h = 0, J = 0 and a held
+negative z less the number of negative h + 1/z. Neither 0 nor infinity is a special case: h = 0, J = 0 and a fixed
 station (z = inf) come out right in IEEE arithmetic. (Demmel and Gragg 1993 for the accuracy on trees.)
 
 A distributed shaft is a flexibility between two inertias, all three functions of the frequency. Below the lowest
@@ -27,7 +27,7 @@ _ROUNDINGS_OF_ENDS = 3  # sums of the end inertias of shafts
 _ARGUMENT = (
     16 * _UNIT_ROUNDOFF
 )  # relative, of s in the laws: w^2, the travel time of a shaft or the modes of an element
-_LARGEST_SWEEP = 2**21  # stations times frequencies held at once; 16 MB an array
+_LARGEST_SWEEP = 2**21  # stations times frequencies kept at once; 16 MB an array
 _MOST_IN_BYTE = 255
 _ONE = np.ones(())
 _LEAST_BLOCK = 64  # frequencies in one sweep, however many stations

@@ -30,7 +30,7 @@ class Layout:
     children: tuple[tuple[int, ...], ...]
     held: list[bool]
     rigid: list[bool]  # span i has no flexibility
-    prescribed: list[bool]  # held, or rigidly joined to a held root
+    prescribed: list[bool]  # `held`, or rigidly joined to such a root
 
     @property
     def size(self) -> int:
@@ -42,7 +42,7 @@ class Layout:
 class Branches:
     """Every branch, sources included, from its leaves: z angle = f + torque of span i on station i."""
 
-    stiffness: Rows  # z, N m/rad: station i with all that hangs on it
+    stiffness: Rows  # z, N m/rad: station i with all beyond it
     stiffness_through: Rows  # z/(1 + hc z): the same felt by the parent through span i
     source: Rows  # f, N m; None where nothing acts
     source_through: Rows  # (f - z twist)/(1 + hc z); None where nothing acts
@@ -52,7 +52,7 @@ class Branches:
 def layout(tree: Tree, compliance: NDArray[Any]) -> Layout:
     """Lists for the sweeps; `compliance` is (stations,) or (stations, columns), rad/(N m).
 
-    Raises ValueError for a held station that is neither root nor leaf, and for a rigid span to a held leaf.
+    Raises ValueError for a fixed station that is neither root nor leaf, and for a rigid span to a fixed leaf.
     """
     zero = compliance == 0
     rigid = zero if zero.ndim == 1 else zero.all(axis=1)
@@ -71,9 +71,9 @@ def layout(tree: Tree, compliance: NDArray[Any]) -> Layout:
 def _check_held(tree: Tree, rigid: BoolArray) -> None:
     leaf = tree.held & (tree.parent >= 0)
     if any(tree.children[station] for station in np.flatnonzero(leaf)):
-        raise ValueError("a held station has spans on both sides; expected a root or a leaf (split the tree there)")
+        raise ValueError("a fixed station has spans on both sides; expected a root or a leaf (split the tree there)")
     if bool((leaf & rigid).any()):
-        raise ValueError("a rigid span leads to a held leaf; expected that held station as the root")
+        raise ValueError("a rigid span leads to a fixed leaf; expected that fixed station as the root")
 
 
 def branches(
@@ -87,7 +87,7 @@ def branches(
 ) -> Branches:
     """Dynamic stiffness and sources of all branches, leaves first; a force or twist that is None does not act.
 
-    `guard` replaces a denominator that is exactly zero (a branch in resonance with its root end held, such as a
+    `guard` replaces a denominator that is exactly zero (a branch in resonance with its root end fixed, such as a
     vibration absorber in tune) by eps, which is a relative change of that one flexibility by eps.
     `room`: rows of the right type that stiffness and source of every station but a root may be put in.
     """
@@ -164,7 +164,7 @@ def share(children: Sequence[int], through: Rows, rest: Rows, remainder: Any, ad
 class Equations:
     """One linear system for every column: own angle = force + torques, angle = angle of parent - hc torque + twist."""
 
-    own: NDArray[Any]  # (stations, columns) N m/rad, the dynamic stiffness of each station alone
+    own: NDArray[Any]  # (stations, columns) N m/rad, the dynamic stiffness of each station by itself
     compliance: NDArray[Any]  # hc, (stations,) or (stations, columns) rad/(N m)
     force: Sequence[Any]  # N m: a number or a row a station; None where none acts
     twist: Sequence[Any]  # rad: the same of the span
@@ -240,7 +240,7 @@ def _root(at: Sweep, i: int) -> None:
     _share_out(at, i, at.given.own[i], at.given.force[i])
 
 
-def _quiet(at: Sweep, i: int, receptance_asked: bool) -> None:
+def _quiet(at: Sweep, i: int, with_receptance: bool) -> None:
     """A span that only follows what comes from its root end."""
     hc, parent = at.compliance[i], at.plan.parent[i]
     if at.plan.held[i]:
@@ -249,12 +249,12 @@ def _quiet(at: Sweep, i: int, receptance_asked: bool) -> None:
     transfer = at.found.transfer[i]
     np.multiply(at.angle[parent], transfer, out=at.angle[i])
     np.multiply(at.angle[i], at.found.stiffness[i], out=at.torque[i])
-    if receptance_asked and not at.plan.prescribed[i]:
+    if with_receptance and not at.plan.prescribed[i]:
         beyond = at.receptance[parent]
         at.receptance[i] = transfer * (hc if beyond is None else hc + transfer * beyond)
 
 
-def _join(at: Sweep, i: int, receptance_asked: bool) -> None:
+def _join(at: Sweep, i: int, with_receptance: bool) -> None:
     """A span with something that acts in its branch or on it, and a parent that is free to move."""
     hc, q, zd, fd = at.compliance[i], at.given.twist[i], at.stiffness[i], at.source[i]
     z, f = at.found.stiffness[i], at.found.source[i]
@@ -266,7 +266,7 @@ def _join(at: Sweep, i: int, receptance_asked: bool) -> None:
     meeting = z * d
     meeting += zd
     np.reciprocal(meeting, out=meeting)
-    if receptance_asked:
+    if with_receptance:
         at.receptance[i] = d * meeting
     if f is None:
         np.multiply(e, meeting, out=at.angle[i])
@@ -309,7 +309,7 @@ def _beside_prescribed(at: Sweep, i: int) -> None:
 
 
 def _share_out(at: Sweep, i: int, stiffness: Row, source: Any) -> None:
-    """Tell every child in whose branch something acts what everything else does at station i.
+    """Give every child in whose branch something acts what everything else does at station i.
 
     stiffness, source: of station i with what lies toward the root.
     """

@@ -2,18 +2,14 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.layers import Layer, layers_of
-
-if TYPE_CHECKING:
-    from torsion.kernels.distributed.span_laws import Shafts
-
-__all__ = ["BoolArray", "ComplexArray", "FloatArray", "IntArray", "Tree"]
 
 _STATIONS_WITHOUT_LAYERS = 16  # (measured)
 
@@ -23,15 +19,15 @@ class Tree:
     """A forest of stations; span i joins station i to `parent[i]`, and `parent[i] < i`.
 
     Everything is referred to one speed, so gear ratios are no longer seen. A spring to ground is a span to a
-    held leaf. A held station does not move; it is a root or a leaf. The law of a span is a constant flexibility, or
+    fixed leaf. A fixed station does not move; it is a root or a leaf. The law of a span is a constant flexibility, or
     that of a distributed shaft.
     """
 
     parent: IntArray  # (stations,), -1 at a root
     flexibility: FloatArray  # (stations,) rad/(N m) of span i; 0 is rigid; unused at a root and of distributed shafts
-    inertia: FloatArray  # (stations,) kg m2; 0 is massless; unused where held
-    held: BoolArray  # (stations,)
-    shafts: "Shafts | None" = None  # the spans with distributed inertia
+    inertia: FloatArray  # (stations,) kg m2; 0 is massless; unused where fixed
+    held: BoolArray  # (stations,) fixed
+    shafts: Shafts | None = None  # the spans with distributed inertia
 
     @property
     def size(self) -> int:
@@ -79,18 +75,18 @@ class Tree:
 
     @cached_property
     def moving_inertia(self) -> FloatArray:
-        """Inertia (stations,) kg m2, 0 where held."""
+        """Inertia (stations,) kg m2, 0 where fixed."""
         return np.where(self.held, 0.0, self.inertia) if self.holds else self.inertia
 
     @cached_property
     def holds(self) -> bool:
-        """Any station is held."""
+        """Any station is fixed."""
         return bool(self.held.any())
 
     def own_stiffness(self, square: FloatArray) -> FloatArray:
-        """Dynamic stiffness (stations, m) N m/rad of each station alone at `square` (m,) of the angular frequency.
+        """Dynamic stiffness (stations, m) N m/rad of each station by itself at `square` (m,) of the angular frequency.
 
-        Infinite where held; written as a difference, so that a zero is positive.
+        Infinite where fixed; written as a difference, so that a zero is positive.
         """
         own: FloatArray = np.multiply.outer(self.moving_inertia, square)
         np.subtract(0.0, own, out=own)

@@ -15,14 +15,14 @@ from torsion.kernels.residual import Amplitudes, equilibrium_residual
 from torsion.kernels.sweeps import EPS, Answer, Equations, Layout, layout, solve, values_or_rows
 from torsion.kernels.tree import Tree
 
-NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a line is marked
+NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once
 SHORTEST_CHUNK, LONGEST_CHUNK = 1024, 2048  # columns: fewer, and calls cost more than sums; more, and caches overflow
 Part = slice | IntArray
 
 
 class Status(IntEnum):
-    """How far a response line can be trusted."""
+    """How far the response at one frequency can be trusted."""
 
     OK = 0
     NEAR_SINGULAR = 1  # rounding of the data alone moves the answer by more than NEAR_SINGULAR_LOSS
@@ -56,12 +56,12 @@ class TreeResponse:
         outer = None if self.at_outer_end is None else self.at_outer_end[:, part]
         return TreeResponse(angle, torque, self.residual[part], self.amplification[part], chord, outer)
 
-    def store(self, block: "TreeResponse", lines: IntArray) -> None:
-        """Replace the lines of these numbers."""
-        self.angle[:, lines], self.torque[:, lines] = block.angle, block.torque
-        self.residual[lines], self.amplification[lines] = block.residual, block.amplification
+    def store(self, block: "TreeResponse", at: IntArray) -> None:
+        """Replace what stands at these numbers of frequencies."""
+        self.angle[:, at], self.torque[:, at] = block.angle, block.torque
+        self.residual[at], self.amplification[at] = block.residual, block.amplification
         if self.at_outer_end is not None:
-            self.at_outer_end[:, lines] = block.torque_outer
+            self.at_outer_end[:, at] = block.torque_outer
 
 
 def tree_response(
@@ -82,7 +82,7 @@ def tree_response(
     ground_damping N m s/rad and compliance rad/(N m), default `tree.flexibility`: the same shapes.
     shaft_loss: loss factor (shafts,) of the shear modulus of each distributed shaft of the tree, whose compliance is
     not used and whose twist must be 0.
-    check: also compute residual and amplification. A singular line is never raised or warned of: see `status`.
+    check: also compute residual and amplification. A singular frequency is never raised or warned of: see `status`.
     Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
     Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
@@ -121,12 +121,12 @@ def complex_compliance(
 
 
 def status(amplification: FloatArray, residual: FloatArray) -> NDArray[np.uint8]:
-    """`Status` of each line, (frequencies,) uint8; a residual that is NaN is not judged.
+    """`Status` at each frequency, (frequencies,) uint8; a residual that is NaN is not judged.
 
     Raises ValueError where the amplification is NaN: such a response was not checked.
     """
     if np.isnan(amplification).any():
-        raise ValueError("the response was computed without its check, so that its lines have no status")
+        raise ValueError("the response was computed without its check, so that it has no status")
     loss = np.fmax(EPS * amplification, residual)
     lines = np.where(loss > NEAR_SINGULAR_LOSS, Status.NEAR_SINGULAR, Status.OK)
     lines[~(loss < 1)] = Status.SINGULAR

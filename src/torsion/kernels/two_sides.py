@@ -50,7 +50,7 @@ class TwoSides:
 
 
 def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
-    """The two sweeps at angular frequencies `w` (m,). Infinite values are meant: a held station, a node."""
+    """The two sweeps at angular frequencies `w` (m,). Infinite values are meant: a fixed station, a node."""
     square = w * w
     with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
         own = tree.own_stiffness(square)
@@ -159,7 +159,7 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
         span, angle = np.where(np.abs(zd) <= np.abs(z), at_parent, at_station), (f + g) / sides.total
     if tree.holds:
         angle[tree.held] = 0.0
-        span[np.isinf(sides.branch) & np.isinf(sides.rest)] = 0.0  # between two held stations
+        span[np.isinf(sides.branch) & np.isinf(sides.rest)] = 0.0  # between two fixed stations
     span[tree.roots] = 0.0
     return angle, span
 

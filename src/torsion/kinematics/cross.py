@@ -12,63 +12,64 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from torsion.arrays import FloatArray
 
 Convention = Literal["P", "N"]
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
     """What a joint does to an angle: driven minus driving angle and the derivatives of the driven angle."""
 
-    error: Array  # rad
-    ratio: Array  # first derivative: driven speed / driving speed
-    curvature: Array  # second derivative, 1/rad: driven acceleration / driving speed^2 at constant driving speed
+    error: FloatArray  # rad
+    ratio: FloatArray  # first derivative: driven speed / driving speed
+    curvature: FloatArray  # second derivative, 1/rad: driven acceleration / driving speed^2 at constant driving speed
 
 
 @dataclass(frozen=True, slots=True)
 class Harmonics:
     """Fourier coefficients of orders 2, 4, ... 2 count over the driving angle; each of shape (count, *angle.shape)."""
 
-    error: Array  # of sin(2 k x), rad
-    ratio: Array  # of cos(2 k x); the mean is 1
-    curvature: Array  # of sin(2 k x), 1/rad
+    error: FloatArray  # of sin(2 k x), rad
+    ratio: FloatArray  # of cos(2 k x); the mean is 1
+    curvature: FloatArray  # of sin(2 k x), 1/rad
 
 
 @dataclass(frozen=True, slots=True)
 class Extremes:
-    """Extremes over a turn and the driving angle x, 0 <= x < pi, at which each first occurs; rad.
+    """Extremes over a revolution and the driving angle x, 0 <= x < pi, at which each first occurs; rad.
 
     Greatest error and curvature: the least are their negatives, at the driving angle mirrored, pi - x.
     """
 
-    error: Array
-    error_at: Array
-    ratio_greatest: Array
-    ratio_greatest_at: Array
-    ratio_least: Array
-    ratio_least_at: Array
-    curvature: Array
-    curvature_at: Array
+    error: FloatArray
+    error_at: FloatArray
+    ratio_greatest: FloatArray
+    ratio_greatest_at: FloatArray
+    ratio_least: FloatArray
+    ratio_least_at: FloatArray
+    curvature: FloatArray
+    curvature_at: FloatArray
 
 
-def unevenness(angle: ArrayLike) -> Array:
+def unevenness(angle: ArrayLike) -> FloatArray:
     """q = tan(angle/2)^2: order-2 amplitude of the transmission error, rad."""
-    half: Array = np.tan(np.asarray(angle, dtype=float) / 2.0)
+    half: FloatArray = np.tan(np.asarray(angle, dtype=float) / 2.0)
     return half * half
 
 
-def rapidity(angle: ArrayLike) -> Array:
+def rapidity(angle: ArrayLike) -> FloatArray:
     """ln(1/cos(angle)), the logarithm of the greatest speed ratio; q = tanh(rapidity/2)."""
-    slope: Array = np.tan(np.asarray(angle, dtype=float))
+    slope: FloatArray = np.tan(np.asarray(angle, dtype=float))
     return 0.5 * np.log1p(slope * slope)
 
 
-def fluctuation(angle: ArrayLike) -> Array:
+def fluctuation(angle: ArrayLike) -> FloatArray:
     """(greatest - least)/mean driven speed at constant driving speed: 1/cos(angle) - cos(angle)."""
     bend = np.asarray(angle, dtype=float)
-    result: Array = np.sin(bend) * np.tan(bend)
+    result: FloatArray = np.sin(bend) * np.tan(bend)
     return result
 
 
@@ -84,17 +85,17 @@ def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P")
     return Transfer(error, ratio, -2.0 * sine * sine * product * ratio / squared)
 
 
-def transmission_error(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+def transmission_error(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
     """Driven minus driving angle, rad: atan((1 - c) tan x/(c + tan(x)^2)) in convention P (Ma 2011, eq. 4)."""
     return transfer(driving, angle, convention).error
 
 
-def driven_angle(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+def driven_angle(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
     """Angle of the driven yoke, rad, continuous over any number of turns."""
     return np.asarray(driving, dtype=float) + transmission_error(driving, angle, convention)
 
 
-def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
     """Driven speed / driving speed: c/(1 - (s cos x)^2) in convention P, c/(1 - (s sin x)^2) in N."""
     return transfer(driving, angle, convention).ratio
 
@@ -105,20 +106,20 @@ def driven_acceleration(
     speed: ArrayLike,
     acceleration: ArrayLike = 0.0,
     convention: Convention = "P",
-) -> Array:
+) -> FloatArray:
     """Driven angular acceleration, rad/s^2, at a driving speed (rad/s) and driving acceleration (rad/s^2)."""
     joint = transfer(driving, angle, convention)
     rate, gain = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
-    result: Array = joint.curvature * rate * rate + joint.ratio * gain
+    result: FloatArray = joint.curvature * rate * rate + joint.ratio * gain
     return result
 
 
-def torque_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+def torque_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
     """Driven torque / driving torque, the reciprocal of the speed ratio (no friction, no inertia of the cross)."""
     return 1.0 / speed_ratio(driving, angle, convention)
 
 
-def torque_ratio_harmonics(angle: ArrayLike, convention: Convention = "P") -> tuple[Array, Array]:
+def torque_ratio_harmonics(angle: ArrayLike, convention: Convention = "P") -> tuple[FloatArray, FloatArray]:
     """Mean (1 + c^2)/(2 c) of the torque ratio and its coefficient of cos 2x, -+s^2/(2 c) (P, N); there is no other."""
     bend = np.asarray(angle, dtype=float)
     second = fluctuation(bend) / 2.0

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import FloatArray
 
 
 @dataclass(frozen=True)

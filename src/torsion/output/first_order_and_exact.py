@@ -9,8 +9,8 @@ import numpy as np
 from torsion.analyses.motion.periodic import Found, PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import common_cycle, extremes
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import number, rpm
 from torsion.output.reported_values import amplitude, largest, rounding, synthesis, without

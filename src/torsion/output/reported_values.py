@@ -7,8 +7,8 @@ import numpy as np
 
 from torsion.analyses.motion.stability import Stability
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.output.numbers import RPM, given, number
 from torsion.rules import needed

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Path
-from torsion.kernels.tree import FloatArray
 
 WIDTH = {"shaft": 1.6, "coupling": 1.0, "gear": 0.45, "joint": 0.8}  # of a link in the sketch
 RIGID = 0.5  # between two points that are rigidly joined

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.steady import Steady
+from torsion.arrays import FloatArray, IntArray
 from torsion.components.lowering import Part
 from torsion.components.part_records import CouplingRatings
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray, IntArray
 from torsion.rules.judgement import (
     MOSTLY,
     RATED,

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.response import grid
+from torsion.arrays import FloatArray
 from torsion.fields import Declared
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray
 from torsion.rules import of_study
 from torsion.rules.judgement import vibration
 from torsion.rules.verdict_line import Rule

@@ -12,11 +12,11 @@ from torsion import fields
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.grid import missed_peaks
 from torsion.analyses.steady import SAME_SPEED, Steady
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, refuse, required
 from torsion.findings import Results
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.kernels.tree_response import Status
 from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
 from torsion.study import Study

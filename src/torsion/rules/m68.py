@@ -8,11 +8,11 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from torsion.analyses.steady import SAME_SPEED
+from torsion.arrays import BoolArray, FloatArray
 from torsion.components.material import STEEL
 from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.findings import Results
-from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules import m68_formulas as formulas
 from torsion.rules.judgement import (
     MOSTLY,

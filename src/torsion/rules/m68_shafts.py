@@ -8,10 +8,10 @@ import numpy as np
 from pydantic import model_validator
 
 from torsion import fields
+from torsion.arrays import FloatArray, IntArray
 from torsion.components.part_records import ShaftRecord
 from torsion.fields import Declared, OneOrMany, given, refuse, required
 from torsion.kernels.round_sections import section_modulus
-from torsion.kernels.tree import FloatArray, IntArray
 from torsion.primitives import Bar
 from torsion.rules import m68_formulas as formulas
 from torsion.rules.judgement import spans_of

@@ -9,8 +9,8 @@ import numpy as np
 
 from torsion.analyses.lateral.bending import Lateral, ShaftFound
 from torsion.analyses.lateral.tilting import Tilting
+from torsion.arrays import FloatArray
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray
 from torsion.rules.verdict_line import Check, Rule
 from torsion.study import Operation
 

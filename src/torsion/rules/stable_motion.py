@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsion.analyses.motion.stability import Stability
+from torsion.arrays import FloatArray
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray
 from torsion.rules.verdict_line import Check, Rule
 from torsion.study import Operation
 

@@ -5,10 +5,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.errors import Fault
 from torsion.fields import Declared
 from torsion.findings import Results
-from torsion.kernels.tree import FloatArray
 from torsion.results import reported, result
 from torsion.study import Study
 

@@ -1,4 +1,4 @@
-"""Shafts in pieces and elements, and their transfer matrices in many digits, for the tests of bars."""
+"""Shafts in pieces and elements, and their transfer matrices in many digits, for the tests of distributed shafts."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -32,7 +32,7 @@ def trains() -> ModuleType:
 
 
 def chain(bars: int, discs: dict[int, float] | None = None, held: tuple[int, ...] = ()) -> Tree:
-    """A chain of stations with nothing but bars between them and discs on some."""
+    """A chain of stations with nothing but distributed shafts between them and discs on some."""
     inertia = np.zeros(bars + 1)
     for station, value in (discs or {}).items():
         inertia[station] = value
@@ -85,7 +85,7 @@ def element(degree, length, rigidity, heavy, position=0, number=1):
 def line(parts: list[tuple], s) -> "mp.matrix":
     """Transfer matrix of (angle, torque towards the far end) along a line at s = w^2, in many digits.
 
-    parts: ("bar", length, G I, rho I), ("disc", J), ("spring", h); numbers as they stand, complex G I allowed.
+    parts: ("shaft", length, G I, rho I), ("disc", J), ("spring", h); numbers as they stand, complex G I allowed.
     """
     whole = mp.eye(2)
     for kind, *values in parts:

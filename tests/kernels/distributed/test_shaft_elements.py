@@ -1,4 +1,4 @@
-"""Finite elements as bars: chains of linear elements, published meshes, rates of convergence, the dense way."""
+"""Finite elements of shafts: chains of linear elements, published meshes, rates of convergence, the dense way."""
 
 from dataclasses import replace
 
@@ -98,7 +98,7 @@ def test_the_dense_way_goes_above_the_elements_own_frequencies(trains) -> None:
 
 
 def test_the_dense_way_takes_rigid_spans_massless_and_held_stations(trains) -> None:
-    """0 held, 1 rigidly on it; 3 rigidly on 2; a massless station between a shaft and a spring to a disc."""
+    """0 fixed, 1 rigidly on it; 3 rigidly on 2; a massless station between a shaft and a spring to a disc."""
     parent, flexibility = np.arange(-1, 6), np.array([0, 0, 0, 0, 0, 0.7, 0])
     inertia = np.array([0, 0, 0, 0.2, 0, 1.5, 0.1])
     node = np.array([2, 4])

@@ -105,7 +105,7 @@ def test_a_drill_string_has_its_published_frequencies(trains) -> None:
         [1.91033229, 3.82066476, 5.73099757, 7.64133089, 9.5516649, 11.46199977],
         rtol=3e-9,
     )
-    line = [("disc", 200), ("bar", 800, rigidity, heavy), ("disc", 10)]
+    line = [("disc", 200), ("shaft", 800, rigidity, heavy), ("disc", 10)]
     exact = [trains.root_near(lambda w: trains.line(line, w * w)[1, 0], w) for w in modes.frequency]
     assert trains.off(modes.frequency, exact) < 5e-16
 
@@ -120,7 +120,7 @@ def _stepped(trains, cut: int) -> tuple[Tree, Shafts, list]:
     train = trains.chain(5 * cut, {cut * place: value for place, value in DISCS.items()})
     parts: list = [("disc", DISCS[0])]
     for place, step in enumerate(STEPS, 1):
-        parts += [("bar", *step), *([("disc", DISCS[place])] if place in DISCS else [])]
+        parts += [("shaft", *step), *([("disc", DISCS[place])] if place in DISCS else [])]
     return train, Shafts(np.arange(1, 5 * cut + 1), (uniform_shafts(*data),)), parts
 
 
@@ -145,7 +145,7 @@ def _along(trains, parts, w):
     state, found = mp.matrix([1, 0]), []
     for part in parts:
         before, state = state, trains.line([part], w * w) * state
-        if part[0] == "bar":
+        if part[0] == "shaft":
             found.append((state[0], before[1], state[1]))
     return found
 
@@ -188,7 +188,7 @@ def test_a_train_of_very_unequal_pieces_keeps_its_digits(trains, seed: int) -> N
     modes = _modes(train, bars, count)
     parts = [("disc", discs[0])]
     for k in range(8):
-        parts += [("bar", length[k], rigid[k], heavy[k]), ("disc", discs.get(k + 1, 0.0))]
+        parts += [("shaft", length[k], rigid[k], heavy[k]), ("disc", discs.get(k + 1, 0.0))]
     exact = [trains.root_near(lambda w: trains.line(parts, w * w)[1, 0], w) for w in modes.frequency]
     assert count >= 3
     assert modes.frequency[-1] > 1000 * modes.frequency[0]
@@ -272,9 +272,9 @@ def test_close_frequencies_keep_orthogonal_shapes(trains) -> None:
 
 
 def test_rigid_spans_held_stations_and_massless_ones_need_no_care(trains) -> None:
-    """A rigid span between two shafts, and one to a held wall, are as if they were not there."""
+    """A rigid span between two shafts, and one to a fixed wall, are as if they were not there."""
     parent, flexibility = np.arange(-1, 7), np.array([0, 0, 0, 0, 0, 0, 0, 0.0])
-    node = np.array([2, 3, 5, 6, 7])  # 0 held, 1 rigidly on it, 4 rigidly on 3
+    node = np.array([2, 3, 5, 6, 7])  # 0 fixed, 1 rigidly on it, 4 rigidly on 3
     bars = Shafts(node, (uniform_shafts(np.full(5, 0.2), 1.0, 1.0),))
     train = Tree(parent, flexibility, np.zeros(8), np.arange(8) == 0)
     modes = _modes(train, bars, 3)
@@ -326,7 +326,7 @@ def _random_train(random_tree, seed: int, held: str) -> tuple[Tree, Shafts]:
 
 
 def _exact_count(train: Tree, bars: Shafts, w) -> int:
-    """Frequencies below w, from the pivots of the elimination in many digits; below the limit of every bar."""
+    """Frequencies below w, from the pivots of the elimination in many digits; below the limit of every shaft."""
     s, law, of = mp.mpf(float(w)) ** 2, bars.laws[0], {int(i): k for k, i in enumerate(bars.node)}
     h = [mp.mpf(float(v)) for v in train.flexibility]
     own = [mp.mpf(float(j)) for j in train.inertia]
@@ -366,7 +366,7 @@ def test_counts_in_many_digits_confirm_every_enclosure(random_tree, seed: int, h
 def test_modes_above_what_the_pieces_resolve_are_refused(trains) -> None:
     train, bars = trains.chain(4), trains.pieces(1.0, 1.0, 1.0, 4)
     assert len(_modes(train, bars, 3).frequency) == 3
-    with pytest.raises(SolveError, match=r"only 3 of the natural frequencies .* divide the shafts more finely"):
+    with pytest.raises(SolveError, match=r"only 3 of the requested .* divide the shafts more finely"):
         _modes(train, bars, 4)
 
 
@@ -404,7 +404,7 @@ def test_a_bound_of_counts_outweighs_the_stiffness_passed_on_and_the_rounding_of
 
 
 def test_a_shaft_between_fixed_stations_leaves_the_rest_of_the_train_alone() -> None:
-    """Station 1 is rigid on the held root, 2 is held as well: a disc of 4 on a spring of 1/100 from 1 swings at 5."""
+    """Station 1 is rigid on the fixed root, 2 is fixed as well: a disc of 4 on a spring of 1/100 from 1 goes at 5."""
     law = uniform_shafts([0.1], 1e4, 2.0)
     held = np.array([True, False, True, False])
     tree = Tree(np.array([-1, 0, 1, 1]), np.array([0, 0, 0, 0.01]), np.array([0, 0, 0, 4.0]), held)

@@ -44,7 +44,7 @@ def _exact(trains, w: float, eta: float, force: list[complex]):
         state[1, 1] += mp.mpmathify(force[k])
         if k < 3:
             before = state[1, :]
-            state = trains.line([("bar", LENGTH[k], turn * mp.mpf(RIGIDITY[k]), HEAVY[k])], s) * state
+            state = trains.line([("shaft", LENGTH[k], turn * mp.mpf(RIGIDITY[k]), HEAVY[k])], s) * state
             ends.append((before, state[1, :]))
     first = -state[1, 1] / state[1, 0]
 
@@ -75,7 +75,7 @@ def test_the_response_equals_transfer_matrices(trains, eta: float, cut: int) -> 
 
 
 def test_loss_factors_may_differ_from_shaft_to_shaft(trains) -> None:
-    """One lossy shaft between two others, against a bar whose law is evaluated at one complex s."""
+    """One lossy shaft between two others, against one whose law is evaluated at one complex s."""
     train, bars = _train(1)
     w, loss = np.array([700.0, 1500.0]), np.array([0.0, 0.1, 0.03])
     found = tree_response(replace(train, shafts=bars), w, np.array([1.0, 0, 0, 0]), shaft_loss=loss)
@@ -85,7 +85,7 @@ def test_loss_factors_may_differ_from_shaft_to_shaft(trains) -> None:
         for k, disc in enumerate(DISCS):
             parts.append(("disc", disc))
             if k < 3:
-                parts.append(("bar", LENGTH[k], mp.mpc(1, loss[k]) * mp.mpf(RIGIDITY[k]), HEAVY[k]))
+                parts.append(("shaft", LENGTH[k], mp.mpc(1, loss[k]) * mp.mpf(RIGIDITY[k]), HEAVY[k]))
         whole = trains.line(parts, s)
         line = trains.line(parts[1:], s)
         first = complex(-line[1, 1] / whole[1, 0])

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.compare.loads import Load, Loaded
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.matrices import Matrices, matrices
 from torsion.assembly.system import System
-from torsion.kernels.tree import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True)

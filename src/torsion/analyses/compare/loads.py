@@ -11,8 +11,8 @@ from torsion.analyses.compare.torque_ends import Ends, elastic_ends
 from torsion.analyses.response.harmonic_components import Line, Sources, excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.study import Study
 
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
-from torsion.kernels.tree import ComplexArray, FloatArray
 
 TOGETHER = 1e-6  # relative; modes nearer to each other than that are one, and any mixture of their shapes is right
 NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay below are rounding and are not compared

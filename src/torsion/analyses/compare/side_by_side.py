@@ -19,11 +19,11 @@ from torsion.analyses.discretisation import assembled, told_division
 from torsion.analyses.response.harmonic_components import Line, excitations
 from torsion.analyses.response.over_speed import asked_orders
 from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.tree import FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result
 from torsion.study import Study

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.analyses.compare.loads import Load, Loaded, statically
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray
 
 SLOW = 1e-7  # of the lowest frequency: its square is the relative error of the static torques
 

@@ -17,10 +17,10 @@ from torsion.analyses.compare.superposition import superposed
 from torsion.analyses.compare.timing import Candidate, Effort, timed
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.undamped_modes import modes
+from torsion.arrays import BoolArray, ComplexArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress
-from torsion.kernels.tree import BoolArray, ComplexArray
 from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.study import Study
 

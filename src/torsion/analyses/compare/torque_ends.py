@@ -6,9 +6,9 @@ from operator import itemgetter
 
 import numpy as np
 
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 from torsion.primitives import Bar
 
 _End = tuple[int, str, int, int, float, float, float]  # number of the component, and a row of `Ends`

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from torsion.analyses.joints.found import Extreme, LineFound, OptimumFound
 from torsion.analyses.joints.line import Placed, crosses, motions
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.kinematics.cross import extremes
 from torsion.kinematics.line import Line, classical_angle, resultant
 from torsion.kinematics.optimise import Variable, index_over, optimise

@@ -8,8 +8,8 @@ import numpy as np
 
 from torsion.analyses.joints.found import CoupleFound
 from torsion.analyses.joints.line import Placed
+from torsion.arrays import FloatArray
 from torsion.components.part_records import JointRecord
-from torsion.kernels.tree import FloatArray
 from torsion.kinematics.couples import Couple, Harmonic, couple_harmonics, couples
 from torsion.kinematics.cross import transfer
 from torsion.kinematics.tripod import constant_velocity_couple, exact_motion, exact_statics

@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import Excitation
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import ComplexArray, FloatArray
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.components.part_records import JointRecord
-from torsion.kernels.tree import FloatArray
 from torsion.kinematics.cross import Transfer, transfer
 from torsion.kinematics.line import Line
 from torsion.kinematics.tripod import exact_motion

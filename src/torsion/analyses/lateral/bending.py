@@ -17,6 +17,7 @@ from torsion.analyses.lateral.response import Answer, answer, speeds_for
 from torsion.analyses.lateral.tilting import Tilting, tilting
 from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
 from torsion.analyses.steady import steady as mean_torques
+from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.assembly.lateral.elements import DEGREE
 from torsion.assembly.lateral.line import BendingShaft, bending_shafts
@@ -26,7 +27,6 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.findings import Progress, Work
-from torsion.kernels.tree import FloatArray
 from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train

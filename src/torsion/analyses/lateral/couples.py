@@ -7,8 +7,8 @@ import numpy as np
 
 from torsion.analyses.joints.couples import couples_found
 from torsion.analyses.joints.line import Behind, Placed, motions
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.lateral.line import BendingShaft
-from torsion.kernels.tree import ComplexArray, FloatArray
 
 SAMPLES = 512  # of a turn; the orders of a joint of 70 degrees fall below rounding before the half of it
 Carrier = Literal["driving", "driven"]

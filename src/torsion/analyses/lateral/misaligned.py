@@ -10,11 +10,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels import misaligned_joint as kernel
 from torsion.kernels.periodic.harmonic_balance import harmonics_of
 from torsion.kernels.periodic.hill import Couplings, couplings_of, hill_blocks, hill_exponents, scattered
 from torsion.kernels.periodic.monodromy import ANGLE_PER_STEP, FEWEST_STEPS, radau, step_matrices
-from torsion.kernels.tree import ComplexArray, FloatArray
 
 HARMONICS = 8  # of the coefficients' period: those beyond are below rounding, as the coefficients have one
 NEUTRAL = 1e-10  # growth / speed that counts as none: rounding of a monodromy matrix moves it by 1e-12

@@ -11,7 +11,7 @@ from torsion.analyses.lateral.misaligned import (
     growth,
     natural_frequencies,
 )
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.results import derived, reported, result
 
 POINTS = 400

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, eigh, solve_triangular
 
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.lateral.shaft import LateralSystem
 from torsion.errors import SolveError
-from torsion.kernels.tree import ComplexArray, FloatArray
 
 EPS = float(np.finfo(float).eps)
 

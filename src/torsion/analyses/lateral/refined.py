@@ -3,7 +3,7 @@
 import numpy as np
 
 from torsion.analyses.lateral.planes import Planes
-from torsion.kernels.tree import ComplexArray
+from torsion.arrays import ComplexArray
 
 OVERDAMPED = 1e-7  # |Im s|/|s| below which a motion does not oscillate
 SETTLED = 1e-8  # relative step after which a root is found: convergence is cubic, so that the next would be rounding

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from torsion.analyses.lateral.planes import EPS, Planes
 from torsion.analyses.lateral.whirl import Critical, criticals
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.lateral.places import places
-from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.results import derived, reported, result, words
 

@@ -13,10 +13,10 @@ import numpy as np
 from torsion.analyses.joints.line import Placed
 from torsion.analyses.lateral.misaligned import EXACT, MisalignedShaft, Model, growth
 from torsion.analyses.lateral.misaligned_zones import Zone, resonances, zones
+from torsion.arrays import FloatArray
 from torsion.assembly.lateral.line import BendingShaft, JointAt
 from torsion.assembly.lateral.shaft import Beam, Segment
 from torsion.kernels.misaligned_joint import small_angle_part
-from torsion.kernels.tree import FloatArray
 from torsion.results import derived, reported, result
 
 Torques = Callable[[FloatArray], FloatArray]  # speeds, rad/s -> N m of the joint's driving shaft

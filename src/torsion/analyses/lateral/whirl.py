@@ -10,7 +10,7 @@ import numpy as np
 
 from torsion.analyses.lateral.planes import EPS, Planes
 from torsion.analyses.lateral.refined import OVERDAMPED, refined
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.results import derived, reported, result
 
 SPARE_MODES, TIMES_MODES = 8, 1  # modes at rest among which damped ones are sought: these, and so many times those told

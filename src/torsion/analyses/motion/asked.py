@@ -5,8 +5,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
+from torsion.arrays import FloatArray
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.kernels.tree import FloatArray
 from torsion.study import SpeedRange
 
 Method = Literal["hill", "monodromy"]

@@ -13,9 +13,9 @@ from torsion.analyses.motion.layout import Layout
 from torsion.analyses.motion.loading import Scene, operating, rigid_deviation
 from torsion.analyses.motion.losses import at_bodies
 from torsion.analyses.motion.modes import Basis
+from torsion.arrays import FloatArray
 from torsion.kernels.periodic.harmonic_balance import Motion, harmonics_of
 from torsion.kernels.periodic.hill import from_real_parts, real_blocks, real_parts, toeplitz
-from torsion.kernels.tree import FloatArray
 
 SMALL = 1e-5  # relative step of Newton's method after which the next would be rounding
 FOUND = 1e-3  # relative step at the end that is still a solution

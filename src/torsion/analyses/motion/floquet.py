@@ -10,11 +10,11 @@ from torsion.analyses.motion.loading import Scene
 from torsion.analyses.motion.losses import at_coordinates
 from torsion.analyses.motion.modes import Basis
 from torsion.analyses.motion.periodic import Orbit
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
 from torsion.kernels.periodic.hill import couplings_of, hill_exponents
 from torsion.kernels.periodic.monodromy import exponents, monodromy, steps_for
-from torsion.kernels.tree import ComplexArray, FloatArray
 
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
 REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats itself

@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsion.analyses.motion.batch import Solution, Stack
+from torsion.arrays import FloatArray
 from torsion.kernels.periodic.monodromy import radau, step_matrices, steps_for
-from torsion.kernels.tree import FloatArray
 
 BEYOND = 1.5  # times the highest mode kept: what the steps resolve
 STAGES = 4  # order 7: growth rates of a map need no more

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.assembly.spans import Span
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.tree import FloatArray
 
 
 @dataclass(frozen=True)

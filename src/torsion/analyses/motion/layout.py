@@ -11,9 +11,9 @@ from math import gcd, lcm
 import numpy as np
 
 from torsion.analyses.motion.joints import JointMap, joint_map
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from torsion.analyses.motion.layout import Layout, common_order, layout
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import reference_station, steady_if_known
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.kernels.periodic.harmonic_balance import harmonics_of, points_in_time
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 from torsion.primitives import Torque
 from torsion.study import Study
 

@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 
 from torsion.analyses.motion.layout import Dampers, Layout
 from torsion.analyses.motion.modes import Basis
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 
 NOTHING = 1e-13  # of the largest damper: what is smaller is rounding of the modes
 

@@ -18,11 +18,11 @@ from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import Basis, basis
 from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.stability import Search, damped
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
-from torsion.kernels.tree import FloatArray
 from torsion.kinematics.cross import unevenness
 from torsion.results import reported, result
 from torsion.study import Study

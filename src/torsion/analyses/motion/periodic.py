@@ -10,6 +10,7 @@ from torsion.analyses.motion.common_period import harmonics_needed, too_long
 from torsion.analyses.motion.equations import damper_twists, linearised
 from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_motion, scene
 from torsion.analyses.motion.torques import course
+from torsion.arrays import BoolArray, ComplexArray, FloatArray
 from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -25,7 +26,6 @@ from torsion.kernels.periodic.harmonic_balance import (
     points_in_time,
     resized,
 )
-from torsion.kernels.tree import BoolArray, ComplexArray, FloatArray
 from torsion.results import derived, reported, result, words
 from torsion.study import Study
 

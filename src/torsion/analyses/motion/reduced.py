@@ -8,9 +8,9 @@ from torsion.analyses.motion.asked import StabilitySettings
 from torsion.analyses.motion.loading import Scene, scene
 from torsion.analyses.motion.modes import Basis, basis, reduced
 from torsion.analyses.motion.stability import Stability, search, stability
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.findings import Progress
-from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
 WHOLE = 20  # coordinates up to which no mode is left out; beyond, the highest modes make the steps in time many

@@ -15,10 +15,10 @@ from torsion.analyses.motion.reduced import modes_that_matter
 from torsion.analyses.motion.several import others
 from torsion.analyses.motion.stability import damped
 from torsion.analyses.response.amplitudes import Response
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress
-from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
 WORK = 2400  # speeds times coordinates, with few harmonics: about 10 s on one slow core

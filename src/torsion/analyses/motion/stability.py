@@ -13,10 +13,10 @@ from torsion.analyses.motion.modes import Basis, basis, reduced
 from torsion.analyses.motion.periodic import Orbit, continued
 from torsion.analyses.motion.ranges import UNSTABLE, UnstableRange, indicator, unstable_ranges
 from torsion.analyses.motion.zones import candidates
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
-from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.results import reported, result
 from torsion.study import Study
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from torsion.analyses.motion.equations import mean_angle, spring_torques, state, torques
 from torsion.analyses.motion.loading import Operating, Scene
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.periodic.harmonic_balance import Balance, motion_of, points_in_time
-from torsion.kernels.tree import FloatArray
 
 
 @dataclass(frozen=True)

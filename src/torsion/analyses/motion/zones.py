@@ -13,7 +13,7 @@ import numpy as np
 
 from torsion.analyses.motion.floquet import Multipliers
 from torsion.analyses.motion.modes import Basis
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 
 TAKES_PART = 0.02  # of the largest modal energy
 ALONE = 0.1  # of the largest: a second mode with less makes no zone of two modes where one alone explains it

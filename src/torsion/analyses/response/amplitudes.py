@@ -7,8 +7,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import Line
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result, words
 

@@ -8,9 +8,9 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.steady import SAME_SPEED
 from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
 FEWEST_POINTS = 5

@@ -10,9 +10,9 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.steady import Steady, interpolated
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.primitives import Torque
 from torsion.results import reported, result
 from torsion.train import Train

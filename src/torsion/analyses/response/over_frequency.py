@@ -13,11 +13,11 @@ from torsion.analyses.response.size import refuse_too_large
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
-from torsion.kernels.tree import FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 

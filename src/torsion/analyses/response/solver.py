@@ -7,9 +7,10 @@ import numpy as np
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import bar_torques, span_torques
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import TreeResponse, complex_compliance, status, tree_response
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
 from torsion.analyses.response.over_speed import Response, Synthesis
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 from torsion.kernels.tree_response import Status
 
 SAMPLES = 32  # of the highest harmonic, before extremes are refined

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.assembly.lateral.elements import functions, scaled
 from torsion.assembly.lateral.shaft import LateralSystem
-from torsion.kernels.tree import FloatArray
 
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an element; both ends, as a moment may jump between two of them
 

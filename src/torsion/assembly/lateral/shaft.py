@@ -12,9 +12,9 @@ from typing import Literal
 
 import numpy as np
 
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.lateral.elements import Section, element, end_unknowns, size
 from torsion.errors import SolveError
-from torsion.kernels.tree import FloatArray, IntArray
 
 LONGEST_PHASE = 4.5  # rad of the bending wave along an element: the error of a frequency is then below 1e-13
 STEEPEST = 1.5  # ratio of the diameters at the ends of one element of a cone

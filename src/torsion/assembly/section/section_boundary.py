@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.section_mesh import Triangles
-from torsion.kernels.tree import FloatArray, IntArray
 
 _GAUSS = np.polynomial.legendre.leggauss(2)  # exact for the area under a parabola
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 
 LARGEST_FILE = 20_000_000  # bytes; a mesh of MOST triangles has a tenth of it
 MOST = 10_000  # triangles; they are divided into four at least once

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.assembly.section.section_checks import refuse_size, sound
 from torsion.assembly.section.section_mesh import SectionFault, Triangles, read_triangles
 from torsion.assembly.section.section_torsion import Level, Moments, moments, solve_level
-from torsion.kernels.tree import FloatArray
 from torsion.primitives import Section, SectionMesh
 
 FEW = 2_000  # triangles of a mesh that is solved with degree 4; a finer one needs no more than degree 2

@@ -94,7 +94,7 @@ def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexA
 
 
 def _hold(plan: Layout, torque: ComplexArray) -> None:
-    """A rigid span to a held station carries what the spans beyond it carry."""
+    """A rigid span to a fixed station carries what the spans beyond it carry."""
     for i in range(plan.size - 1, -1, -1):
         if plan.prescribed[i] and plan.parent[i] >= 0 and not plan.held[i]:
             torque[i] = sum((torque[child] for child in plan.children[i]), np.zeros(torque.shape[1]))

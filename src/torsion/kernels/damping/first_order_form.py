@@ -29,7 +29,7 @@ def zero_roots(train: DampedTree) -> tuple[int, int]:
     """How often 0 is a root of det T, and of the first-order form: parts free to turn count, once or twice.
 
     A part that no spring ties to ground can stand at any angle, one that no damper ties either can turn at any speed.
-    A part held at several places can hold torques against itself, which only the first-order form sees.
+    A part fixed at several places can keep torques against itself, which only the first-order form sees.
     """
     tree = train.tree
     springs = _parts(tree, np.array(train.plan.rigid) | np.isfinite(tree.flexibility))

@@ -15,7 +15,7 @@ SWEEPS = 300
 def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) -> ComplexArray:
     """p'/p at each root, (roots,) s, of p = det(l^2 J + l C + K(1 + i eta)); `lossy` scales the loss factors.
 
-    Leaf-to-root elimination and its derivative side by side; rigid spans merge, held stations take no part.
+    Leaf-to-root elimination and its derivative side by side; rigid spans merge, fixed stations take no part.
     """
     tree, plan, size = train.tree, train.plan, train.plan.size
     total = np.zeros(len(root), dtype=np.complex128)

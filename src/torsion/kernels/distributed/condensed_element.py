@@ -1,6 +1,6 @@
 """Finite elements of a shaft as spans: the unknowns inside are eliminated at each frequency (dynamic condensation).
 
-The angles inside an element are relative to its static bend, and there in its modes with both ends held, of
+The angles inside an element are relative to its static bend, and there in its modes with both ends fixed, of
 stiffness 1 and inertia c_j. With the whole inertia between static bends (a, b at the ends, c across) and the coupling
 g_j of the modes to both, the dynamic stiffness across is -1/h with
 
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, distinct
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array
@@ -30,7 +30,7 @@ _NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the elemen
 
 @dataclass(frozen=True)
 class CondensedElements(Law):
-    """Condensed elements; modes inside, held at both ends, as (shafts, inside)."""
+    """Condensed elements; modes inside, fixed at both ends, as (shafts, inside)."""
 
     stiffness: FloatArray  # (shafts,) N m/rad, k of the static bend
     across: FloatArray  # (shafts,) kg m2, c
@@ -41,25 +41,17 @@ class CondensedElements(Law):
     coupling_outer: FloatArray  # (shafts, inside)
     coupling_turn: FloatArray  # (shafts, inside) g of the turning as a whole: not the rounded sum of the other two
 
-    @property
-    def size(self) -> int:
-        return len(self.stiffness)
-
     @cached_property
     def limit(self) -> float:
-        """Lowest frequency (rad/s) of any element with both ends held; infinite without unknowns inside."""
+        """Lowest frequency (rad/s) of any element with both ends fixed; infinite without unknowns inside."""
         largest = float(self.modes.max(initial=0.0))
         return 1.0 / math.sqrt(largest) if largest > 0.0 else math.inf
 
     @cached_property
     def _distinct(self) -> tuple["CondensedElements", IntArray]:
-        """The different elements, and which one each bar is."""
+        """The different elements, and which one each shaft is."""
         columns = [getattr(self, name) for name in self.__dataclass_fields__]
-        table = np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1)
-        number: dict[bytes, int] = {}
-        position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
-        first = np.zeros(len(number), dtype=np.int64)
-        first[position[::-1]] = np.arange(self.size)[::-1]
+        first, position = distinct(np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1))
         return CondensedElements(*(column[first] for column in columns)), position
 
     @cached_property
@@ -73,17 +65,14 @@ class CondensedElements(Law):
         return np.stack([one * other for one, other in pairs], axis=1)
 
     def at(self, square: NDArray[Any]) -> Pi:
-        if square.ndim > 1:
-            return self._values(square)
-        if self.modes.size * len(square) <= _FEW:
-            return self._values(np.broadcast_to(square, (self.size, len(square))))
+        if square.ndim > 1 or self.modes.size * len(square) <= _FEW:
+            return self._values(np.broadcast_to(square, (self.size, square.shape[-1])))
         few, position = self._distinct
         flexibility, inner, outer = few._values(np.broadcast_to(square, (few.size, len(square))))
         return flexibility[position], inner[position], outer[position]
 
     def _values(self, s: NDArray[Any]) -> Pi:
-        rows = self._summed(s, lambda part, modes: part / (1.0 - part * modes))
-        return self._pi(s, rows)
+        return self._pi(s, self._summed(s, lambda part, modes: part / (1.0 - part * modes)))
 
     def _pi(self, s: NDArray[Any], rows: NDArray[Any]) -> Pi:
         spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
@@ -165,7 +154,7 @@ def _linear(k: FloatArray, m: FloatArray) -> CondensedElements:
 def _condensed(k: FloatArray, m: FloatArray) -> CondensedElements:
     number, unknowns, _ = k.shape
     inside = k[:, 2:, 2:]
-    bend = np.zeros((number, unknowns))  # static, under the outer end's angle 1, the inner end held
+    bend = np.zeros((number, unknowns))  # static, under the outer end's angle 1, the inner end fixed
     bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
     turn = np.ones((number, unknowns))
     turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])

@@ -1,6 +1,6 @@
 """Modes of finite elements beyond the lowest frequency of an element by itself, by a dense decomposition.
 
-For few, coarse elements of high degree of which many modes are asked. In coordinates whose sum of squares is the
+For few, coarse elements of high degree of which many modes are wanted. In coordinates whose sum of squares is the
 elastic energy, with the inertia in a factor C, the singular values c of C give s = 1/c^2; Rayleigh's quotient of the
 energies, span by span, corrects them. Massless stations need no care. Nothing is proven.
 
@@ -93,7 +93,7 @@ def _of(tree: Tree) -> Shafts:
 
 
 def _number(tree: Tree, element: CondensedElements, count: int) -> int:
-    """As many of the modes asked for as there are."""
+    """As many of the wanted modes as there are."""
     return min(count, rigidity(tree.static).elastic + int(np.count_nonzero(element.modes)))
 
 
@@ -196,7 +196,7 @@ def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Ben
 def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) -> FloatArray:
     """Angles (stations, springs) for a twist of 1 in each, such that the weighted mean of a part's angles is zero.
 
-    The weight is the inertia; in a part that is held it is only at the first of its `fixed` stations.
+    The weight is the inertia; in a part that is fixed it is only at the first of its `fixed` stations.
     """
     weight = np.where(np.isin(component, component[fixed]), 0.0, tree.moving_inertia)
     weight[fixed] = 1.0

@@ -70,17 +70,13 @@ class ProfileShafts(Law):
     inner: FloatArray  # (shafts, terms) of e at the inner end
     outer: FloatArray  # (shafts, terms) of e at the outer end
 
-    @property
-    def size(self) -> int:
-        return len(self.inertia)
-
     @cached_property
     def _travel(self) -> FloatArray:
         return self.flexibility * self.inertia
 
     @cached_property
     def limit(self) -> float:
-        """A frequency (rad/s) at most 2 % below the lowest one with both ends held, for a uniform piece.
+        """A frequency (rad/s) at most 2 % below the lowest one with both ends fixed, for a uniform piece.
 
         b has the zeros v_i > 0 with sum 1/v_i^2 = b_1^2 - 2 b_0 b_2 for b_0 = 1, so that none is below the inverse
         root of that sum (Newton's identity).
@@ -166,7 +162,7 @@ def _check(found: ProfileShafts) -> None:
     last = found.spring[:, -1] * v ** (TERMS - 1)
     worst = int(np.argmax(last))
     if not last[worst] < _LARGEST_LEFT_OUT or not (found.spring > 0.0).all():
-        raise ValueError(f"bar {worst} has too steep a profile for its series; divide it more finely")
+        raise ValueError(f"shaft {worst} has too steep a profile for its series; divide it more finely")
 
 
 def _over(numerator: FloatArray, travel: FloatArray) -> FloatArray:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, distinct
 
 _ROUNDINGS = 8.0  # of one step of the elimination
 
@@ -26,11 +26,6 @@ class SegmentChains(Law):
     inertia: FloatArray  # (rows, segments) kg m2 behind each spring; 0 behind the last
     is_turned: BoolArray  # (rows,) the row is given from its outer to its inner end
 
-    @property
-    def size(self) -> int:
-        """Number of rows."""
-        return len(self.flexibility)
-
     @cached_property
     def limit(self) -> float:
         """rad/s that no frequency of a row with both ends fixed lies below (Dunkerley's bound)."""
@@ -44,10 +39,8 @@ class SegmentChains(Law):
     def _distinct(self) -> tuple[FloatArray, IntArray]:
         """The different rows (rows, 2, segments), and which one each has."""
         both = np.stack([self.flexibility, self.inertia], axis=1)
-        if (both == both[:1]).all():
-            return both[:1], np.zeros(self.size, dtype=np.int64)
-        rows, position = np.unique(both, axis=0, return_inverse=True)
-        return rows, position.reshape(-1)
+        first, position = distinct(both)
+        return both[first], position
 
     def at(self, square: NDArray[Any]) -> Pi:
         """Flexibility rad/(N m), inner and outer end inertia kg m2, each (rows, m), at s = w^2 (m,) or (rows, m)."""

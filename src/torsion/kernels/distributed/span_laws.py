@@ -2,7 +2,7 @@
 
 Seen from its ends, a piece of a shaft at s = w^2 is a symmetric reciprocal two-port, so that a pi stands for it: a
 flexibility h(s) between the end inertias Ji(s) at its inner and Jo(s) at its outer end. Below the lowest frequency of
-the piece with both ends held all three are positive, and Sturm counts need no correction (Wittrick and Williams 1971).
+the piece with both ends fixed all three are positive, and Sturm counts need no correction (Wittrick and Williams 1971).
 With a loss factor of the material, G becomes G (1 + i eta): h and s are divided by 1 + i eta, J is J(s/(1 + i eta)).
 """
 
@@ -45,9 +45,9 @@ class Law(ABC):
     """The pi of shafts of one sort, as a function of s = w^2."""
 
     @property
-    @abstractmethod
     def size(self) -> int:
-        """Number of shafts."""
+        """Number of shafts: rows of every field."""
+        return len(next(iter(vars(self).values())))
 
     @property
     @abstractmethod
@@ -153,6 +153,15 @@ class Shafts:
         return Shafts(
             self.node, tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True))
         )
+
+
+def distinct(table: FloatArray) -> tuple[IntArray, IntArray]:
+    """First row of each sort in `table` (shafts, values), and which sort (shafts,) each row is."""
+    number: dict[bytes, int] = {}
+    position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
+    first = np.zeros(len(number), dtype=np.int64)
+    first[position[::-1]] = np.arange(len(table))[::-1]
+    return first, position
 
 
 def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating_slope
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating_slope, distinct
 
 _ROUNDINGS = 20.0  # of tan (4 units), what follows from it and the factors
 _SERIES_BELOW = 4.0  # square of the phase; above, differences lose less than a digit
@@ -26,21 +26,17 @@ class UniformShafts(Law):
     half: FloatArray  # (shafts,) kg m2, half the inertia of the piece
     travel: FloatArray  # (shafts,) s2, square of the time a wave needs along the piece
 
-    @property
-    def size(self) -> int:
-        return len(self.half)
-
     @cached_property
     def limit(self) -> float:
-        """Lowest frequency (rad/s) with both ends held: pi over the longest travel time."""
+        """Lowest frequency (rad/s) with both ends fixed: pi over the longest travel time."""
         longest = float(self.travel.max(initial=0.0))
         return math.pi / math.sqrt(longest) if longest > 0.0 else math.inf
 
     @cached_property
     def _distinct(self) -> tuple[FloatArray, IntArray]:
-        """The different squares of travel times, and which one each bar has."""
-        values, position = np.unique(self.travel, return_inverse=True)
-        return values, position.reshape(-1)
+        """The different squares of travel times, and which one each shaft has."""
+        first, position = distinct(self.travel[:, None])
+        return self.travel[first], position
 
     def at(self, square: NDArray[Any]) -> Pi:
         if square.ndim == 1:

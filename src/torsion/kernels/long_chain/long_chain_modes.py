@@ -18,7 +18,7 @@ def long_chain_modes(tree: Tree, count: int, *, progress: Progress | None = None
     """The lowest `count` elastic modes of a tree that is a row of stations, in a time that grows with both alike.
 
     None where it is no row, has no elastic mode, two of them are one to rounding, or this scipy lacks the routines:
-    `tree_modes` then finds them otherwise. `progress` is told the number of modes done and wanted. Raises SolveError
+    `tree_modes` then finds them otherwise. `progress` is given the number of modes done and wanted. Raises SolveError
     for frequencies out of range.
     """
     if not are_available():
@@ -49,7 +49,7 @@ def _are_distinct(tree: Tree, modes: TreeModes) -> bool:
 
 
 class _Collected:
-    """Room for the modes, filled one by one, so that no more than one is held twice."""
+    """Room for the modes, filled one by one, so that no more than one is kept twice."""
 
     def __init__(self, tree: Tree, row: Rerooted, known: Reduction, wanted: int) -> None:
         self.row, self.known, self.is_in_order = row, known, row.tree is tree

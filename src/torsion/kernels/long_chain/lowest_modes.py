@@ -1,6 +1,6 @@
-"""The lowest modes of a long chain: brackets by counts, Rayleigh's quotients from twisted vectors, and the proof.
+"""The lowest modes of a long chain: brackets by counts, Rayleigh's quotients from twisted vectors, and the enclosure.
 
-A back end for long chains: LAPACK counts in one pass over the chain and makes a twisted vector in about three, one
+A back end for long chains: LAPACK counts in one sweep of the chain and makes a twisted vector in about three, one
 frequency at a time, which the sweeps of `sturm` and `two_sides` for many frequencies cannot (measured from 2000
 stations). Brackets are halved only until the quotients converge. (Parlett and Dhillon 1997; Marques, Riedy and Voemel
 2006 for counts in IEEE arithmetic.)
@@ -21,9 +21,9 @@ from torsion.kernels.long_chain.twisted import BidiagonalFactor, Twisted, negati
 
 Progress = Callable[[int, int], None]  # modes done, modes wanted
 
-_BRACKET = 2.0**-6  # relative width of the bracket of a square from which quotients take fewer passes than halving
+_BRACKET = 2.0**-6  # relative width of the bracket of a square from which quotients take fewer sweeps than halving
 _SETTLED = 1e-14  # of the width of the bracket: an error of the shift that the shape does not show
-_NOISE = 2.0**-6  # of the worst case of the roundings of one pass; they are seldom more (measured)
+_NOISE = 2.0**-6  # of the worst case of the roundings of one sweep; they are seldom more (measured)
 _STEPS = 8  # of Rayleigh's quotient before halving takes over; 3 or 4 are common
 _FULL = 2.0**-52
 _NUDGES = (0.0, 2.0**-51, -(2.0**-51), 2.0**-50)  # relative; of no effect on the shape
@@ -32,7 +32,7 @@ _PROBE = 2.0**-8  # relative distance at which it is sought
 _WIDE = 3.0  # errors of a count: an enclosure by counts is then as narrow as one by Temple's inequality
 _LUMP = 32  # stations that become one in a coarser chain; its low frequencies are those of the chain to (phase/24)^2
 _STATIONS_FOR_GUESS = 64  # of the coarser chain for every mode
-_STRETCH = 16.0  # of the square while no bracket is known
+_WIDENING = 16.0  # of the square while no bracket is known
 _RANGE = 1e280  # of entries and of their inverses, so that nothing over- or underflows
 
 
@@ -118,7 +118,7 @@ def lowest_modes(
 ) -> None:
     """Hand the lowest `wanted` elastic modes, in ascending order, to `keep`, which need not keep all that is in them.
 
-    At least so many modes are required. `progress` is told how many are done.
+    At least so many modes are required. `progress` is given how many are done.
     """
     counts, rigid = Counts(factor_of(chain)), int(chain.is_free)
     guess = _guessed_squares(chain, wanted)
@@ -145,10 +145,10 @@ def _span_all(counts: Counts, chain: Chain, first: int, last: int, guess: list[f
     square = 0.5 * math.pi**2 / (chain.total_inertia * chain.total_flexibility)
     low = 0.5 * guess[0] if guess else square
     while counts.at(low) > first:
-        low /= _STRETCH
+        low /= _WIDENING
     high = (1.0 + 1.0 / len(guess)) * guess[-1] if guess else square * (last - first + 2) ** 2
     while counts.at(high) <= last:
-        high *= _STRETCH
+        high *= _WIDENING
 
 
 def _mode(chain: Chain, counts: Counts, mode: int, guess: float) -> ChainMode:

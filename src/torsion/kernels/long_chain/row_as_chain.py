@@ -1,7 +1,7 @@
 """A row of stations as a chain of positive inertias and flexibilities only, and the shapes of the row from those of it.
 
-Rigid spans merge stations, a station without inertia joins its two spans into one: sums of positive numbers. A row held
-at both ends is solved for its torques: with J and h changed for one another it is a free chain. What is inside a merged
+Rigid spans merge stations, a station without inertia joins its two spans into one: sums of positive numbers. A row
+fixed at both ends is solved for its torques: with J and h exchanged it is a free chain. What is inside a merged
 station or span is a weighted mean of its two ends, with positive weights: no difference of angles or torques.
 """
 
@@ -67,7 +67,7 @@ class Reduction:
 
 
 def reduce_row(row: Tree) -> Reduction | None:
-    """The chain of a row, a tree that is one and held at its ends at most; None where it has no elastic mode."""
+    """The chain of a row, a tree that is one and fixed at its ends at most; None where it has no elastic mode."""
     first_held, last_held = bool(row.held[0]), bool(row.held[-1]) and row.size > 1
     inertia_of_all, flexibility = row.moving_inertia, row.flexibility[1:]
     soft = flexibility > 0.0

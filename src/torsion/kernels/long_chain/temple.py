@@ -1,7 +1,7 @@
 """Narrow enclosures of the frequencies of a long chain, from one step of inverse iteration.
 
 A count of a chain of n stations carries roundings that move a frequency by up to 4 n units in the worst case. That
-suffices to tell a mode from its neighbours, and then the inequality of Temple and Kato does the rest: if a vector v has
+suffices to separate a mode from its neighbours, and the inequality of Temple and Kato does the rest: if a vector v has
 the quotient q = (v, Tv)/(v, v) and the residual e = |Tv - q v|/|v|, and no other eigenvalue of T lies in (low, high),
 then the one in it lies in [q - e^2/(high - q), q + e^2/(q - low)] (Kato 1949). T is the static response to the torques
 J v; its eigenvalues are 1/w^2. It takes two running sums, one of torques and one of twists, and no difference of
@@ -22,7 +22,7 @@ _UNIT = 2.0**-53
 _UNIT_OF_WIDEST = float(np.finfo(np.longdouble).eps) / 2.0  # where there is nothing wider: that of a double
 _ROUNDINGS_OF_SUM = 64  # of numpy's pairwise sums of up to 1e9 terms, with those of each term
 _ROUNDINGS_OF_TERM = 4
-_OUTWARD = 2.0**-50  # relative; outweighs the roundings of the bounds themselves
+_OUTER_MARGIN = 2.0**-50  # relative; outweighs the roundings of the bounds themselves
 
 
 @dataclass(frozen=True)
@@ -93,15 +93,15 @@ class Quotient:
         `below` may be 0: then there is no lower frequency at all.
         """
         least, most = self.inverse * (1.0 - self.error), self.inverse * (1.0 + self.error)
-        high = math.inf if below == 0.0 else below**-2.0 * (1.0 - 4.0 * _OUTWARD)
-        low = above**-2.0 * (1.0 + 4.0 * _OUTWARD)
+        high = math.inf if below == 0.0 else below**-2.0 * (1.0 - 4.0 * _OUTER_MARGIN)
+        low = above**-2.0 * (1.0 + 4.0 * _OUTER_MARGIN)
         if not (low < least and most < high and self.residual**2 < (least - low) * (high - most)):
             return None
         least -= self.residual**2 / (high - most)
         most += self.residual**2 / (least - low)
         if not 0.0 < least <= most < math.inf:
             return None
-        return most**-0.5 * (1.0 - _OUTWARD), least**-0.5 * (1.0 + _OUTWARD)
+        return most**-0.5 * (1.0 - _OUTER_MARGIN), least**-0.5 * (1.0 + _OUTER_MARGIN)
 
 
 def quotient(chain: Chain, angle: FloatArray) -> Quotient:
@@ -122,7 +122,7 @@ def quotient(chain: Chain, angle: FloatArray) -> Quotient:
     square = float((inertia * rest * rest).sum()) / norm
     lost_angle = lost_torque * softness + (roundings + _ROUNDINGS_OF_SUM) * _UNIT * turned
     residual = math.sqrt(square) + 4.0 * lost_angle * math.sqrt(total / norm) + error * inverse
-    return Quotient(inverse, error, residual * (1.0 + _OUTWARD))
+    return Quotient(inverse, error, residual * (1.0 + _OUTER_MARGIN))
 
 
 def _torques(chain: Chain, load: FloatArray) -> tuple[FloatArray, float]:

@@ -25,7 +25,7 @@ class LoopedTrain:
 def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray) -> LoopedTrain:
     """Tear every loop at its softest span (Kruskal 1956): what is torn is then a correction, not the main path.
 
-    The root of a part is a held station wherever there is one, so that angles are sums of twists from the ground.
+    The root of a part is a fixed station wherever there is one, so that angles are sums of twists from the ground.
     Spans are those of `tree`, from parent to station, and (chords,) ones from `first` to `second`.
     """
     near, far = np.append(tree.parent, first), np.append(np.arange(tree.size), second)

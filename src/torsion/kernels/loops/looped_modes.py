@@ -33,14 +33,14 @@ def graph_modes(
     `flexibility` (chords,) rad/(N m), positive. `loop_torque` is on the second station: (angle[first] - angle[second])
     / flexibility. No count proves these frequencies: `lower`, `upper` hold the error bound of the method, 4 rounding
     units a body (Jacobi's rotations of a star-mesh factor), and `certified` is False unless there is no loop but
-    through held stations.
+    through fixed stations.
     """
     if len(first) == 0:
         return tree_modes(tree, count)
     if not np.all(flexibility > 0.0):
         raise ValueError("a chord needs a positive flexibility; put rigid spans into the tree")
     train = stiffest_tree(tree, first, second, flexibility)
-    if not len(train.first):  # the loops go through held stations alone
+    if not len(train.first):  # the loops go only through fixed stations
         return _given(tree, train, tree_modes(train.tree, count))
     known = rigidity(train.tree)
     solved = cut(train.tree, known) if needs_cutting(train.tree, known) else train.tree

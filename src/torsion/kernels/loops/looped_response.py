@@ -39,7 +39,7 @@ def looped_response(
     """Response of tree and chords; arguments as of `tree_response`, torques of chords in addition.
 
     Loop torques follow from the twist around each loop, summed span by span, of the open train under the sources and
-    under a pair of unit torques in place of each chord. A line in which the open train by itself is in
+    under a pair of unit torques in place of each chord. A frequency at which the open train is in
     resonance is marked as singular. Raises ValueError if a chord joins parts that the tree does not join.
     """
     w = np.asarray(w, dtype=np.float64)
@@ -81,8 +81,8 @@ def _loop_torques(
     matrix = np.stack([-np.tensordot(sign, hc * part.torque, axes=1) for part in opened[1:]], axis=-1)
     terms = sum(np.tensordot(np.abs(sign), np.abs(hc * part.torque), axes=1) for part in opened[1:]) + np.abs(own)
     matrix = np.moveaxis(matrix, 1, 0)  # (frequencies, chords, chords)
-    lines = np.arange(len(sign))
-    matrix[:, lines, lines] += own.T
+    chord = np.arange(len(sign))
+    matrix[:, chord, chord] += own.T
     scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
     scaled[lost] = np.eye(len(sign))

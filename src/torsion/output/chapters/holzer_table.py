@@ -7,8 +7,8 @@ import numpy as np
 
 from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray, IntArray
 from torsion.output.blocks import Block, Table, head
 from torsion.output.numbers import NONE, number
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.output.blocks import Figure
 from torsion.output.chapters.joint_tables import STILL, names, of_line
 from torsion.output.numbers import RPM, Scale, scale

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.joints.found import Joints
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Block, Column, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale
 

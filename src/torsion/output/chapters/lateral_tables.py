@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Table, head
 from torsion.output.numbers import NONE, RPM, number, rpm, scale

@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsion.analyses.steady import Steady
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import RPM, number, rpm, scale

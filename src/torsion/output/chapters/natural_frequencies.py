@@ -6,9 +6,9 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
 from torsion.output.chapters.holzer_table import holzer_table
 from torsion.output.elastic_elements import elements

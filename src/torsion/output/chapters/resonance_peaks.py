@@ -7,8 +7,8 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Table, head
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, Scale, number, order, rpm

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.lateral.bending import Lateral
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points
 from torsion.output.chapters import lateral_tables

@@ -3,9 +3,9 @@
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.arrays import FloatArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
-from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import NO_VALUE, barred, largest, orders_together, rated_rpm, unreliable

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.kernels.round_sections import polar_area_moment, section_modulus
-from torsion.kernels.tree import FloatArray, IntArray
 from torsion.primitives import Bar, Section
 
 LENGTHS = {"coupling": 1.2, "joint": 1.0, "gear": 0.5, "motor": 1.3}  # of what has no length, in `Sizes.length`

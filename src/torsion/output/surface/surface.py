@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 from torsion.output.surface.axes import Axis, axes
 
 TWIST = 0.5  # rad: the largest angle of a mode as it is drawn
