@@ -7,7 +7,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.spans import Row, Runs, Span
-from torsion.assembly.system import BarSpans, Discretisation, System
+from torsion.assembly.system import Discretisation, System
 from torsion.errors import SolveError
 from torsion.primitives import Bar, Station
 from torsion.train import Train
