@@ -4,12 +4,11 @@ import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from typing import Literal, Self, get_args
+from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
 from pydantic import model_validator
 
-from torsion import fields
 from torsion.analyses.compare.candidates import COUNT, has_shafts, loop_faults
 from torsion.analyses.compare.loads import Harmonics, Loaded, Torques, elimination, loaded
 from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
@@ -22,7 +21,7 @@ from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import InputError
-from torsion.fields import Declared, given, refuse
+from torsion.fields import Declared, Quantity, given, refuse
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result
@@ -36,7 +35,9 @@ class CheckSettings(Declared):
     """Settings of `check`."""
 
     models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
-    tolerance: fields.Number = given("largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3)
+    tolerance: Annotated[float, Quantity("1", above=0, usual=(None, 1.0), slip=("%",))] = given(
+        "largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3
+    )
 
     @model_validator(mode="after")
     def _compares(self) -> Self:
