@@ -189,7 +189,7 @@ def test_a_support_alone_asks_for_the_bending_and_joints_alone_leave_it_out() ->
         loss=0.01, first=300, last=3000, before="", tube=f"{TUBE}, support: {{at: 0.7, stiffness: 1e7}}"
     )
     study = torsion.parse(scene.replace("analyses: {lateral: {modes: 2}}", "analyses: {joints: }"))
-    assert [point[0] for point in run(study).need(Lateral).shafts[0].point] == [
+    assert [point.name for point in run(study).need(Lateral).shafts[0].point] == [
         "first joint",
         "second joint",
         "support of tube",

@@ -12,8 +12,9 @@ from torsion.kernels.response import Status
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.document import document
 from torsion.output.figures.style import hatch, page
-from torsion.output.reported_values import NO_VALUE, unreliable
+from torsion.output.reported_values import unreliable
 from torsion.output.results_json import results
+from torsion.output.selection import NO_VALUE
 from torsion.rules.check import Checks
 
 SCENE = """

@@ -1,4 +1,4 @@
-"""What is told of a train with very long shafts: stretches of many segments in place of each segment."""
+"""What is reported of a train with very long shafts: groups of many segments in place of each segment."""
 
 from dataclasses import dataclass
 
@@ -10,30 +10,30 @@ from torsion.kernels.tree import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
-class Told:
-    """The stations and spans that are told; all but the shafts that are too long are told whole.
+class SegmentGroups:
+    """The stations and spans that are reported; all but the shafts that are too long are reported whole.
 
-    Of a stretch of segments its outer station and its first span are told; sums are over the stretch.
+    Of a group of segments its outer station and its first span are reported; sums are over the group.
     """
 
     system: System
-    first_station: IntArray  # (told stations,) position of the first of each stretch
-    first_span: IntArray  # (told spans,)
-    longest: int  # segments in a stretch
+    first_station: IntArray  # (reported stations,) position of the first of each group
+    first_span: IntArray  # (reported spans,)
+    longest: int  # segments in a group
 
     @property
     def stations(self) -> IntArray:
-        """(told stations,) their positions in the system."""
+        """(reported stations,) their positions in the system."""
         return np.append(self.first_station[1:], len(self.system.stations)) - 1
 
     @property
     def spans(self) -> IntArray:
-        """(told spans,) their positions in the system."""
+        """(reported spans,) their positions in the system."""
         return self.first_span
 
     @property
     def last_span(self) -> IntArray:
-        """(told spans,) position of the last of each stretch."""
+        """(reported spans,) position of the last of each group."""
         return np.append(self.first_span, len(self.system.spans))[1:] - 1
 
     @property
@@ -43,12 +43,12 @@ class Told:
 
     @property
     def ends(self) -> IntArray:
-        """(told spans, 2) driving and driven station of each told span or stretch, as positions in `stations`."""
+        """(reported spans, 2) driving and driven station of each reported span or group, as positions in `stations`."""
         both = np.column_stack([self.system.driving[self.first_span], self.system.driven[self.last_span]])
         return np.asarray(np.searchsorted(self.stations, both), dtype=np.int64)
 
     def names(self) -> list[str]:
-        """(told spans,) names; of a stretch with its first and its last segment."""
+        """(reported spans,) names; of a group with its first and its last segment."""
         spans = self.system.spans
         return [
             spans[a].name if a == b else f"{spans[a].name[:-1]}..{spans[b].name.rpartition('[')[2]}"
@@ -56,20 +56,20 @@ class Told:
         ]
 
     def over_stations(self, values: FloatArray) -> FloatArray:
-        """Sums over stretches of values (stations, ...)."""
+        """Sums over groups of values (stations, ...)."""
         return values if self.is_whole else np.add.reduceat(values, self.first_station, axis=0)
 
     def over_spans(self, values: FloatArray) -> FloatArray:
-        """Sums over stretches of values (spans, ...)."""
+        """Sums over groups of values (spans, ...)."""
         return values if self.is_whole else np.add.reduceat(values, self.first_span, axis=0)
 
     def place(self, spans: list[int]) -> list[int]:
-        """Positions among the told spans of told `spans` of the system."""
+        """Positions among the reported spans of told `spans` of the system."""
         return [int(place) for place in np.searchsorted(self.first_span, spans)]
 
 
-def told(system: System, most: int) -> Told:
-    """At most about `most` stretches of every shaft; its last segment is one of its own."""
+def grouped(system: System, most: int) -> SegmentGroups:
+    """At most about `most` groups of segments of every shaft; its last segment is one of its own."""
     stations, spans, longest = [_upto(system.own_stations)], [_upto(len(system.own_spans))], 1
     station, span = system.own_stations, len(system.own_spans)
     for row in system.rows:
@@ -78,7 +78,7 @@ def told(system: System, most: int) -> Told:
         stations.append(station + starts)
         spans.append(span + np.append(starts, row.number - 1))
         station, span, longest = station + row.number - 1, span + row.number, max(longest, step)
-    return Told(system, np.concatenate(stations), np.concatenate(spans), longest)
+    return SegmentGroups(system, np.concatenate(stations), np.concatenate(spans), longest)
 
 
 def _upto(number: int) -> NDArray[np.int64]:

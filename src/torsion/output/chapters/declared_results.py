@@ -85,7 +85,7 @@ def cell(value: Any) -> str:
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, complex | np.complexfloating):
-        return f"{number(float(abs(value)))} ∠ {degrees(float(np.angle(value)), 4)}°"
+        return f"{number(float(np.abs(value)))} ∠ {degrees(float(np.angle(value)), 4)}°"
     if isinstance(value, float | np.floating):
         return number(float(value))
     if value is None or isinstance(value, Fraction):

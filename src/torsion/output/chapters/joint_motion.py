@@ -11,7 +11,8 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, head
 from torsion.output.chapters import joint_figures, joint_tables, verdict
 from torsion.output.numbers import NONE, number, order, rpm
-from torsion.output.reported_values import NO_VALUE, joint_model, largest
+from torsion.output.reported_values import joint_model
+from torsion.output.selection import NO_VALUE, largest
 from torsion.rules.check import Checks
 
 if TYPE_CHECKING:

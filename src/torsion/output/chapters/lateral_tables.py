@@ -8,7 +8,7 @@ from torsion.kernels.response import Status
 from torsion.kernels.tree import FloatArray
 from torsion.output.blocks import Table, head
 from torsion.output.numbers import NONE, RPM, number, rpm, scale
-from torsion.output.reported_values import NO_VALUE, largest
+from torsion.output.selection import NO_VALUE, highest, largest
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.bending import Answer, Critical, ShaftFound
@@ -188,7 +188,7 @@ def sound(answer: "Answer", values: FloatArray) -> FloatArray:
 
 
 def _top(values: FloatArray) -> float:
-    return float(np.nanmax(np.append(values, 0.0)))
+    return highest(values)
 
 
 def _worst(shaft: "ShaftFound", answer: "Answer", values: FloatArray) -> tuple[str, str, str]:

@@ -15,7 +15,7 @@ from torsion.output.chapters.natural_frequencies import MOST_SEGMENTS, chapter
 from torsion.output.document import document
 from torsion.output.html import html
 from torsion.output.results_json import text
-from torsion.output.segment_groups import told
+from torsion.output.segment_groups import grouped
 
 SCENE = """
 name: two long shafts
@@ -74,7 +74,7 @@ def test_stretches_follow_one_another_from_the_driving_to_the_driven_station(lon
 
 
 def test_a_train_without_long_shafts_is_told_whole(long):
-    every = told(long.system, 6000)
+    every = grouped(long.system, 6000)
     assert every.is_whole
     np.testing.assert_array_equal(every.stations, np.arange(len(long.system.stations)))
     np.testing.assert_array_equal(every.ends, np.column_stack([long.system.driving, long.system.driven]))
@@ -112,7 +112,7 @@ def test_a_train_of_one_station_and_no_span_has_a_report(inertia):
     excited = "" if "held" in inertia else ", ripple: [{order: 1, torque: 3}, {order: 2, torque: 1}]"
     speeds = "operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 3}}\n"
     found = torsion.run(torsion.parse(f"name: x\n{speeds}train: [motor: {{{inertia}{excited}}}]\n"))
-    every = told(found.system, MOST_SEGMENTS)
+    every = grouped(found.system, MOST_SEGMENTS)
     assert (every.names(), every.ends.shape, every.spans.size) == ([], (0, 2), 0)
     assert [station["name"] for station in json.loads(text(found))["stations"]] == ["motor-1"]
     assert "motor-1" in html(document(found, date(2026, 1, 1)))
