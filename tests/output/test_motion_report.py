@@ -79,8 +79,8 @@ def broken(unstable: Findings) -> Findings:
     growth = np.where(np.arange(len(status)) == 0, np.nan, found.growth)
     stable = unstable.need(Stability)
     rates = np.where(np.arange(len(stable.speed)) == 0, np.nan, stable.growth)
-    return replace(
-        unstable, periodic=replace(found, status=status, torque=torque, why=why, growth=growth),
+    return unstable.having(
+        periodic=replace(found, status=status, torque=torque, why=why, growth=growth),
         stability=replace(stable, growth=rates, unsolved=stable.speed[:1]),
         stability_map=replace(unstable.need(StabilityMap), growth=grown),
     )  # fmt: skip

@@ -7,6 +7,7 @@ import pytest
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.synthesis import synthesis
 from torsion.findings import Findings
 from torsion.kernels.response import Status
 from torsion.output.blocks import Paragraph, Table
@@ -90,7 +91,8 @@ def test_sum_of_all_lines_is_not_finite_where_a_line_is_not_ok(geared: Findings)
 def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
     status = geared.need(Response).status.copy()
     status[0, 1], status[1, 0] = Status.NEAR_SINGULAR, Status.SINGULAR
-    flagged = geared.having(response=replace(geared.need(Response), status=status))
+    response = replace(geared.need(Response), status=status)
+    flagged = geared.having(response=response, synthesis=synthesis(geared.system, response))
     found = results(flagged)
     assert found["response"]["lines"][1]["status"][0] == "near-singular"
     for line in found["response"]["lines"]:

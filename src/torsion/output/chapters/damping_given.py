@@ -70,10 +70,7 @@ def _elements(findings: Findings) -> Table:
             number(2 * math.pi * eta) if eta else NONE, number(1 / eta) if eta else NONE,
             number(viscous) if viscous else NONE,
         ))  # fmt: skip
-    columns = head(
-        "< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | "
-        "Viscous c [N m s/rad]"
-    )  # fmt: skip
+    columns = head("< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | Viscous c [N m s/rad]")
     return Table(columns, tuple(rows), "Internal damping")
 
 

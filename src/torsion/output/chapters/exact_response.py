@@ -97,9 +97,8 @@ def _others(findings: Findings) -> list[Block]:
     if findings.need(PeriodicResponse).others is None:
         return []
     columns = head(
-        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | "
-        "Growth of deviations [1/s]"
-    )  # fmt: skip
+        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | Growth of deviations [1/s]"
+    )
     rows = [
         (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
         for one in other_motions(findings)
@@ -117,10 +116,9 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
 
     response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
     columns = head(
-        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | "
-        f"At speed [rpm] | Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | "
-        "Difference [%] -> % | < Remark ->"
-    )  # fmt: skip
+        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | At speed [rpm] | "
+        f"Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->"
+    )
     cells, marks = [], []
     for row in sorted(rows, key=lambda row: row.order is not None)[:MOST_ROWS]:
         both = [

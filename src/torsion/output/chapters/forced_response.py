@@ -94,10 +94,10 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     response, made = findings.need(Response), findings.get(Synthesis)
     mean = scale("N m", np.abs(response.mean).max(axis=0).tolist())
     columns = head(
-        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | "
-        f"At speed [rpm] -> at rpm | Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | "
-        f"Sum of magnitudes [{unit.unit}] | Mean [{mean.unit}]"
-    )  # fmt: skip
+        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | At speed [rpm] -> at rpm | "
+        f"Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
+        f"Mean [{mean.unit}]"
+    )
     rows, nothing = [], rounding(findings)
     for element in found:
         here = nothing[list(element.spans)]
@@ -128,9 +128,8 @@ def _line(response: Response, index: int) -> str:
 
 def _angles(findings: Findings, response: Response) -> Table:
     columns = head(
-        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | "
-        "Speed amplitude [rpm]"
-    )  # fmt: skip
+        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | Speed amplitude [rpm]"
+    )
     rows = []
     for index, station in enumerate(findings.study.train.stations):
         if station.is_ground:

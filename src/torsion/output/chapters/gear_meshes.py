@@ -36,8 +36,8 @@ def _mean(findings: Findings, mesh: Element) -> FloatArray | None:
 def _table(findings: Findings, torque: dict[Element, FloatArray]) -> Table:
     unit, speed = torques(torque.values()), findings.need(Response).speed
     columns = head(
-        f"< Mesh | Largest vibratory torque [{unit.unit}] | At speed [rpm] | "
-        f"Mean torque there [{unit.unit}] | Largest vibratory / mean | At speed [rpm] | < Load reverses"
+        f"< Mesh | Largest vibratory torque [{unit.unit}] | At speed [rpm] | Mean torque there [{unit.unit}] | "
+        "Largest vibratory / mean | At speed [rpm] | < Load reverses"
     )
     rows, marks = [], []
     for mesh, values in torque.items():

@@ -93,9 +93,8 @@ def _response(findings: Findings, found: "Joints") -> list[Block]:
     if findings.get(Response) is None or not findings.need(Response).lines or not exciting:
         return []
     columns = head(
-        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | "
-        "Estimated model error there [%]"
-    )  # fmt: skip
+        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | Estimated model error there [%]"
+    )
     rows = [row for joint in exciting for row in _answers(findings, joint)]
     table = Table(columns, tuple(rows), "The order of each joint's shaft: response of the train")
     return [Heading("Excitation of the train", 2), table, Paragraph(f"{MODEL} {joint_model(findings)}".strip())]

@@ -59,9 +59,9 @@ def _introduction(modes: Modes) -> Paragraph:
 
 def _frequencies(modes: Modes) -> Table:
     columns = head(
-        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | "
-        "Nodes -> | Lower bound [Hz] | Upper bound [Hz] | Width / frequency"
-    )  # fmt: skip
+        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | Nodes -> | "
+        "Lower bound [Hz] | Upper bound [Hz] | Width / frequency"
+    )
     rows = []
     for index, f in enumerate(modes.frequency.tolist()):
         low, high = float(modes.lower[index]), float(modes.upper[index])
@@ -74,9 +74,9 @@ def _frequencies(modes: Modes) -> Table:
 
 def _damped(damped: DampedModes) -> list[Block]:
     columns = head(
-        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | "
-        "Damping ratio [%] -> damping ratio, % | Magnifier 1/(2ζ) | Decay [1/s]"
-    )  # fmt: skip
+        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Damping ratio [%] -> damping ratio, % | "
+        "Magnifier 1/(2ζ) | Decay [1/s]"
+    )
     rows = []
     for index, f in enumerate(damped.frequency.tolist()):
         ratio = float(damped.damping_ratio[index])

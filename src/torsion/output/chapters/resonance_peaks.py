@@ -59,9 +59,8 @@ def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
     found = found_peaks(findings, elements)
     kept = sorted(found, key=lambda peak: -peak.torque * peak.element.ratio)[:MOST_ROWS]
     columns = head(
-        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | "
-        "< Sources"
-    )  # fmt: skip
+        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | < Sources"
+    )
     rows = []
     for peak in (peak for peak in found if peak in kept):
         line, frequency = response.lines[peak.line], float(response.frequency[peak.at, peak.line])

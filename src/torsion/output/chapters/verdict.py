@@ -14,10 +14,9 @@ from torsion.output.reported_values import band_words, barred_rpm, failed, unrel
 from torsion.rules.check import TO_BE_VERIFIED, Check, Checks
 
 COLUMNS = head(
-    "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | "
-    "< Unit -> | At speed [rpm] -> at rpm | Order | < Limit from -> | "
-    "< Verdict ->"
-)  # fmt: skip
+    "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | < Unit -> | "
+    "At speed [rpm] -> at rpm | Order | < Limit from -> | < Verdict ->"
+)
 
 
 def chapter(findings: Findings) -> list[Block]:
