@@ -113,8 +113,8 @@ def test_an_analysis_without_a_chapter_is_reported_as_declared(toys: Path) -> No
     by_station = dict(tables["Values of rims by station"].rows)
     assert (by_station["near"], by_station["far"]) == ("18.000", "9.0000")
     text = [point for item in made.body for point in getattr(item.block, "items", ())]
-    said = f"speed of the rims over the speed range: 2 by {len(by_station)} values, `rims.series_m_per_s` of results.json"
-    assert said in text
+    size = f"2 by {len(by_station)} values"
+    assert f"speed of the rims over the speed range: {size}, `rims.series_m_per_s` of results.json" in text
     stream = io.StringIO()
     show(made, None, Console(file=stream, width=80, color_system=None))
     assert "fastest" in stream.getvalue()
