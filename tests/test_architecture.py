@@ -23,7 +23,7 @@ FLOORS = {
     "job": 12, "cli": 13, "__main__": 14,
 }  # fmt: skip
 DOORS = {
-    "yaml": ("schema/source.py",),
+    "yaml": ("schema/yaml_source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
     "meshio": ("assembly/section/section_mesh.py", "report/surface/vtu.py"),

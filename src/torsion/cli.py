@@ -64,7 +64,7 @@ def _solve(
     if as_json:
         from torsion.output.results_json import text_pieces
         from torsion.runner import run
-        from torsion.schema.read import read
+        from torsion.schema.scene_reader import read
 
         findings = run(read(file), memory=memory)
         for piece in text_pieces(findings):

@@ -10,7 +10,7 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Progress, silent
 from torsion.plan import Plan
 from torsion.runner import run
-from torsion.schema.read import located, read
+from torsion.schema.scene_reader import located, read
 
 if TYPE_CHECKING:
     from torsion.analyses.compare.frontier import Timings

@@ -107,13 +107,8 @@ class Quantity:
         """The number, where the limits allow it; they are told in the unit it was written in, of that size."""
         if not math.isfinite(number):
             raise refuse(f"{number} is not a finite number")
-        for limit, holds, words in (
-            (self.above, operator.gt, "more than"),
-            (self.at_least, operator.ge, "at least"),
-            (self.below, operator.lt, "less than"),
-            (self.at_most, operator.le, "at most"),
-        ):
-            if limit is not None and not holds(number, limit):
+        for words, limit, holds in self.limits:
+            if not holds(number, limit):
                 must = f"must be {words} {_with_unit(limit / size, unit)}"
                 raise refuse(f"{_with_unit(number / size, unit)} is out of range", must)
         what, meant = _READING.get()
@@ -123,6 +118,15 @@ class Quantity:
             hint = f"{guess}{' ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
             raise refuse(f"{_with_unit(number / size, unit)} is outside the usual range", hint)
         return number
+
+    @property
+    def limits(self) -> list[tuple[str, float, Callable[[float, float], bool]]]:
+        """Every limit with the words for it and what must hold of a value and it."""
+        known = (
+            ("more than", self.above, operator.gt), ("at least", self.at_least, operator.ge),
+            ("less than", self.below, operator.lt), ("at most", self.at_most, operator.le),
+        )  # fmt: skip
+        return [(words, limit, holds) for words, limit, holds in known if limit is not None]
 
     def _is_usual(self, number: float) -> bool:
         low, high = self.usual

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from fractions import Fraction
 
-from torsion.components.base import Component
-from torsion.components.excitation import Excitation
+from torsion.components.component import Component
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.lowering import Lowering, Part
 from torsion.components.material import STEEL, Material
 from torsion.components.part_records import ShaftRecord

@@ -16,13 +16,13 @@ from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
-from torsion.components.excitation import Excitation
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.runner import run
-from torsion.schema.read import parse
+from torsion.schema.scene_reader import parse
 from torsion.train import train
 
 WALL, RIGID = Disc(held=True), Coupling(flexibility=0)

@@ -3,8 +3,8 @@
 import pytest
 
 from torsion.errors import Fault, InputError
-from torsion.schema.faults import fault_text, input_error, locate, nearest
-from torsion.schema.source import parse_source
+from torsion.schema.fault_text import fault_text, input_error, locate, nearest
+from torsion.schema.yaml_source import parse_source
 
 SOURCE = parse_source(
     "name: boat\ntrain:\n  - motor: {inertia: 5 m, powr: 3}\n  - shaft:\n\n      length: [1, 2]\n", "boat.yaml"

@@ -13,7 +13,7 @@ from torsion.fields import Amount
 from torsion.rules.check import Checks
 from torsion.runner import run
 from torsion.schema.example import example
-from torsion.schema.read import located, parse, read
+from torsion.schema.scene_reader import located, parse, read
 
 SCENES = sorted((Path(__file__).parents[2] / "shafting_specs").glob("**/*.yaml"))
 TWO = "name: two discs\ntrain:\n  - disc: {inertia: 1}\n  - coupling: {stiffness: 2e4}\n  - disc: {inertia: 2.5}\n"
@@ -179,7 +179,7 @@ def test_example_reads_with_every_optional_key_that_it_shows():
 
 def test_reading_imports_only_the_kinds_that_the_file_names():
     code = (
-        "import sys, torsion.schema.read as reader\n"
+        "import sys, torsion.schema.scene_reader as reader\n"
         f"reader.parse({TWO!r})\n"
         "named = ('pint', 'matplotlib', 'jinja2', 'torsion.components.joint', 'torsion.components.gear',"
         " 'torsion.components.shaft', 'torsion.kinematics.cross', 'torsion.rules.m68',"

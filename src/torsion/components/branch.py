@@ -2,7 +2,7 @@
 
 from typing import ClassVar, Literal
 
-from torsion.components.base import Component, Line
+from torsion.components.component import Component, Line
 from torsion.components.lowering import Lowering
 from torsion.fields import required
 

@@ -4,7 +4,7 @@ import math
 from typing import ClassVar, Literal
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.fields import given, required
 from torsion.primitives import Inertia, Spring

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from torsion import fields
-from torsion.components.base import Component, Line
+from torsion.components.component import Component, Line
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Arrival, Lowering
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse

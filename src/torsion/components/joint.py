@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import model_validator
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Lowering
 from torsion.components.part_records import JointRecord

@@ -6,7 +6,7 @@ from pydantic import model_validator
 
 from torsion import fields
 from torsion.components.disc import Rotor
-from torsion.components.excitation import Ripple
+from torsion.components.harmonic_torques import Ripple
 from torsion.components.lowering import Lowering
 from torsion.fields import given, refuse
 

@@ -6,10 +6,10 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.lowering import Lowering
+from torsion.components.meshed_section import MeshedSection
 from torsion.components.part_records import ShaftRecord
-from torsion.components.section import MeshedSection
 from torsion.components.support import Support
 from torsion.fields import OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from torsion.components import KINDS, UNBUILT, component
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.errors import Fault, Path
-from torsion.schema.messages import declared, shown, unbuilt, unknown
+from torsion.schema.declaration_reader import declared, shown, unbuilt, unknown
 from torsion.train import taken
 
 

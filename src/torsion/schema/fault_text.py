@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from torsion.errors import Fault, InputError
 
 if TYPE_CHECKING:
-    from torsion.schema.source import Source
+    from torsion.schema.yaml_source import Source
 
 _WIDTH = 120  # characters quoted of a longer line
 _BEFORE = 60  # of these in front of the caret
