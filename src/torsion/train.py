@@ -98,7 +98,7 @@ def lowered(
     for position, excitation in enumerate(excitations):
         point = None if excitation is None else _point(build, excitation.at, ("excitations", position, "at"))
         if excitation is not None and point is not None:
-            build.add(excitation.on(point.stations[0], ("excitations", position)))
+            build.add(excitation.primitive(excitation.at, point.stations[0], ("excitations", position)))
     _names(build)
     unit = _reference(build, reference)
     return _train(build, unit), build.faults

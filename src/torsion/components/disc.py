@@ -1,7 +1,7 @@
 """A disc: a point with an inertia, or a fixed end."""
 
 import math
-from typing import ClassVar, Literal, Self
+from typing import Self
 
 from pydantic import model_validator
 
@@ -12,10 +12,8 @@ from torsion.fields import given, refuse
 from torsion.primitives import Damper, Inertia, Spring
 
 
-class Rotor(Component):
+class Rotor(Component, sort="point"):
     """What every point with one inertia has: `inertia`, or `held: true`."""
-
-    sort: ClassVar[Literal["point", "link", "none"]] = "point"
 
     inertia: fields.Inertia | None = given("polar mass moment of inertia")
     held: bool = given("turns at exactly its mean speed: a fixed end", False)
@@ -39,10 +37,8 @@ class Rotor(Component):
         return here
 
 
-class Disc(Rotor):
+class Disc(Rotor, keyword="disc"):
     """A disc, flange, wheel or any other lumped inertia."""
-
-    keyword: ClassVar[str] = "disc"
 
     stiffness: fields.GroundStiffness | None = given("stiffness to ground")
 

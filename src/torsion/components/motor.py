@@ -1,6 +1,6 @@
 """A motor: an inertia that drives the train, with an optional torque ripple."""
 
-from typing import ClassVar, Self
+from typing import Self
 
 from pydantic import model_validator
 
@@ -11,10 +11,8 @@ from torsion.components.lowering import Lowering
 from torsion.fields import given, refuse
 
 
-class Motor(Rotor):
+class Motor(Rotor, keyword="motor"):
     """An electric motor, turbine or other driver."""
-
-    keyword: ClassVar[str] = "motor"
 
     power: fields.Power | None = given(
         "rated power; shares the load where several motors drive one train, and says nothing where one does"
@@ -33,4 +31,4 @@ class Motor(Rotor):
         build.record(power=self.power)
         here = self.place(build)
         path = (*build.parts[-1].path, "ripple")
-        build.add(*(line.at(here, build.name, (*path, place)) for place, line in enumerate(self.ripple)))
+        build.add(*(line.primitive(build.name, here, (*path, place)) for place, line in enumerate(self.ripple)))
