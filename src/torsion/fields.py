@@ -23,6 +23,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
 from torsion import units
+from torsion.errors import printable
 
 
 class Declared(BaseModel):
@@ -93,18 +94,21 @@ class Quantity:
                 raise refuse(fault.message, fault.hint) from None
         elif isinstance(value, bool) or not isinstance(value, int | float):
             hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
-            raise refuse(f"{_shown(value)} is not {units.speak(self.unit)}", hint)
+            raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
         else:
             if units.needs_unit(self.unit):
                 raise refuse(
-                    f"{_shown(value)} has no unit; {units.speak(self.unit)} must carry one",
+                    f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one",
                     "deg or rad" if self.unit == "rad" else "rpm or rad/s",
                 )
-            number = _finite(value)
+            try:
+                number = float(value)
+            except OverflowError:
+                raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
         return self._within(number, *units.written(value, self.unit) if isinstance(value, str) else (self.unit, 1.0))
 
     def _within(self, number: float, unit: str, size: float) -> float:
-        """The number, where the limits allow it; they are told in the unit it was written in, of that size."""
+        """The number, where the limits allow it; they are stated in the unit it was written in, of that size."""
         if not math.isfinite(number):
             raise refuse(f"{number} is not a finite number")
         for words, limit, holds in self.limits:
@@ -170,17 +174,13 @@ def _with_unit(amount: float | str, unit: str) -> str:
     return shown if unit in ("", "1") else f"{shown} {unit}"
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
+    """A value as it is quoted in a message."""
     if isinstance(value, dict | list | tuple):
         return "a mapping" if isinstance(value, dict) else "a list"
-    return str(value).lower() if isinstance(value, bool) else repr(value)
-
-
-def _finite(value: float) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
+    if value is None:
+        return "nothing"
+    return f"'{printable(value)}'" if isinstance(value, str) else str(value).lower()[:60]
 
 
 _EXACT = re.compile(r" *[+-]?[0-9]{0,20}(\.[0-9]{0,20}|/[0-9]{1,20})? *")  # no exponent: 1e999999 is beyond any memory
@@ -196,9 +196,9 @@ def read_exact(value: object) -> Fraction:
             raise ValueError
         exact = Fraction(written)
     except (ValueError, ZeroDivisionError):
-        raise refuse(f"{_shown(value)} is not a number", "write 2, 0.5 or 21/8") from None
+        raise refuse(f"{shown(value)} is not a number", "write 2, 0.5 or 21/8") from None
     if not 1e-9 < exact < 1e9:
-        raise refuse(f"{_shown(value)} is out of range", "must be a positive number")
+        raise refuse(f"{shown(value)} is out of range", "must be a positive number")
     return exact
 
 
@@ -231,7 +231,7 @@ def read_amount(value: object) -> Amount:
 
 
 def _plain(read: Callable[[Any], Any], schema: JsonSchemaValue) -> Any:
-    """A pydantic schema of one reading function, with the JSON Schema that the editor is told."""
+    """A pydantic schema of one reading function, with the JSON Schema for the editor."""
 
     class Plain:
         @staticmethod

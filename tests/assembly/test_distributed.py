@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.assembly.fem import element_error, phase_error, section_error
 from torsion.assembly.element_matrices import element_law
+from torsion.assembly.fem import element_error, phase_error, section_error
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError, SolveError
 from torsion.kernels.distributed.condensed_element import condensed_elements

@@ -8,10 +8,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from torsion import units
-from torsion.errors import Fault, Path
-from torsion.fields import Declared, Quantity
+from torsion.errors import Fault, Path, nearest, printable
+from torsion.fields import Declared, Quantity, shown
 from torsion.schema.declaration_keys import items_of, keys_of, mappings_of
-from torsion.schema.fault_text import nearest
 
 Read = TypeVar("Read", bound=Declared)
 
@@ -50,21 +49,7 @@ def unknown(path: Path, what: str, word: str, candidates: list[str]) -> Fault:
     """The fault of a word that is none of the candidates."""
     near = nearest(word, candidates)
     hint = f"did you mean `{near}`?" if near else f"there is {', '.join(candidates)}"
-    return Fault(path, f"unknown {what} `{_short(word)}`", hint, at_key=True)
-
-
-def shown(value: object) -> str:
-    """A value as it is quoted in a message."""
-    if isinstance(value, dict | list | tuple):
-        return "a mapping" if isinstance(value, dict) else "a list"
-    if value is None:
-        return "nothing"
-    return f"'{_short(value)}'" if isinstance(value, str) else str(value).lower()[:60]
-
-
-def _short(text: str) -> str:
-    plain = "".join(sign if sign.isprintable() else "?" for sign in text[:60])
-    return plain if len(text) <= 60 else f"{plain}…"
+    return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
 
 
 def _empty(value: object, path: Path = ()) -> Iterator[Path]:

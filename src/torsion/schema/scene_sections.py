@@ -6,10 +6,10 @@ from torsion.analyses import ANALYSES, UNBUILT
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, Path
-from torsion.fields import Declared
+from torsion.fields import Declared, shown
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.declaration_reader import declared, shown, unbuilt, unknown
+from torsion.schema.declaration_reader import declared, unbuilt, unknown
 from torsion.schema.train_reader import one_component
 from torsion.study import ShaftModel
 from torsion.train import Link

@@ -7,7 +7,8 @@ from typing import Any
 from torsion.components import KINDS, UNBUILT, component
 from torsion.components.component import Component
 from torsion.errors import Fault, Path
-from torsion.schema.declaration_reader import declared, shown, unbuilt, unknown
+from torsion.fields import shown
+from torsion.schema.declaration_reader import declared, unbuilt, unknown
 from torsion.train import taken
 
 
