@@ -47,7 +47,7 @@ class Train:
         return ((number, part) for number, part in enumerate(self.parts) if part.kind == kind)
 
     def shaft(self, bar: Bar) -> ShaftRecord:
-        """What is known of the shaft that a bar is of; raises LookupError where a bar is of another component."""
+        """What is known of the shaft that a `Bar` is of; raises LookupError where it is of another component."""
         if (found := self.parts[bar.part].shaft) is None:
             raise LookupError(bar.name)
         return found

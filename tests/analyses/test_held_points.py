@@ -161,8 +161,8 @@ def test_a_wall_amid_elastic_spans_to_a_wall_parts_the_train(dense) -> None:
 
 
 FAULTS = {
-    "side by side": ([WALL, WALL, SOFT, BODY], ("train", 1, "disc", "held"), "'disc-2' is held"),
-    "rigid coupling": ([WALL, RIGID, WALL, SOFT, BODY], ("train", 2, "disc", "held"), "'disc-1', which is held too"),
+    "side by side": ([WALL, WALL, SOFT, BODY], ("train", 1, "disc", "held"), "'disc-2' is fixed"),
+    "rigid coupling": ([WALL, RIGID, WALL, SOFT, BODY], ("train", 2, "disc", "held"), "'disc-1', which is fixed too"),
     "rigid gear": ([WALL, Gear(ratio=2), WALL, SOFT, BODY], ("train", 2, "disc", "held"), "rigid parts alone"),
     "joint": ([WALL, Joint(angle="5 deg"), WALL], ("train", 1, "joint"), "'joint-1' cannot turn"),
     "joint in line": ([WALL, Joint(angle="0 deg"), WALL], ("train", 2, "disc", "held"), "rigid parts"),

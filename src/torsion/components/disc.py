@@ -22,7 +22,7 @@ class Rotor(Component, sort="point"):
     @model_validator(mode="after")
     def _inertia_or_held(self) -> Self:
         if self.held and self.inertia is not None:
-            raise refuse("`inertia` and `held: true` exclude each other", "a held point needs no inertia", "inertia")
+            raise refuse("`inertia` and `held: true` exclude each other", "a fixed point needs no inertia", "inertia")
         if not self.held and self.inertia is None:
             raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
         return self

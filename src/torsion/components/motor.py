@@ -23,7 +23,7 @@ class Motor(Rotor, keyword="motor"):
     def _ripple_moves_it(self) -> Self:
         if self.held and self.ripple:
             raise refuse(
-                "a held motor cannot be moved by its ripple", "give its `inertia` in place of `held`", "ripple"
+                "a fixed motor cannot be moved by its ripple", "give its `inertia` in place of `held`", "ripple"
             )
         return self
 
