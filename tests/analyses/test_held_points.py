@@ -16,8 +16,8 @@ from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
-from torsion.components.harmonic_torques import Excitation
 from torsion.components.gear import Gear
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.joint import Joint
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status

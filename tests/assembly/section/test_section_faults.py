@@ -34,7 +34,7 @@ BROKEN = {
     "a point thrice": (SQUARE, {"triangle": [*FOUR, (4, 4, 4)]}, "triangle 5 no area"),
     "inverted": (SQUARE, {"triangle": [*FOUR[:3], FOUR[3][::-1]]}, "triangle 4 inverted"),
     "turned inside out by a node": (
-        [*SQUARE[:3], (0.1, 0.6, 0), (1, 0, 0), (0, 0, 0)], {"triangle6": [(0, 2, 1, 5, 4, 3)]}, "triangle 1 inside out",
+        [*SQUARE[:3], (0.1, 0.6, 0), (1, 0, 0), (0, 0, 0)], {"triangle6": [(0, 2, 1, 5, 4, 3)]}, "1 inside out",
     ),
     "double point": ([*SQUARE, (0, 0, 0)], {"triangle": [*FOUR[:2], (2, 3, 5), (3, 0, 5)]}, "coincide (0, 0) merge"),
     "two pieces": (
