@@ -21,7 +21,7 @@ FLOORS = {
     "runner": 10, "commands": 11, "cli": 12, "__main__": 13,
 }  # fmt: skip
 DOORS = {
-    "yaml": ("schema/source.py",),
+    "yaml": ("schema/yaml_source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/",),
     "meshio": ("assembly/section/section_mesh.py", "output/surface/vtu.py"),

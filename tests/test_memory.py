@@ -97,7 +97,7 @@ def test_too_little_memory_is_status_3_with_a_message(tmp_path: Path):
     orders = ", ".join(f"{{at: a, torque: 10, order: {order}}}" for order in range(1, 31))
     file.write_text(SCENE.format(steps=1_000_000, orders=orders))
     limited = (
-        "import resource, sys, torsion.cli, torsion.findings, torsion.schema.read;"
+        "import resource, sys, torsion.cli, torsion.findings, torsion.schema.scene_reader;"
         "import torsion.analyses.response.over_speed;"
         "size = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize() + 500_000_000;"
         "resource.setrlimit(resource.RLIMIT_AS, (size, size));"

@@ -12,7 +12,7 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Progress, silent
 from torsion.plan import Plan
 from torsion.runner import run
-from torsion.schema.read import located, read
+from torsion.schema.scene_reader import located, read
 from torsion.study import Study
 
 if TYPE_CHECKING:
