@@ -150,18 +150,6 @@ def _products(line: Line) -> tuple[ComplexArray, ComplexArray, FloatArray]:
     return first, second, np.cumsum(shift, axis=-1)
 
 
-def two_joint_rapidity(first: ArrayLike, second: ArrayLike, misphase: ArrayLike) -> FloatArray:
-    """Rapidity of two joints, misphase = phase - plane of the second: the hyperbolic law of cosines.
-
-    cosh R = cosh a cosh b - sinh a sinh b cos(2 misphase), written without its difference.
-    """
-    before, behind = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
-    apart = np.sin((before + behind) / 2.0) * np.sin((before - behind) / 2.0)
-    crossed = np.sin(before) * np.sin(behind) * np.sin(np.asarray(misphase, dtype=float)) / 2.0
-    half: FloatArray = np.hypot(apart, crossed) / np.sqrt(np.cos(before) * np.cos(behind))
-    return 2.0 * np.arcsinh(half)
-
-
 def classical_angle(line: Line) -> FloatArray:
     """Resulting joint angle of the handbooks, sqrt|sum angle^2 exp(2 i gamma)| for small angles, rad, shape (...)."""
     gamma = np.cumsum(line.offset, axis=-1)
