@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.layers import sweep_to_roots
-from torsion.kernels.rerooting import by_layers
+from torsion.kernels.rerooting import by_layers, rerooted_at_middle
 from torsion.kernels.tree import Tree
 
 _UNIT_ROUNDOFF = 2.0**-53
@@ -52,8 +52,11 @@ def count_below(tree: Tree, frequency: ArrayLike, *, bound: ArrayLike = 0) -> In
 
 def count_bounds(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
     """A count never less than the exact one at each of `low` (m,) rad/s, and one never more at each of `high` (m,)."""
-    count = count_below(tree, np.concatenate((low, high)), bound=np.repeat((1.0, -1.0), len(low)))
-    return count[: len(low)], count[len(low) :]
+    number, swept = len(low), tree if tree.is_ready else rerooted_at_middle(tree).tree
+    lean = np.ones(2 * number)
+    lean[number:] = -1.0
+    count = _count(swept, np.concatenate((low, high)), lean)
+    return count[:number], count[number:]
 
 
 def margins(tree: Tree, square: FloatArray) -> tuple[FloatArray | float, float, float]:

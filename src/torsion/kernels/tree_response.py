@@ -139,7 +139,6 @@ class Problem:
     """Everything but the sources, checked once."""
 
     plan: Layout
-    inertia: FloatArray  # (stations,) kg m2
     damping: FloatArray  # (stations,) or (stations, frequencies) N m s/rad to ground
     damped: list[int]  # stations with such damping
     compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
@@ -225,7 +224,7 @@ def pose(
                 f"{highest:.6g} rad/s is above {shafts.reach:.6g} rad/s, to which the pieces of the shafts are short"
                 " enough; divide the shafts more finely"
             )
-    return Problem(layout(tree, rigid), tree.moving_inertia, damping, damped, hc, w, tree, loss)
+    return Problem(layout(tree, rigid), damping, damped, hc, w, tree, loss)
 
 
 def solve_part(
@@ -269,7 +268,7 @@ def residual_of(
 
 def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
-    w, inertia = problem.w[part], problem.inertia[:, None]
+    w, inertia = problem.w[part], problem.tree.moving_inertia[:, None]
     square = -w * w
     if not problem.damped and not problem.shaft_loss.any() and not np.iscomplexobj(problem.compliance):
         return inertia * square
