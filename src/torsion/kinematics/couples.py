@@ -111,22 +111,6 @@ def couple_harmonics(
     )
 
 
-def intermediate_couples(
-    driving: ArrayLike, line: Line, torque: ArrayLike, carrier: Carrier = "driving"
-) -> tuple[Couple, ...]:
-    """Net couple of the two joints on each shaft between joints, in the axes of the joint before it.
-
-    `torque` is constant on the first shaft (carrier "driving") or on the last. A plane of 180 degrees with equal
-    angles is the Z arrangement (outer shafts parallel), a plane of 0 the W arrangement.
-    """
-    every = line_couples(driving, line, torque, carrier)
-    nets = []
-    for before, behind, plane in zip(every[:-1], every[1:], line.plane[1:], strict=True):
-        turned = (behind.driving.normal + 1j * behind.driving.inplane) * np.exp(1j * plane)
-        nets.append(Couple(before.driven.normal + turned.real, before.driven.inplane + turned.imag))
-    return tuple(nets)
-
-
 def line_couples(
     driving: ArrayLike, line: Line, torque: ArrayLike, carrier: Carrier = "driving"
 ) -> tuple[Couples, ...]:
@@ -137,23 +121,3 @@ def line_couples(
     before = [power + np.zeros_like(turning.speed[0]), *(power / ratio for ratio in turning.speed[:-1])]
     triples = zip(turning.yoke, line.angle, before, strict=True)
     return tuple(couples(yoke, angle, carried) for yoke, angle, carried in triples)
-
-
-def double_cardan(angle: ArrayLike, torque: ArrayLike, arrangement: Literal["Z", "W"]) -> tuple[Harmonic, Harmonic]:
-    """Net couple (normal, inplane) on the intermediate shaft of two equal joints with yokes in line, over x (P).
-
-    Z: none. W: T t sin 2x about the normal, T s (1 - cos 2x) in the plane (x counted in convention N; peak 2 T s).
-    """
-    bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
-    factor = 1.0 if arrangement == "W" else 0.0
-    slope, tilt = factor * given * np.tan(bend), factor * given * np.sin(bend)
-    return Harmonic(np.zeros_like(slope), 1j * slope), Harmonic(tilt, tilt + 0j)
-
-
-def bearing_reactions(couple: Couple, distance: ArrayLike) -> Couple:
-    """Force, N, of the farther of two bearings on the shaft, in the axes of the couple; the nearer bears its negative.
-
-    `distance`, m, counts along the shaft's direction d from the nearer bearing: distance d x force + couple = 0.
-    """
-    length = np.asarray(distance, dtype=float)
-    return Couple(-couple.inplane / length, couple.normal / length)

@@ -100,30 +100,9 @@ def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "
     return transfer(driving, angle, convention).ratio
 
 
-def driven_acceleration(
-    driving: ArrayLike,
-    angle: ArrayLike,
-    speed: ArrayLike,
-    acceleration: ArrayLike = 0.0,
-    convention: Convention = "P",
-) -> FloatArray:
-    """Driven angular acceleration, rad/s^2, at a driving speed (rad/s) and driving acceleration (rad/s^2)."""
-    joint = transfer(driving, angle, convention)
-    rate, gain = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
-    result: FloatArray = joint.curvature * rate * rate + joint.ratio * gain
-    return result
-
-
 def torque_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
     """Driven torque / driving torque, the reciprocal of the speed ratio (no friction, no inertia of the cross)."""
     return 1.0 / speed_ratio(driving, angle, convention)
-
-
-def torque_ratio_harmonics(angle: ArrayLike, convention: Convention = "P") -> tuple[FloatArray, FloatArray]:
-    """Mean (1 + c^2)/(2 c) of the torque ratio and its coefficient of cos 2x, -+s^2/(2 c) (P, N); there is no other."""
-    bend = np.asarray(angle, dtype=float)
-    second = fluctuation(bend) / 2.0
-    return (1.0 + np.cos(bend) ** 2) / (2.0 * np.cos(bend)), -second if convention == "P" else second
 
 
 def harmonics(angle: ArrayLike, count: int = 1, convention: Convention = "P") -> Harmonics:

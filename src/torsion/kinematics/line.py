@@ -83,10 +83,6 @@ class Resultant:
         """Driving angle of the greatest speed, rad, 0 <= angle < pi; the least stands 90 degrees from it."""
         return np.mod(-self.phase, np.pi)
 
-    def last(self) -> "Resultant":
-        """The resultant of the whole line: the last joint's column."""
-        return Resultant(self.rapidity[..., -1], self.phase[..., -1], self.lead[..., -1])
-
 
 def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) -> Line:
     """A line from angles, planes and phases, rad, broadcast against each other to shape (..., joints)."""
@@ -120,7 +116,8 @@ def resultants(line: Line) -> Resultant:
 
 def resultant(line: Line) -> Resultant:
     """The single joint that turns as the whole line does; arrays of shape (...)."""
-    return resultants(line).last()
+    every = resultants(line)
+    return Resultant(every.rapidity[..., -1], every.phase[..., -1], every.lead[..., -1])
 
 
 def residue(line: Line) -> ComplexArray:
@@ -148,18 +145,6 @@ def _products(line: Line) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         first[..., rank] = large * ahead - small * np.conj(aside)
         second[..., rank] = large * aside - small * np.conj(ahead)
     return first, second, np.cumsum(shift, axis=-1)
-
-
-def two_joint_rapidity(first: ArrayLike, second: ArrayLike, misphase: ArrayLike) -> FloatArray:
-    """Rapidity of two joints, misphase = phase - plane of the second: the hyperbolic law of cosines.
-
-    cosh R = cosh a cosh b - sinh a sinh b cos(2 misphase), written without its difference.
-    """
-    before, behind = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
-    apart = np.sin((before + behind) / 2.0) * np.sin((before - behind) / 2.0)
-    crossed = np.sin(before) * np.sin(behind) * np.sin(np.asarray(misphase, dtype=float)) / 2.0
-    half: FloatArray = np.hypot(apart, crossed) / np.sqrt(np.cos(before) * np.cos(behind))
-    return 2.0 * np.arcsinh(half)
 
 
 def classical_angle(line: Line) -> FloatArray:

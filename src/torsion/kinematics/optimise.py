@@ -69,7 +69,7 @@ def optimise(
 
 def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -> FloatArray:
     """Index of fluctuation of the line, shape (values,), as one joint's phase, plane or angle takes the values, rad."""
-    many = _repeated(line, values.size)
+    many = Line(*(np.tile(each, (values.size, 1)) for each in (line.angle, line.plane, line.phase)))
     getattr(many, variable)[:, joint] = values
     return resultant(many).index
 
@@ -126,11 +126,4 @@ def _with(line: Line, variable: Variable, joints: tuple[int, ...], values: Float
     """The line with other values at some joints."""
     changed = np.array(getattr(line, variable))
     changed[list(joints)] = values
-    if variable == "phase":
-        return replace(line, phase=changed)
-    return replace(line, plane=changed) if variable == "plane" else replace(line, angle=changed)
-
-
-def _repeated(line: Line, count: int) -> Line:
-    """The same line `count` times, writable; arrays of shape (count, joints)."""
-    return Line(*(np.tile(each, (count, 1)) for each in (line.angle, line.plane, line.phase)))
+    return replace(line, **{variable: changed})
