@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.response.amplitudes import part_of
+from torsion.analyses.response.amplitudes import SMALL_BLOCK, blocks, part_of
 from torsion.analyses.response.over_speed import response, response_at
 from torsion.analyses.response.requested_response import _in_blocks
-from torsion.analyses.response.size import SMALL_BLOCK, blocks
 from torsion.analyses.response.synthesis import synthesis
 from torsion.assembly import assemble
 from torsion.study import bytes_of

@@ -7,9 +7,8 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.requests import no_response
-from torsion.analyses.response.amplitudes import Response, Synthesis, joined, part_of
+from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks, joined, part_of
 from torsion.analyses.response.over_speed import asked_orders, response, response_at
-from torsion.analyses.response.size import SMALL_BLOCK, blocks
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import System
