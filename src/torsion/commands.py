@@ -16,7 +16,7 @@ from torsion.schema.read import located, read
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.compare.frontier import Timings
+    from torsion.analyses.compare.timing import Timings
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -79,7 +79,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
     """
     from torsion.analyses.joints.joints import JointsSettings
-    from torsion.rules.joint_tubes import tubes
+    from torsion.rules.universal_joints import tubes
 
     study = read(file)
     if not study.has_joints:
@@ -119,8 +119,7 @@ def study(
     SolveError.
     """
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
-    from torsion.analyses.discretisation import assembled
-    from torsion.analyses.requests import highest_excited, no_response
+    from torsion.analyses.discretisation import assembled, highest_excited, no_response
     from torsion.rules import needed
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)

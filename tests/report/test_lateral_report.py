@@ -24,7 +24,7 @@ from torsion.report.blocks import Figure, Paragraph, Table
 from torsion.report.chapters.lateral import chapter
 from torsion.report.figures import svg
 from torsion.report.terminal.tables import tables
-from torsion.rules.stable_bending import bending_checks
+from torsion.rules.stable_motion import bending_checks
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 

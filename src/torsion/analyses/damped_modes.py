@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.requests import modes_settings
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
-from torsion.analyses.undamped_modes import modes_as_discretised, span_torques
+from torsion.analyses.undamped_modes import modes_as_discretised, modes_settings, span_torques
 from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError

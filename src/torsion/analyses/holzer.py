@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.shares import STANDS_STILL
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.undamped_modes import STANDS_STILL, Modes
 from torsion.assembly.system import System
 from torsion.kernels.tree import FloatArray, IntArray, Tree
 

@@ -20,7 +20,7 @@ RULES = {  # name in the file: class
 }
 STANDING = {  # result that a rule judges which needs no name in the file: class
     "stability": "torsion.rules.stable_motion:StableMotion",
-    "lateral": "torsion.rules.stable_bending:StableBending",
+    "lateral": "torsion.rules.stable_motion:StableBending",
 }
 
 

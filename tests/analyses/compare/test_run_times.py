@@ -8,9 +8,8 @@ import pytest
 import torsion
 from torsion.analyses.compare import run_times as module
 from torsion.analyses.compare.candidates import plain, reference
-from torsion.analyses.compare.frontier import TimedQuantity, Timings
 from torsion.analyses.compare.run_times import study_times
-from torsion.analyses.compare.timing import Effort
+from torsion.analyses.compare.timing import Effort, TimedQuantity, Timings
 from torsion.study import Study
 
 SHORT = Effort(rounds=2, longest=5.0, segments=64, unknowns=24, degrees=(1, 2, 3), modes=32, dense=16, speeds=7)

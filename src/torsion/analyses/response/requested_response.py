@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.requests import no_response
+from torsion.analyses.discretisation import no_response
 from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks, joined, part_of
 from torsion.analyses.response.over_speed import asked_orders, response, response_at
 from torsion.analyses.response.synthesis import synthesis

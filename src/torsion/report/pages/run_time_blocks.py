@@ -6,8 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from torsion.analyses.compare.frontier import TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
-from torsion.analyses.compare.timing import FULL
+from torsion.analyses.compare.timing import FULL, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
 from torsion.report.blocks import Block, Column, Figure, Heading, KeyValues, Paragraph, Points, Table
 from torsion.report.numbers import given, number
 

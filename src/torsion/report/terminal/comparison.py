@@ -6,8 +6,8 @@ from rich.console import Console, RenderableType
 from rich.table import Table as Grid
 from rich.text import Text
 
-from torsion.analyses.compare.frontier import Timings
 from torsion.analyses.compare.side_by_side import Compared
+from torsion.analyses.compare.timing import Timings
 from torsion.findings import Findings
 from torsion.report.blocks import Paragraph, Points
 from torsion.report.chapters import model_comparison as chapter
