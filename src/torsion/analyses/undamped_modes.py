@@ -9,7 +9,6 @@ import numpy as np
 from pydantic import Field
 
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
-from torsion.assembly.folding import Folded
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.fields import Declared, given
@@ -216,7 +215,7 @@ def _in_reach(system: System, highest: float, count: int) -> System:
             break
         from torsion.analyses.bars import above_mode, reach
 
-        tree = distributed_tree(system)
+        tree = undamped_tree(system)
         known = reach(tree)
         if known.count >= count:
             return rediscretised(system, max(highest, above_mode(tree, count) / (2.0 * math.pi)))
@@ -238,7 +237,7 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
     if system.bars is not None and system.folded_bars is not None:
         from torsion.analyses.bars import referred_modes
 
-        found = referred_modes(distributed_tree(system), count)
+        found = referred_modes(undamped_tree(system), count)
         outer = found.torque if found.shafts is None else found.shafts.torque_outer
         return _modes(system, found, bar_torques(system, found.torque, outer))
     closing = closing_spans(system)
@@ -262,7 +261,7 @@ def condensed_modes(whole: Modes, system: System) -> Modes:
 
 def _referred_modes(system: System, closing: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
     """The modes on the folded tree, with the spans `closing` that close its loops."""
-    tree = undamped_tree(system.folded)
+    tree = undamped_tree(system)
     if not closing.size:
         from torsion.kernels.natural_modes import tree_modes
 
@@ -274,15 +273,15 @@ def _referred_modes(system: System, closing: IntArray, count: int | None, progre
     return graph_modes(tree, node[system.driving[closing]], node[system.driven[closing]], flexibility, count)
 
 
-def distributed_tree(system: System) -> Tree:
-    """The undamped tree with the laws of its distributed shafts."""
-    return replace(undamped_tree(system.folded), shafts=system.folded_bars)
+def undamped_tree(system: System) -> Tree:
+    """The tree with the laws of its distributed shafts, without spans that have damping but no stiffness.
 
-
-def undamped_tree(folded: Folded) -> Tree:
-    """The tree without the spans that have damping but no stiffness, which hold nothing without damping."""
-    tree = folded.tree
+    These hold nothing without damping.
+    """
+    tree = system.folded.tree
     slips = np.isinf(tree.flexibility)
+    if system.folded_bars is not None:
+        tree = replace(tree, shafts=system.folded_bars)
     if not slips.any():
         return tree
     return replace(tree, parent=np.where(slips, -1, tree.parent), flexibility=np.where(slips, 0.0, tree.flexibility))

@@ -111,19 +111,15 @@ def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, Flo
     """Spans of the shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
     spans = spans_of(system, shaft.part)
     bar = next(bar for bar in system.train.bars if bar.part == shaft.part)
-    at_edge = _modulus(bar, np.linspace(0.0, 1.0, len(spans) + 1))
+    at = np.linspace(0.0, 1.0, len(spans) + 1)  # between two of them the modulus is never below the smaller
+    outer, bore = (ends[0] + (ends[1] - ends[0]) * at for ends in (bar.outer, bar.bore))
+    at_edge = section_modulus(outer, bore)
     return spans, np.minimum(at_edge[:-1], at_edge[1:])
 
 
-def _modulus(bar: Bar, at: FloatArray) -> FloatArray:
-    """W_p at shares of the length; between two of them it is never below the smaller."""
-    outer = bar.outer[0] + (bar.outer[1] - bar.outer[0]) * at
-    bore = bar.bore[0] + (bar.bore[1] - bar.bore[0]) * at
-    return section_modulus(outer, bore)
-
-
 def _classed(study: Study, asked: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
-    role = _ruled_as(record)
+    # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
+    role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
     stated = study.train.materials[record.material].tensile_strength
     steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
     strength = formulas.used_strength(steel, role, alloy=bar.name in asked.alloy)
@@ -136,11 +132,6 @@ def _classed(study: Study, asked: M68Settings, bar: Bar, record: ShaftRecord) ->
     return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
 
 
-def _ruled_as(shaft: ShaftRecord) -> Role:
-    """The role that the rule gives a shaft: a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)."""
-    return "propeller" if "tube shaft" in shaft.features else cast(Role, shaft.role)
-
-
 def _details(
     shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: M68Settings
 ) -> tuple[tuple[str, Detail], ...]:
@@ -151,15 +142,11 @@ def _details(
     for feature in shaft.features:
         detail = DETAILS[feature]
         if feature == "slot" and name in asked.slots:
-            detail = replace(detail, c_k=_slot(asked.slots[name], ends), c_k_mark="to be verified")
+            slot = asked.slots[name].length * MM, asked.slots[name].width * MM
+            worst = max(formulas.slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
+            detail = replace(detail, c_k=min(1.0, formulas.slot_c_k(worst)), c_k_mark="to be verified")
         found.append((feature, detail))
     return tuple(found)
-
-
-def _slot(slot: Slot, ends: tuple[tuple[float, float], ...]) -> float:
-    """C_K of a slot at the less favourable end of the shaft, at most that of the plain section."""
-    factors = [formulas.slot_concentration(d, bore, slot.length * MM, slot.width * MM) for d, bore in ends]
-    return min(1.0, formulas.slot_c_k(max(factors)))
 
 
 def _notes(shaft: ClassedShaft, stated: float | None) -> tuple[str, ...]:

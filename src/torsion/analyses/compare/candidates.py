@@ -7,7 +7,7 @@ from functools import partial
 
 from torsion.analyses.compare.timing import Candidate, Effort
 from torsion.analyses.discretisation import assembled
-from torsion.analyses.undamped_modes import Modes, distributed_tree, modes, modes_as_discretised
+from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.assembly import assemble
 from torsion.assembly.section.resolved import resolved
 from torsion.assembly.system import System
@@ -123,4 +123,4 @@ def _count_up_to(system: System, highest: float) -> int:
         return COUNT
     from torsion.analyses.bars import reach
 
-    return max(1, reach(distributed_tree(system), 2.0 * math.pi * highest).count)
+    return max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)

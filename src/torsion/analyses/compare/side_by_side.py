@@ -17,7 +17,7 @@ from torsion.analyses.compare.torque_methods import Harmonics, Loaded, Torques, 
 from torsion.analyses.discretisation import assembled, discretisation_words
 from torsion.analyses.response.harmonic_components import Line, excitations
 from torsion.analyses.response.over_speed import asked_orders
-from torsion.analyses.undamped_modes import Modes, distributed_tree, modes
+from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.fields import Declared, given, refuse
@@ -260,7 +260,7 @@ def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
 
 def _count_below(one: _Solved, highest: float) -> int:
     """Elastic modes below a frequency (Hz), by counts where these reach so far."""
-    tree, w = distributed_tree(one.system), 2.0 * math.pi * highest
+    tree, w = undamped_tree(one.system), 2.0 * math.pi * highest
     if tree.shafts is None:
         from torsion.kernels.sturm import count_below
 

@@ -241,17 +241,6 @@ def _imposed(system: System, load: Load) -> ComplexArray:
     return np.asarray(angle[folded.node])
 
 
-@dataclass(frozen=True)
-class _Damped:
-    """Modes with what damps each of them; what couples them is left out."""
-
-    w: FloatArray  # (modes,) rad/s
-    node: FloatArray  # (tree stations, modes) rad referred to one speed
-    torque: FloatArray  # (spans, modes) N m
-    loss_factor: FloatArray  # (modes,)
-    viscous: FloatArray  # (modes,) 1/s, of the spans
-
-
 def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArray]:
     """Torques (speeds, ends) N m of every harmonic from the lowest `count` modes.
 
@@ -260,40 +249,33 @@ def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArr
     system are exact: their torques at both ends are those of spans.
     """
     found = modes_as_discretised(given.system, count)
-    damped = _damped(given, found)
-    still = statically(given, SLOW * damped.w[0]) if corrected else [None] * len(given.loads)
-    return [_superposed(given, damped, load, torque) for load, torque in zip(given.loads, still, strict=True)]
+    still = statically(given, SLOW * 2.0 * np.pi * found.frequency[0]) if corrected else [None] * len(given.loads)
+    return [_superposed(given, found, load, torque) for load, torque in zip(given.loads, still, strict=True)]
 
 
-def _damped(given: Loaded, found: Modes) -> _Damped:
-    system = given.system
-    referred = found.shape / system.speed_ratio[:, None]
+def _superposed(given: Loaded, found: Modes, load: Load, still: ComplexArray | None) -> ComplexArray:
+    """Of one harmonic component, from modes each damped by itself; what couples them is left out."""
+    system, w, n, twist = given.system, load.w, 2.0 * np.pi * found.frequency, load.sources.twist
+    referred = found.shape / system.speed_ratio[:, None]  # (stations, modes) rad
     node = np.zeros((system.folded.tree.size, referred.shape[1]))
     node[system.folded.node] = referred
-    w = 2.0 * np.pi * found.frequency
-    return _Damped(
-        w, node, found.torque, system.loss_factor @ found.elastic, system.viscous @ system.twist(referred) ** 2
-    )
-
-
-def _superposed(given: Loaded, damped: _Damped, load: Load, still: ComplexArray | None) -> ComplexArray:
-    system, (w, n), twist = given.system, (load.w, damped.w), load.sources.twist
-    force = load.sources.force.T @ damped.node
+    loss_factor, of_spans = system.loss_factor @ found.elastic, system.viscous @ system.twist(referred) ** 2
+    force = load.sources.force.T @ node
     turned = np.zeros_like(force)
     if twist is not None:
         in_tree = np.flatnonzero(system.folded.span >= 0)
         factor = (system.folded.sign * system.span_ratio)[in_tree, None]
-        turned = turned - twist[system.folded.span[in_tree]].T @ (factor * damped.torque[in_tree])
-    angle = (damped.node[system.folded.node] * system.speed_ratio[:, None]).T
-    viscous = damped.viscous + load.ground.T @ (angle.T**2)
-    lossy = n**2 * (1.0 + 1j * damped.loss_factor)
-    spring = lossy + 1j * np.outer(w, damped.viscous)  # a twist is resisted elastically and by damping
+        turned = turned - twist[system.folded.span[in_tree]].T @ (factor * found.torque[in_tree])
+    angle = (node[system.folded.node] * system.speed_ratio[:, None]).T
+    viscous = of_spans + load.ground.T @ (angle.T**2)
+    lossy = n**2 * (1.0 + 1j * loss_factor)
+    spring = lossy + 1j * np.outer(w, of_spans)  # a twist is resisted elastically and by damping
     amplitude = (force + spring * turned / n**2) / (lossy - (w * w)[:, None] + 1j * w[:, None] * viscous)
     at = given.ends
     share = 1.0 + 1j * (at.loss_factor + np.outer(w, at.delay))  # elastic and damping torque / elastic torque
     if still is not None:
         moved = amplitude - force / spring - turned / n**2
-        return np.asarray(still[:, at.span] + share * (moved @ damped.torque[at.span].T))
+        return np.asarray(still[:, at.span] + share * (moved @ found.torque[at.span].T))
     if twist is not None:
         return np.full((len(w), len(at.name)), np.nan, dtype=np.complex128)
-    return np.asarray(share * (amplitude @ damped.torque[at.span].T))
+    return np.asarray(share * (amplitude @ found.torque[at.span].T))

@@ -9,7 +9,7 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Result, blocks, merged
 from torsion.analyses.steady import SAME_SPEED
-from torsion.analyses.undamped_modes import Modes, condensed_modes, distributed_tree, modes_as_discretised
+from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
 from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import ComplexArray, FloatArray
@@ -68,7 +68,7 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     if system.folded_bars is not None:
         from torsion.analyses.bars import reach
 
-        return modes_as_discretised(system, max(reach(distributed_tree(system), highest).count, 1))
+        return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
     if folded.extra.size or np.isinf(folded.tree.flexibility).any():
         return modes_as_discretised(system, None)
     below = int(count_below(folded.tree, np.array([highest * (1.0 + 1e-9)]))[0])
