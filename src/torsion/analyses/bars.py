@@ -1,4 +1,4 @@
-"""Modes of a train with distributed inertia: how many its division resolves, and what they are."""
+"""Modes of a train with distributed inertia: how many its discretisation resolves, and what they are."""
 
 import math
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from torsion.kernels.tree import Tree
 JUST_ABOVE = 1e-3  # relative
 LARGEST_DENSE = 2000  # unknowns of finite elements that are solved at once where counts cannot reach
 FEW_UNKNOWNS = 120  # that are solved at once sooner than counts find out what lies in reach (measured)
-FEW_BARS = 200  # stations and bars, of which an estimate is the faster start (measured)
+FEW_BARS = 200  # stations and distributed shafts, of which an estimate is the faster start (measured)
 SURELY = 0.98  # of the reach of counts, below which an estimated frequency lies in it
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 

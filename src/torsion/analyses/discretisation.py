@@ -44,7 +44,7 @@ def no_response(study: Study, system: System, ruled: Ruled) -> str:
     if not study.excites:
         return "nothing excites"
     if not response_is_requested(study, ruled):
-        return "it is not asked"
+        return "it is not requested"
     if not has_inertia(system):
         return "no component has an inertia"
     return "" if study.operation.speeds is not None else "`operation` has no speeds"
@@ -66,7 +66,7 @@ def model_words(system: System) -> str:
     """The model and how its shafts are treated, in words."""
     words = {
         "lumped": "lumped, kept in factors",
-        "exact": "exact: shafts as continua, no error of division",
+        "exact": "exact: shafts as continua, no error of discretisation",
     }
     if system.model != "fem" or system.bars is None:
         return words.get(system.model, system.model)
@@ -116,7 +116,7 @@ def run_modes(work: Work) -> None:
     if settings is None:
         work.log.without("natural frequencies", "`analyses` does not name modes")
         return
-    with work.log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
+    with work.log.step("natural frequencies", "requested" if "modes" in study.analyses else "the default") as step:
         found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
         system = found.system
         step.method = method_words(system, found)

@@ -236,12 +236,12 @@ def power_faults(study: Study) -> list[Fault]:
 
 def table_faults(study: Study) -> list[Fault]:
     """Tables of torques over speed that do not cover the speeds of the response."""
-    operation, asked = study.operation, getattr(study.analyses.get("response"), "orders", "all")
+    operation, orders = study.operation, getattr(study.analyses.get("response"), "orders", "all")
     if operation.speeds is None:
         return []
     ends = np.array([operation.speeds.first, operation.speeds.last])
     found: list[Fault] = []
-    for torque in _over_speed(study.train, asked):
+    for torque in _over_speed(study.train, orders):
         about = Fault((*torque.path, "torque"), f"the table of the torque at '{torque.name}'")
         found += _uncovered(torque.table, ends * float(study.train.stations[torque.station].ratio), about)
     return found
@@ -261,7 +261,7 @@ def _over_speed(train: Train, orders: object) -> Iterator[Torque]:
 
 
 def _speeds(operation: Operation) -> FloatArray:
-    """rad/s at which the mean torque is told, its ends among them."""
+    """rad/s at which the mean torque is needed, its ends among them."""
     ends = [] if operation.speeds is None else [operation.speeds.first, operation.speeds.last]
     return np.array([*ends, *([operation.speed] if operation.rated is not None else [])])
 

@@ -55,8 +55,8 @@ def is_elastic(system: System) -> BoolArray:
 def nodes(system: System, shape: FloatArray) -> IntArray:
     """(modes,) spans over which the shape (stations, modes), rad at own speed, changes its sign.
 
-    A station that stands still takes the sign of the station inward of it, so that a node at a station counts once.
-    A held station has no sign: the shape starts there and does not cross it.
+    A station that stands still takes the sign of its neighbour toward the root: a node at a station counts once.
+    A grounded station has no sign: the shape starts there and does not cross it.
     """
     block, number = max(1, LARGEST_BLOCK // max(system.folded.tree.size, 1)), shape.shape[1]
     counted = [_nodes(system, shape[:, first : first + block]) for first in range(0, number, block)]
@@ -260,7 +260,7 @@ def condensed_modes(whole: Modes, system: System) -> Modes:
 
 
 def _referred_modes(system: System, closing: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
-    """The modes on the folded tree, with the spans `closing` that close its loops."""
+    """The modes on the condensed tree, with the chords `closing` of its loops."""
     tree = undamped_tree(system)
     if not closing.size:
         from torsion.kernels.natural_modes import tree_modes

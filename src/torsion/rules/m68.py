@@ -57,13 +57,13 @@ class M68(Rule):
     settings = M68Settings
     needs = ("steady", "response")
 
-    def faults(self, study: Study, asked: M68Settings) -> list[Fault]:
+    def faults(self, study: Study, settings: M68Settings) -> list[Fault]:
         """What the file lacks for this rule."""
-        classed, where = judged(study.train), rule_path(study, asked)
+        classed, where = judged(study.train), rule_path(study, settings)
         if not classed:
             hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
             return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
-        found = vibration_faults(study, asked, RULE)
+        found = vibration_faults(study, settings, RULE)
         if study.operation.rated is None:
             message = f"`rated` is missing; the limits of {RULE} count from it"
             found.append(Fault(("operation", "rated"), message, RATED))
@@ -73,9 +73,9 @@ class M68(Rule):
                 message = f"`tensile_strength` of '{shaft.material}' is not given, and {RULE} needs it for '{bar.name}'"
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
                 found.append(Fault((*study.train.parts[bar.part].path, "material"), message, hint))
-        return found + _settings_faults(asked, {bar.name: shaft for bar, shaft in classed}, where)
+        return found + _settings_faults(settings, {bar.name: shaft for bar, shaft in classed}, where)
 
-    def left_out(self, study: Study, asked: M68Settings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         found = []
         for bar in study.train.bars:
@@ -91,35 +91,35 @@ class M68(Rule):
             found.append((f"{RULE} above {in_rpm(speeds.last)}", f"`operation.speeds` ends there; {reach}"))
         return tuple(found)
 
-    def speeds(self, study: Study, asked: M68Settings) -> tuple[float, ...]:
+    def speeds(self, study: Study, settings: M68Settings) -> tuple[float, ...]:
         """rad/s: the rated speed, and those at which the limits bend or end."""
         return tuple(share * rated_speed(study) for share in (BARRED_BELOW, FLAT_FROM, 1.0, LAST_CONTINUOUS))
 
-    def speeds_between(self, evidence: Results, asked: M68Settings) -> FloatArray:
+    def speeds_between(self, evidence: Results, settings: M68Settings) -> FloatArray:
         """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
         found, ends = [], list[float]()
-        for shaft in classed_shafts(evidence.study, asked):
-            curve, barred, ruled = _judged(evidence, shaft, asked)
+        for shaft in classed_shafts(evidence.study, settings):
+            curve, barred, ruled = _judged(evidence, shaft, settings)
             found += [(curve, ruled), (curve, ruled & ~barred.passed)]
             ends += [end for one in barred.permitted for end in (one.lower, one.upper)]
         return np.union1d(between(found), ends)
 
-    def check(self, evidence: Results, asked: M68Settings) -> tuple[Check, ...]:
+    def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above 1.05; least diameter; of every shaft."""
         found: list[Check | None] = []
-        for shaft in classed_shafts(evidence.study, asked):
-            found += [*_stresses(evidence, shaft, asked), _diameter(evidence, shaft, asked)]
+        for shaft in classed_shafts(evidence.study, settings):
+            found += [*_stresses(evidence, shaft, settings), _diameter(evidence, shaft, settings)]
         return tuple(line for line in found if line is not None)
 
 
-def _settings_faults(asked: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path) -> list[Fault]:
+def _settings_faults(settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path) -> list[Fault]:
     """Settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
     found, names = [], f"there is {', '.join(shafts)}"
-    for position, name in enumerate(asked.alloy):
+    for position, name in enumerate(settings.alloy):
         if name not in shafts:
             path = (*where, RULE, "alloy", position)
             found.append(Fault(path, f"no shaft with a role is called '{name}'", names))
-    for name in asked.slots:
+    for name in settings.slots:
         if name not in shafts or "slot" not in shafts[name].features:
             path = (*where, RULE, "slots", name)
             found.append(
@@ -128,10 +128,10 @@ def _settings_faults(asked: M68Settings, shafts: Mapping[str, ShaftRecord], wher
     return found
 
 
-def limits(evidence: Results, shaft: str, asked: M68Settings | None = None) -> Limits:
+def limits(evidence: Results, shaft: str, settings: M68Settings | None = None) -> Limits:
     """Stress and limits of one shaft over speed, with the study's own settings. Raises KeyError for another name."""
-    settings = asked or next((own for name, own in evidence.study.rules if name == RULE), M68Settings())
-    for classed in classed_shafts(evidence.study, cast(M68Settings, settings)):
+    own = settings or next((given for name, given in evidence.study.rules if name == RULE), M68Settings())
+    for classed in classed_shafts(evidence.study, cast(M68Settings, own)):
         if classed.name == shaft:
             return _limits(evidence, classed)
     raise KeyError(shaft)
@@ -145,22 +145,22 @@ def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:
     return Limits(response.speed, shaft.tau_c(ratio), shaft.tau_t(ratio), tau)
 
 
-def _judged(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> tuple[Curve, Barring, BoolArray]:
+def _judged(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> tuple[Curve, Barring, BoolArray]:
     """Stress against tau_C, what is barred, and (speeds,) which speeds are not above 1.05."""
     speed, tau_c, _, tau = _limits(evidence, shaft)
     rated = rated_speed(evidence.study)
     curve = curve_of(speed, tau, tau_c, vibration(evidence)[0])
-    barred = barring(curve, rated, shaft.name, asked.tachometer)
+    barred = barring(curve, rated, shaft.name, settings.tachometer)
     return curve, barred, speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
 
 
-def _stresses(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Iterator[Check | None]:
+def _stresses(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Iterator[Check | None]:
     """The three clauses about the stress amplitude.
 
     tau <= tau_C outside the permitted barred ranges, up to 1.05; tau <= tau_T in them, which no keyway allows; and the
     greatest stress above 1.05 of the rated speed, for which the rule has no limit.
     """
-    curve, barred, ruled = _judged(evidence, shaft, asked)
+    curve, barred, ruled = _judged(evidence, shaft, settings)
 
     def judged(clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str) -> Check | None:
         about, spans = replace(curve, limit=limit), spans_of(evidence.system, shaft.part)
@@ -174,7 +174,8 @@ def _stresses(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Ite
     yield judged("tau_C", "synthesis stress amplitude", curve.limit, ruled & ~barred.passed, *notes)
     reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
     passed = f"barred range {_words(barred.permitted)}, to be passed rapidly"
-    tachometer = f"tachometer tolerance {100 * asked.tachometer:.3g} % " + ("added" if asked.tachometer else "assumed")
+    meter = settings.tachometer
+    tachometer = f"tachometer tolerance {100 * meter:.3g} % " + ("added" if meter else "assumed")
     notes, tau_t = (*reasons, passed, tachometer, MOSTLY), _limits(evidence, shaft).tau_t
     line = judged("tau_T", "stress amplitude in the barred range", tau_t, barred.passed, *notes)
     if line is not None:
@@ -196,19 +197,19 @@ def _refusal(barred: Barring) -> str:
     )
 
 
-def _diameter(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Check | None:
+def _diameter(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Check | None:
     """The less favourable end against its least diameter, for the rated mean torque."""
     torque = rated_torque(evidence, spans_of(evidence.system, shaft.part))
     if torque is None:
         return None
-    factor = formulas.drive_factor(shaft.role, smooth=asked.drive != "other")
+    factor = formulas.drive_factor(shaft.role, smooth=settings.drive != "other")
     load = float(np.max(torque)) * KW_PER_RPM
     ends = [
         (outer, formulas.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
         for outer, bore in shaft.ends
     ]
     diameter, least = max(ends, key=lambda end: end[1] / end[0])
-    used = f"F {factor:g} (drive: {asked.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
+    used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
     return Check(
         RULE, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm",
         verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,

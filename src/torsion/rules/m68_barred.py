@@ -12,7 +12,7 @@ from torsion.rules.verdict_line import BarredRange
 
 @dataclass(frozen=True)
 class Barring:
-    """What the stress above tau_C asks to be barred, and where the rule permits it."""
+    """What is to be barred for the stress above tau_C, and where the rule permits it."""
 
     permitted: tuple[BarredRange, ...]  # ascending and apart
     refused: tuple[BarredRange, ...]  # those that reach 0.8 of the rated speed, ascending and apart
@@ -23,7 +23,7 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
     """The ranges for stress over speed against tau_C; rated in rad/s.
 
     A run of speeds above tau_C has its critical speed at its worst, wherever that lies; the range about it is refused
-    where its upper end reaches 0.8 of the rated speed. Both ends move outward by the `tolerance` of the tachometer.
+    where its upper end reaches 0.8 of the rated speed. Both ends move apart by the `tolerance` of the tachometer.
     """
     passed, ranges = np.zeros(len(curve.speed), dtype=bool), []
     above = np.zeros(len(curve.speed), dtype=bool)
@@ -69,7 +69,8 @@ def _range(curve: Curve, rated: float, shaft: str, tolerance: float, first: int,
 def _crossing(curve: Curve, above: int, beyond: int) -> float:
     """Speed between two neighbours at which the stress meets its limit, by a straight line.
 
-    The flank of a resonance is hollow, so the line errs outward. The far neighbour where a value is not finite.
+    The flank of a resonance is hollow, so the line errs toward the wider range. The far neighbour where a value is not
+    finite.
     """
     if not 0 <= beyond < len(curve.speed):
         return float(curve.speed[above])

@@ -102,9 +102,9 @@ def judged(train: Train) -> list[tuple[Bar, ShaftRecord]]:
     return [(bar, shaft) for bar, shaft in every if shaft.role is not None and bar.section is None]
 
 
-def classed_shafts(study: Study, asked: M68Settings) -> Iterator[ClassedShaft]:
+def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft]:
     """Every round shaft of the train that has a role."""
-    return (_classed(study, asked, bar, shaft) for bar, shaft in judged(study.train))
+    return (_classed(study, settings, bar, shaft) for bar, shaft in judged(study.train))
 
 
 def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, FloatArray]:
@@ -117,23 +117,23 @@ def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, Flo
     return spans, np.minimum(at_edge[:-1], at_edge[1:])
 
 
-def _classed(study: Study, asked: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
+def _classed(study: Study, settings: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
     # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
     role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
     stated = study.train.materials[record.material].tensile_strength
     steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
-    strength = formulas.used_strength(steel, role, alloy=bar.name in asked.alloy)
+    strength = formulas.used_strength(steel, role, alloy=bar.name in settings.alloy)
     outer, bore = bar.outer, bar.bore
     ends = ((outer[0] * MM, bore[0] * MM), (outer[1] * MM, bore[1] * MM))
     shaft = ClassedShaft(
-        bar.part, bar.name, role, strength, _details(record, role, bar.name, ends, asked),
+        bar.part, bar.name, role, strength, _details(record, role, bar.name, ends, settings),
         diameter=max(outer) * MM, ends=ends, is_stated=stated is not None, notes=(),
     )  # fmt: skip
     return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
 
 
 def _details(
-    shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: M68Settings
+    shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
 ) -> tuple[tuple[str, Detail], ...]:
     """The shaft's features with their factors; the role's usual one where none is given."""
     if not shaft.features:
@@ -141,8 +141,8 @@ def _details(
     found: list[tuple[str, Detail]] = []
     for feature in shaft.features:
         detail = DETAILS[feature]
-        if feature == "slot" and name in asked.slots:
-            slot = asked.slots[name].length * MM, asked.slots[name].width * MM
+        if feature == "slot" and name in settings.slots:
+            slot = settings.slots[name].length * MM, settings.slots[name].width * MM
             worst = max(formulas.slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
             detail = replace(detail, c_k=min(1.0, formulas.slot_c_k(worst)), c_k_mark="to be verified")
         found.append((feature, detail))

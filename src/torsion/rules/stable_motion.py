@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
 WHOLE = "whole train"
-MOST = 4  # stretches without an answer that are told one by one
+MOST = 4  # ranges without an answer that are stated one by one
 _RPM = 30.0 / np.pi
-Stretch = tuple[float, float]  # rad/s
+SpeedRange = tuple[float, float]  # rad/s
 ROUNDING = 1e-9  # of a logarithmic decrement, and of speeds relative to themselves
 PART = "only a part of the operation's speeds was looked at"
 
@@ -30,7 +30,7 @@ PART = "only a part of the operation's speeds was looked at"
 class StableMotion(Rule):
     """The rule on whatever stability was computed."""
 
-    def check(self, evidence: Results, asked: None) -> tuple[Check, ...]:
+    def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of the whole train."""
         from torsion.analyses.motion.stability import Stability
 
@@ -38,7 +38,7 @@ class StableMotion(Rule):
 
 
 def stability_check(found: "Stability", operation: Operation) -> Check:
-    """The largest growth rate within the operation's speeds (else those asked for) against 0.
+    """The largest growth rate within the operation's speeds (else those requested) against 0.
 
     It fails also where a speed has no periodic motion to be stable about, or part of the operation was not looked at.
     """
@@ -71,31 +71,31 @@ def _worst(growth: FloatArray, speed: FloatArray) -> tuple[float, float]:
     return float(growth[at]), float(speed[at])
 
 
-def _bare(found: "Stability", first: float, last: float) -> list[Stretch]:
+def _bare(found: "Stability", first: float, last: float) -> list[SpeedRange]:
     """What of the operated speeds lies between speeds without a periodic motion and their neighbours that have one."""
     met = [(max(low, first), min(high, last)) for low, high in found.unknown if low <= last and high >= first]
     there = ((found.unsolved >= low) & (found.unsolved <= high) for low, high in met)
     return [one for one, at in zip(met, there, strict=True) if one[0] < one[1] or at.any()]
 
 
-def _note(found: "Stability", missed: bool, operated: Stretch) -> str:
+def _note(found: "Stability", missed: bool, operated: SpeedRange) -> str:
     """What the figure does not say."""
     words, bare = [], _bare(found, *operated)
     if bare and np.isnan(found.growth).all():
         words.append(f"no periodic motion was found at any of the {found.speed.size} speeds tried")
     elif bare:
         where = ", ".join(f"{low * _RPM:.5g} to {high * _RPM:.5g}" for low, high in bare[:MOST])
-        more = f" and in {len(bare) - MOST} further stretches" if len(bare) > MOST else ""
+        more = f" and in {len(bare) - MOST} further ranges" if len(bare) > MOST else ""
         words.append(f"no periodic motion was found, and so nothing is known, from {where} rpm{more}")
     if missed:
-        words.append("stability was not asked for at all speeds of the operation")
+        words.append("stability was not requested at all speeds of the operation")
     if not found.loses:
         words.append(NOTHING_DAMPS)
     words.extend(_nearest(found, operated))
     return "; ".join(words)
 
 
-def _nearest(found: "Stability", operated: Stretch) -> list[str]:
+def _nearest(found: "Stability", operated: SpeedRange) -> list[str]:
     """The distance of the operation from the unstable ranges outside it."""
     first, last = operated
     outside = [one for one in found.ranges if not one.meets(first, last)]
@@ -112,7 +112,7 @@ def _nearest(found: "Stability", operated: Stretch) -> list[str]:
 class StableBending(Rule):
     """The rule on whatever bending was computed."""
 
-    def check(self, evidence: Results, asked: None) -> tuple[Check, ...]:
+    def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of every shaft that bends."""
         from torsion.analyses.lateral.bending import Lateral
 

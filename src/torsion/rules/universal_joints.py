@@ -136,52 +136,52 @@ class UniversalJoints(Rule):
     settings = JointRuleSettings
     needs = ("joints",)
 
-    def faults(self, study: Study, asked: JointRuleSettings) -> list[Fault]:
+    def faults(self, study: Study, settings: JointRuleSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not study.has_joints:
-            return [Fault(rule_path(study, asked), f"{RULE} finds no joint in the train", "leave the rule out")]
+            return [Fault(rule_path(study, settings), f"{RULE} finds no joint in the train", "leave the rule out")]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
             return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
         return []
 
-    def left_out(self, study: Study, asked: JointRuleSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study, settings: JointRuleSettings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
         found = [(f"{RULE}: bending of {tube.name}", tube.lacks) for tube in tubes(study.train) if tube.lacks]
-        if asked.speed_angle is None:
+        if settings.speed_angle is None:
             found.append((f"{RULE}: speed times angle", "`speed_angle` gives no limit; it depends on the joint's size"))
         return tuple(found)
 
-    def check(self, evidence: Results, asked: JointRuleSettings) -> tuple[Check, ...]:
+    def check(self, evidence: Results, settings: JointRuleSettings) -> tuple[Check, ...]:
         """Every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
         found, speed = evidence.get(Joints), _speed(evidence.study)
         if found is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        rows = [row for line in found.lines for row in _of_line(found, line, asked, speed)]
-        rows += _between(found, asked, speed).values()
-        if asked.speed_angle is not None:
-            limit: Limit = asked.speed_angle, "setting", "setting `speed_angle`"
+        rows = [row for line in found.lines for row in _of_line(found, line, settings, speed)]
+        rows += _between(found, settings, speed).values()
+        if settings.speed_angle is not None:
+            limit: Limit = settings.speed_angle, "setting", "setting `speed_angle`"
             for joint in found.joints:
                 value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
                 rows.append(_verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed))
         every = [_critical(tube, evidence.get(Lateral)) for tube in tubes(evidence.study.train) if not tube.lacks]
-        return (*rows, *(_bending(one, asked.critical_share, speed) for one in every if one is not None))
+        return (*rows, *(_bending(one, settings.critical_share, speed) for one in every if one is not None))
 
 
-def _of_line(found: Joints, line: LineFound, asked: JointRuleSettings, speed: float) -> Iterator[Check]:
+def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed: float) -> Iterator[Check]:
     """Non-uniformity of the whole line, and what it does to the driven inertia."""
     joints = [found.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit = _published(asked, "unevenness")
+    limit = _published(settings, "unevenness")
     yield _verdict("U", where, "non-uniformity tan b sin b", line.index, "1", limit, None, before=bend)
     what, value = "acceleration of the driven side by all joints", _steepest(joints[-1], joints[0], speed)
-    yield _verdict("torsional", where, what, value, "rad/s2", _published(asked, "torsional"), speed)
+    yield _verdict("torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed)
 
 
-def _between(found: Joints, asked: JointRuleSettings, speed: float) -> dict[int, Check]:
+def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
-    checks, limit, what = dict[int, Check](), _published(asked, "inertial"), "acceleration of the shaft behind it"
+    checks, limit, what = dict[int, Check](), _published(settings, "inertial"), "acceleration of the shaft behind it"
     for line in found.lines:
         for position in line.joints[:-1]:
             joint = found.joints[position]
@@ -239,9 +239,9 @@ def _verdict(
     return Check(RULE, clause, where, what, value, most, unit, verdict, standing, speed=speed, note=note)
 
 
-def _published(asked: JointRuleSettings, key: str) -> Limit:
+def _published(settings: JointRuleSettings, key: str) -> Limit:
     """A limit that makers publish and the file may set."""
-    limit, (by_maker, words) = float(getattr(asked, key)), PUBLISHED[key]
+    limit, (by_maker, words) = float(getattr(settings, key)), PUBLISHED[key]
     return (limit, "maker", words) if limit == by_maker else (limit, "setting", f"setting `{key}`")
 
 

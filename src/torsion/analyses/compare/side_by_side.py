@@ -279,7 +279,7 @@ def _largest(errors: FloatArray) -> float:
 
 def run_check(work: Work) -> None:
     """The models of the shafts side by side."""
-    with work.log.step("comparison of the models", "asked") as step:
+    with work.log.step("comparison of the models", "requested") as step:
         found = check(work.study, work.settings("check", CheckSettings), progress=work.progress)
         step.method = ", ".join(model.model for model in found.all_models) or "all models are the same"
         step.size = "; ".join(f"{model.model}: {model.division}" for model in found.all_models)

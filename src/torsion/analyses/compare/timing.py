@@ -40,7 +40,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class TimedRow:
-    """One method with one division of the shafts: its errors and its repeated runs."""
+    """One method with one discretisation of the shafts: its errors and its repeated runs."""
 
     curve: str  # the method; rows of one method are one curve
     division: str  # in words
@@ -144,7 +144,7 @@ class Pace:
     rounds: int  # in which every candidate has its turn
     seconds: float = 0.0  # rounds go on until so long
     longest: float = inf  # s of one run, after which a curve has no finer discretisation
-    runs: int = 5  # at most, in one turn
+    runs: int = 5  # at most, while it has its turn
     turn: float = 0.01  # s, filled with runs of a fast candidate
     slow: float = 0.3  # s of one run, from which a candidate has its turn in `slow_rounds` alone
     slow_rounds: int = 3  # 0: the run that warms up is its only sample
@@ -251,7 +251,7 @@ def _tried(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Tried], str]:
 
 
 def _turn(one: _Tried, pace: Pace) -> None:
-    """A run, or as many as fit into a turn where they are fast."""
+    """A run, or as many as fit into `pace.turn` where they are fast."""
     for _ in range(max(1, min(pace.runs, int(pace.turn / max(sum(one.first), 1e-9))))):
         _, assembly, solve = run(one.candidate, pace.clock)
         one.assembly.append(assembly)

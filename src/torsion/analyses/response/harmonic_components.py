@@ -54,7 +54,7 @@ class Excitation:
 
 @dataclass(frozen=True)
 class Sources:
-    """Complex amplitudes on the folded tree, of one line, over speed."""
+    """Complex amplitudes on the condensed tree, of one component, over speed."""
 
     force: ComplexArray  # (tree stations, speeds) N m
     twist: ComplexArray | None  # (tree stations, speeds) rad imposed on the span leading to each; None without joints
@@ -109,7 +109,7 @@ def sources(system: System, excitation: Excitation, speed: FloatArray, steady: S
     """Complex amplitudes of one line at reference speeds (speeds,) rad/s; `steady` holds the same speeds.
 
     A torque's phase counts from reference angle zero. A joint's error counts from its own driving angle, static
-    twist included. A force on a station of speed ratio r acts on the folded tree as r times itself.
+    twist included. A force on a station of speed ratio r acts on the condensed tree as r times itself.
     """
     folded = system.folded
     force = np.zeros((folded.tree.size, len(speed)), dtype=np.complex128)
@@ -166,6 +166,6 @@ def _mean_there(system: System, torque: Torque, steady: Steady | None) -> FloatA
     here = (system.driving == torque.station) | (system.driven == torque.station)
     if not here.any():
         return np.zeros(applied.shape)
-    # a span's torque is told at its driving station's speed; across a gear it is not the station's own
+    # a span's torque is stated at its driving station's speed; across a gear it is not the station's own
     own = steady.torque[here] * (system.span_ratio[here] / system.speed_ratio[torque.station])[:, None]
     return np.asarray(np.abs(own).max(axis=0))

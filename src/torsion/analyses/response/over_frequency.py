@@ -37,8 +37,8 @@ def frequency_response(
     Damping and mean torque are those at `speed` (rad/s), else at the rated, else at the highest speed. Raises
     InputError where nothing acts at every frequency, or frequencies lack. The system is refined as by `response`.
     """
-    asked = _asked_frequencies(study, frequencies)
-    system = resolving(system, float(asked[-1]), refine=refine)
+    requested = _requested_frequencies(study, frequencies)
+    system = resolving(system, float(requested[-1]), refine=refine)
     excitation = sweeping(system)
     if not excitation.torques:
         hint = "give an excitation neither `order` nor `frequency`"
@@ -58,27 +58,27 @@ def frequency_response(
             hertz, flags, names, float(at[0]), found.angle, found.torque, found.residual, found.status, system
         )
 
-    known = grid.resonances(system, 2.0 * math.pi * float(asked[-1]), modes, damped)
-    where = known, system, np.array([2.0 * math.pi]), asked[0], asked[-1]
-    points, remark = grid.refined(asked, *grid.places(*where, lambda hertz: np.tile(ground, (1, len(hertz)))))
+    known = grid.resonances(system, 2.0 * math.pi * float(requested[-1]), modes, damped)
+    where = known, system, np.array([2.0 * math.pi]), requested[0], requested[-1]
+    points, remark = grid.refined(requested, *grid.places(*where, lambda hertz: np.tile(ground, (1, len(hertz)))))
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")
-    return grid.with_peaks(solved, asked, points, remark, refuse)
+    return grid.with_peaks(solved, requested, points, remark, refuse)
 
 
-def _asked_frequencies(study: Study, frequencies: FloatArray | None) -> FloatArray:
+def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> FloatArray:
     """(frequencies,) Hz, ascending."""
     if frequencies is not None:
         return np.unique(np.asarray(frequencies, dtype=np.float64))
-    asked: FrequencyRange | None = getattr(study.analyses.get("response"), "frequencies", None)
-    if asked is None:
+    requested: FrequencyRange | None = getattr(study.analyses.get("response"), "frequencies", None)
+    if requested is None:
         hint = "for example `frequencies: {from: 1, to: 200}`"
         raise InputError([Fault(PATH[:2], "a response over frequency needs the frequencies", hint)])
-    return asked.values()
+    return requested.values()
 
 
 def run(work: Work) -> None:
     """The response over the frequencies that the file names."""
-    with work.log.step("response over frequency", "asked") as step:
+    with work.log.step("response over frequency", "requested") as step:
         found = frequency_response(work.study, work.system, modes=work.get(Modes), damped=work.get(DampedModes))
         step.method = "two-sided elimination"
         step.size = f"{found.frequency.size} frequencies"

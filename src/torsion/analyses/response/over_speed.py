@@ -71,13 +71,13 @@ def response(
     that is needed and `refine` is False; InputError where speeds, or a mean torque that an excitation or a damping
     follows, are not given, or an order is named that nothing excites.
     """
-    asked = _asked_speeds(study, speeds)
+    requested = _requested_speeds(study, speeds)
     orders = asked_orders(study)
     found = excitations(system, None if all_orders else orders)
-    highest = max((float(one.line.circular_frequency(asked[-1:])[0]) for one in found), default=0.0)
+    highest = max((float(one.line.circular_frequency(requested[-1:])[0]) for one in found), default=0.0)
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
-    further = np.empty(0) if also is None else also[(also > asked[0]) & (also < asked[-1])]
-    points = np.union1d(asked, grid.apart(asked, further))
+    further = np.empty(0) if also is None else also[(also > requested[0]) & (also < requested[-1])]
+    points = np.union1d(requested, grid.apart(requested, further))
     by_order = np.array([float(one.line.order) for one in found if one.line.order is not None])
 
     def ground(speed: FloatArray) -> FloatArray:
@@ -89,7 +89,7 @@ def response(
         points, remark = grid.refined(points, *grid.places(known, system, by_order, points[0], points[-1], ground))
     refuse = partial(refuse_too_large, system, len(found), study.memory, ("operation", "speeds"), "speeds")
     solved = partial(_solved, study, system, found, progress or silent)
-    result = grid.with_peaks(solved, asked, points, remark, refuse)
+    result = grid.with_peaks(solved, requested, points, remark, refuse)
     kept = {one.line.order for one in found}
     return replace(result, left_out=tuple(line for line in lines(system) if line.order not in kept))
 
@@ -126,7 +126,7 @@ def order_faults(study: Study) -> list[Fault]:
     ]
 
 
-def _asked_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
+def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
     """(speeds,) rad/s, ascending."""
     if speeds is not None:
         return np.unique(np.asarray(speeds, dtype=np.float64))
@@ -158,5 +158,5 @@ def _solved(
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
             joint_error[part, k] = joint_errors(system, one, answered.angle)
-    each, asked = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
-    return Response(speed, asked, each, frequency, angle, torque, mean, residual, status, joint_error, system)
+    each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
+    return Response(speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system)

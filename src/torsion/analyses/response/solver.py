@@ -1,4 +1,4 @@
-"""The answer of the train to one harmonic at many frequencies, told at the stations' own speeds."""
+"""The answer of the train to one harmonic at many frequencies, at the stations' own speeds."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
