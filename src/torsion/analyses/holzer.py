@@ -54,7 +54,9 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     place = np.cumsum(keep[nodes])[place] - 1
     ratio = system.speed_ratio[station]
     angle = np.where(folded.is_held_copy, 0.0, modes.shape[station, mode] / ratio)
-    scale = _scale(angle[rows])
+    scale = float(angle[rows][np.argmax(np.abs(angle[rows]))])  # the largest where the first stands still
+    if abs(angle[rows][0]) > STANDS_STILL * abs(scale):
+        scale = float(angle[rows][0])
     omega = 2.0 * math.pi * modes.frequency[mode]
     torque = np.zeros(folded.tree.size)
     has = span >= 0
@@ -111,9 +113,3 @@ def _spans_and_stations(system: System) -> tuple[IntArray, IntArray]:
         by = int(span[copy])
         station[copy] = system.driven[by] if folded.sign[by] > 0 else system.driving[by]
     return span, station
-
-
-def _scale(angle: FloatArray) -> float:
-    """The first amplitude, or the largest where the first stands still."""
-    largest = float(angle[np.argmax(np.abs(angle))])
-    return float(angle[0]) if abs(angle[0]) > STANDS_STILL * abs(largest) else largest

@@ -149,9 +149,7 @@ def _largest_component(evidence: Results, at: int, spans: IntArray | None) -> st
     size = np.abs(response.torque[at][:, slice(None) if spans is None else spans]).max(axis=1, initial=0.0)
     if not np.all(np.isfinite(size)) or not np.any(size > 0):
         return ""
-    line = response.lines[int(np.argmax(size))]
-    name = f"order {line.order}" if line.order is not None else f"{line.frequency:.5g} Hz"
-    return f"mostly {name} ({', '.join(line.sources)})"
+    return f"{MOSTLY} {response.lines[int(np.argmax(size))].words}"
 
 
 class Continuous(Declared):

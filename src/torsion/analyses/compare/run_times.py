@@ -34,7 +34,6 @@ from torsion.analyses.compare.torque_methods import (
     solved,
     superposed,
 )
-from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import assemble
 from torsion.assembly.system import System
@@ -188,14 +187,18 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
     speeds = study.operation.speeds
     if speeds is None:
         raise SolveError("a response over speed needs the speeds; give `operation: speeds`")
-    coarse, fine = _references(study, highest)
+    if has_shafts(study.train):  # as they are divided by themselves and twice as finely
+        exact = reference(study, highest, 1)
+        coarse, fine = exact.system, exact.finer
+    else:
+        coarse = fine = ready(study.train, "lumped")
     harmonics, lost = _sound(Harmonics(study, np.linspace(speeds.first, speeds.last, effort.speeds)), fine)
     given = loaded(fine, harmonics)
     if not given.ends.name:
         raise SolveError("no elastic coupling, mesh or shaft carries a torque that could be compared")
     found = elimination(given)
     wanted = [one.torque for one in found]
-    lines = tuple(_words(load.line) for load in given.loads)
+    lines = tuple(load.line.words for load in given.loads)
     has_joints = any(load.sources.twist is not None for load in given.loads)
     case = _Case(study, harmonics, wanted, max(given.highest, highest), has_joints)
     differences = over_peaks(wanted, eliminated(loaded(coarse, harmonics)))
@@ -205,15 +208,6 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
         "response", "Response torques", _meaning(harmonics, lines), _reference_words(study), bound, given.highest,
         lines, rows, (*lost, *((JOINTS,) if has_joints else ()), *remarks),
     )  # fmt: skip
-
-
-def _references(study: Study, highest: float) -> tuple[System, System]:
-    """The train as it is divided by itself and twice as finely; twice the same where there is nothing to divide."""
-    if has_shafts(study.train):
-        found = reference(study, highest, 1)
-        return found.system, found.finer
-    system = ready(study.train, "lumped")
-    return system, system
 
 
 def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, ...]]:
@@ -259,11 +253,6 @@ def _superpositions(case: _Case, effort: Effort) -> list[list[Candidate]]:
                 solve = partial(superposed, count=count, corrected=is_corrected)
                 curve.append(case.named(name, counted(count, "mode"), count, made, solve))
     return [curve for curve in curves if curve]
-
-
-def _words(line: Line) -> str:
-    what = f"order {line.order}" if line.order is not None else f"{line.frequency:g} Hz"
-    return f"{what} ({', '.join(line.sources)})"
 
 
 def _meaning(harmonics: Harmonics, lines: tuple[str, ...]) -> str:

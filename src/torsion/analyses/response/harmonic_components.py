@@ -26,6 +26,12 @@ class Line:
     frequency: float | None = result("Hz", (), "null for an order", key="fixed_frequency_Hz")
     sources: tuple[str, ...] = result("", (), "what excites it")
 
+    @property
+    def words(self) -> str:
+        """Its order or frequency, and what excites it."""
+        name = f"order {self.order}" if self.order is not None else f"{self.frequency:g} Hz"
+        return f"{name} ({', '.join(self.sources)})"
+
     def circular_frequency(self, speed: FloatArray) -> FloatArray:
         """(speeds,) rad/s at reference speeds (speeds,) rad/s."""
         if self.order is not None:
