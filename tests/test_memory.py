@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.response.amplitudes import part_of
+from torsion.analyses.response.amplitudes import SMALL_BLOCK, blocks, part_of
 from torsion.analyses.response.over_speed import response, response_at
 from torsion.analyses.response.requested_response import _in_blocks
-from torsion.analyses.response.size import SMALL_BLOCK, blocks
 from torsion.analyses.response.synthesis import synthesis
 from torsion.assembly import assemble
 from torsion.study import bytes_of
@@ -36,7 +35,7 @@ def _scene(steps: int) -> str:
 def test_a_response_above_the_limit_is_refused_with_its_count_and_what_to_change():
     study = torsion.parse(_scene(1_000_000))
     (refused,) = torsion.run(study, memory="300 MB").plan.unanswered
-    assert refused.is_input
+    assert (refused.analysis, refused.is_named, refused.is_input) == ("response", True, True)
     text = refused.text
     for part in ("speeds", "x 4 orders x 2 stations", "0.3 GB are allowed", "fewer steps", "--memory 0."):
         assert part in text

@@ -93,7 +93,7 @@ def _response_faults(study: Study) -> Iterator[Fault]:
         hint = f"{_SPEEDS}, or `response: {{frequencies: {{from: 1, to: 200}}}}`"
         yield Fault(("analyses", "response"), "a response needs speeds or frequencies", hint)
     if any(torque.table for torque in study.train.torques):
-        from torsion.analyses.coverage import table_faults
+        from torsion.analyses.steady import table_faults
 
         yield from table_faults(study)
     yield from _speed_faults(study, speeds=speeds or asked is not None or ruled, frequencies=frequencies)
@@ -135,7 +135,7 @@ def _power_faults(study: Study) -> list[Fault]:
     """A mean torque that finds no way through the train, or whose table does not cover the speeds."""
     if not study.operation.has_mean_torque:
         return []
-    from torsion.analyses.coverage import power_faults
+    from torsion.analyses.steady import power_faults
 
     return power_faults(study)
 

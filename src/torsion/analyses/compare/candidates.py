@@ -123,4 +123,4 @@ def _count_up_to(system: System, highest: float) -> int:
         return COUNT
     from torsion.analyses.bars import reach
 
-    return max(1, reach(undamped_tree(system.folded), system.folded_bars, 2.0 * math.pi * highest).count)
+    return max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from torsion.analyses.requests import has_inertia
+from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, head
