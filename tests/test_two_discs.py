@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.critical import CriticalSpeeds
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.holzer import holzer
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -102,9 +105,7 @@ def _run(place: int) -> Findings:
 def test_the_program_finds_mode_and_response_of_the_chapter(place: int) -> None:
     study = torsion.parse(SCENES[place])
     findings = torsion.run(study)
-    assert findings.modes is not None
-    assert findings.damped is not None
-    assert findings.modes.frequency[0] == pytest.approx(W0 / 2 / pi, rel=1e-14)
+    assert findings.need(Modes).frequency[0] == pytest.approx(W0 / 2 / pi, rel=1e-14)
     speeds = np.array([W0 / 2, 50 * pi])
     response = torsion.response(study, findings.system, speeds=speeds)
     slow = int(np.argmax(np.abs(response.torque[0, 0])))  # of gear and shaft the shaft behind it: twice the torque
@@ -113,17 +114,16 @@ def test_the_program_finds_mode_and_response_of_the_chapter(place: int) -> None:
     assert spans[0] == pytest.approx(RESONANT, rel=1e-12)
     assert spans[1] == pytest.approx(_torque(100 * pi), rel=1e-12)
     assert response.lines[0].order == Fraction(2)
-    assert findings.critical[0].speed == pytest.approx(W0 / 2, rel=1e-12)
-    assert findings.damped.frequency[0] == pytest.approx(LAMBDA.imag / 2 / pi, rel=1e-12)
-    assert findings.damped.damping_ratio[0] == pytest.approx(-LAMBDA.real / abs(LAMBDA), rel=1e-10)
+    assert findings.need(CriticalSpeeds).crossings[0].speed == pytest.approx(W0 / 2, rel=1e-12)
+    assert findings.need(DampedModes).frequency[0] == pytest.approx(LAMBDA.imag / 2 / pi, rel=1e-12)
+    assert findings.need(DampedModes).damping_ratio[0] == pytest.approx(-LAMBDA.real / abs(LAMBDA), rel=1e-10)
 
 
 def test_the_program_finds_the_shape_and_the_table_of_the_chapter() -> None:
     findings = _run(0)
-    assert findings.modes is not None
-    assert findings.modes.shape[:, 0] == pytest.approx([-0.5, 2.0], rel=1e-14)
-    assert findings.modes.torque[0, 0] == pytest.approx(-36000.0, rel=1e-14)
-    table = holzer(findings.system, findings.modes, 0)
+    assert findings.need(Modes).shape[:, 0] == pytest.approx([-0.5, 2.0], rel=1e-14)
+    assert findings.need(Modes).torque[0, 0] == pytest.approx(-36000.0, rel=1e-14)
+    table = holzer(findings.system, findings.need(Modes), 0)
     assert table.angle == pytest.approx([1.0, -4.0], rel=1e-14)
     assert table.inertia_torque == pytest.approx([72000.0, -72000.0], rel=1e-14)
     assert abs(table.torque[1]) == pytest.approx(72000.0, rel=1e-14)
@@ -132,10 +132,9 @@ def test_the_program_finds_the_shape_and_the_table_of_the_chapter() -> None:
 
 def test_the_program_finds_both_modes_of_equal_branches() -> None:
     findings = _run(2)
-    assert findings.modes is not None
     expected = [sqrt(72000.0) / 2 / pi, W0 / 2 / pi]
-    assert findings.modes.frequency == pytest.approx(expected, rel=1e-14)
-    assert findings.modes.shape[0, 0] == pytest.approx(0.0, abs=1e-12)
+    assert findings.need(Modes).frequency == pytest.approx(expected, rel=1e-14)
+    assert findings.need(Modes).shape[0, 0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_inertia_of_the_shaft_is_below_one_percent_of_the_smaller_disc() -> None:
