@@ -106,7 +106,7 @@ ANALYSES: dict[str, Analysis] = {
         "stability map", "torsion.analyses.motion.requested_motion", "run_map", needs=("modes",),
         results={"stability_map": "torsion.analyses.motion.map:StabilityMap"},
         wanted=lambda study: study.setting("analyses", "stability", "map") is not None,
-        place=("analyses", "stability", "map"),
+        chapters=("stability_ranges",), place=("analyses", "stability", "map"),
     ),
     "frequency response": Analysis(
         "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
