@@ -24,7 +24,7 @@ FLOORS = {
 DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
-    "skfem": ("assembly/",),
+    "skfem": ("assembly/", "analyses/lateral/"),
     "meshio": ("assembly/section/mesh.py", "report/surface/vtu.py"),
     "matplotlib": ("plots/",),
     "jinja2": ("report/",),

@@ -110,8 +110,8 @@ ANALYSES: dict[str, Analysis] = {
         results={"joints": "Joints"}, wanted=lambda study: study.has_joints,
     ),
     "lateral": Analysis(
-        "bending of the shafts", "torsion.analyses.lateral.bending", settings="LateralSettings", needs=("steady",),
-        results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
+        "bending of the shafts", "torsion.analyses.lateral.shaft_bending", settings="LateralSettings",
+        needs=("steady",), results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
     ),
     "check": Analysis(
         "comparison of the models", "torsion.analyses.check.models", settings="CheckSettings", needs=("modes",),

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.lateral.bending import Lateral, ShaftFound
-from torsion.analyses.lateral.tilting import Tilting
+from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
+from torsion.analyses.lateral.tilt_stability import Tilting
 from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
 from torsion.rules.base_rule import Rule

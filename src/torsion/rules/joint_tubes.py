@@ -63,7 +63,7 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
 
 def _cannot_bend(train: Train, parts: tuple[int, ...]) -> str:
     """Why the bending of shafts on supports is not computed; empty where it is."""
-    from torsion.assembly.lateral.line import bending_shafts
+    from torsion.analyses.lateral.bending_shafts import bending_shafts
 
     shafts, _ = bending_shafts(train)
     return "; ".join(shaft.lacks for shaft in shafts if shaft.lacks and set(shaft.parts) & set(parts))

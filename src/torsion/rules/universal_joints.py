@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from torsion.analyses.joints.found import JointFound, Joints, LineFound
-from torsion.analyses.lateral.bending import Lateral
+from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results

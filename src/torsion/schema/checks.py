@@ -75,7 +75,7 @@ def _lateral_faults(study: Study) -> list[Fault]:
     """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
     if "lateral" not in study.analyses and not study.has_supports:
         return []
-    from torsion.analyses.lateral.bending import LateralSettings, lateral_faults
+    from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral_faults
 
     asked = study.analyses.get("lateral")
     return lateral_faults(study.train, asked if isinstance(asked, LateralSettings) else None)

@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.lateral.planes import planes
-from torsion.analyses.lateral.refined import refined
-from torsion.analyses.lateral.response import answer, speeds_for
-from torsion.analyses.lateral.whirl import criticals, lowest, roots_among, whirl
-from torsion.assembly.lateral.places import places
-from torsion.assembly.lateral.shaft import Beam, Point, Segment, assemble_lateral
+from torsion.analyses.lateral.beam_matrices import Beam, Point, Segment, assemble_lateral, places
+from torsion.analyses.lateral.bending_modes import planes
+from torsion.analyses.lateral.couple_response import answer, speeds_for
+from torsion.analyses.lateral.whirl import criticals, lowest, refined, roots_among, whirl
 from torsion.errors import SolveError
 from torsion.kernels.response import Status
 from torsion.kinematics.couples import Couple, bearing_reactions

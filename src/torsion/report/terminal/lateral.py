@@ -8,7 +8,7 @@ from torsion.report.lateral_tables import Range, critical_row, inside, near, uns
 from torsion.report.terminal.grids import filled, grid
 
 if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import Lateral
+    from torsion.analyses.lateral.shaft_bending import Lateral
 
 
 def bending_speeds(found: "Lateral", speeds: Range) -> Grid:

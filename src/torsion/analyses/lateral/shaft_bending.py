@@ -11,17 +11,15 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.analyses.joints.line import Placed, placed
-from torsion.analyses.lateral.couples import couples_at, orders
-from torsion.analyses.lateral.planes import Planes, planes
-from torsion.analyses.lateral.response import Answer, answer, speeds_for
-from torsion.analyses.lateral.tilting import Tilting, tilting
+from torsion.analyses.lateral.beam_elements import DEGREE
+from torsion.analyses.lateral.beam_matrices import assemble_lateral, places
+from torsion.analyses.lateral.bending_modes import Planes, planes
+from torsion.analyses.lateral.bending_shafts import BendingShaft, bending_shafts
+from torsion.analyses.lateral.couple_response import Answer, answer, couples_at, orders, speeds_for
+from torsion.analyses.lateral.tilt_stability import Tilting, tilting
 from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
-from torsion.assembly.lateral.elements import DEGREE
-from torsion.assembly.lateral.line import BendingShaft, bending_shafts
-from torsion.assembly.lateral.places import places
-from torsion.assembly.lateral.shaft import assemble_lateral
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
@@ -30,18 +28,6 @@ from torsion.kernels.tree import FloatArray
 from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
-
-__all__ = [
-    "Answer",
-    "Critical",
-    "Lateral",
-    "LateralSettings",
-    "ShaftFound",
-    "Tilting",
-    "Whirl",
-    "lateral",
-    "lateral_faults",
-]
 
 PLACE: Path = ("analyses", "lateral")
 _ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses

@@ -1,4 +1,4 @@
-"""A shaft that bends: its pieces, what stands on it, and its matrices by Hermite elements of high degree.
+"""A shaft that bends: its segments, what stands on it, its matrices by elements of high degree, values along it.
 
 Displacement u = y + i z, slope u' (m/m), x along the shaft in the direction of power flow, y, z, x right-handed. A
 round shaft turning at Omega obeys M u'' - i Omega G u' + K u = f (Genta 2005, Dynamics of Rotating Systems).
@@ -12,26 +12,14 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.assembly.lateral.elements import Section, element, end_unknowns, size
+from torsion.analyses.lateral.beam_elements import Segment, element, functions, scaled, size
 from torsion.errors import SolveError
 from torsion.kernels.tree import FloatArray, IntArray
 
 LONGEST_PHASE = 4.5  # rad of the bending wave along an element: the error of a frequency is then below 1e-13
 STEEPEST = 1.5  # ratio of the diameters at the ends of one element of a cone
 MOST_ELEMENTS = 400
-
-
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """A piece of shaft, uniform or conical."""
-
-    length: float  # m
-    outer: tuple[float, float]  # m, diameters at both ends
-    bore: tuple[float, float]  # m
-    youngs_modulus: float  # Pa
-    density: float  # kg/m3
-    shear_modulus: float = math.inf  # Pa, of the shear only
-    loss_factor: float = 0.0
+SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an element; both ends, as a moment may jump between two of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +78,8 @@ class Beam:
     @property
     def bending_stiffness(self) -> float:
         """E I/length^3 of its weakest section, N/m."""
-        sections = [
-            each.youngs_modulus * math.pi / 64.0 * (each.outer[end] ** 4 - each.bore[end] ** 4)
-            for each in self.segments for end in (0, 1)
-        ]  # fmt: skip
-        return min(sections) / self.length**3
+        ends = np.array([0.0, 1.0])
+        return float(min((each.youngs_modulus * each.moment(ends)).min() for each in self.segments)) / self.length**3
 
 
 @dataclass(frozen=True)
@@ -102,7 +87,7 @@ class Cell:
     """One element: where it lies, its section and its unknowns."""
 
     start: float  # m
-    section: Section
+    section: Segment
     unknowns: IntArray
 
 
@@ -147,11 +132,11 @@ def assemble_lateral(
     stiffness, lossy, inertia, gyroscopic = (np.zeros((order, order)) for _ in range(4))
     for cell in cells:
         at = np.ix_(cell.unknowns, cell.unknowns)
-        local = element(cell.section, shear)
-        stiffness[at] += local.stiffness
-        lossy[at] += cell.section.loss_factor * local.stiffness
-        inertia[at] += local.mass + (local.rotary if rotary_inertia else 0.0)
-        gyroscopic[at] += 2.0 * local.rotary if rotary_inertia else 0.0
+        stiff, mass, rotary = element(cell.section, shear)
+        stiffness[at] += stiff
+        lossy[at] += cell.section.loss_factor * stiff
+        inertia[at] += mass + (rotary if rotary_inertia else 0.0)
+        gyroscopic[at] += 2.0 * rotary if rotary_inertia else 0.0
     place = np.array([2 * int(np.argmin(np.abs(nodes - point.at))) for point in beam.points], dtype=np.intp)
     held: set[int] = set()
     for point, row in zip(beam.points, place.tolist(), strict=True):
@@ -167,51 +152,51 @@ def _cells(beam: Beam, frequency: float, shear: bool, elements: int) -> tuple[tu
     """Elements from start to end, and the places of their nodes, m."""
     if not beam.length > 0 or any(not 0 <= point.at <= beam.length * (1 + 1e-12) for point in beam.points):
         raise ValueError(f"{beam.name or 'beam'}: it has no length, or a point stands beside it")
-    sections: list[tuple[float, Section]] = []
+    apart = 1e-12 * beam.length  # places nearer to each other are one, but for rounding
+    sections: list[tuple[float, Segment]] = []
     begin = 0.0
     for segment in beam.segments:
-        marks = [p.at - begin for p in beam.points if _apart(p.at - begin, 0.0, beam) and p.at - begin > 0]
-        inner = sorted({mark for mark in marks if mark < segment.length and _apart(mark, segment.length, beam)})
-        ends = [0.0, *inner, segment.length]
-        for left, right in pairwise(ends):
-            sections += _divided(segment, begin, (left, right), (frequency, shear, elements))
+        inner = sorted({p.at - begin for p in beam.points if apart < p.at - begin < segment.length - apart})
+        for left, right in pairwise([0.0, *inner, segment.length]):
+            whole = segment.between(left, right)
+            steep = abs(math.log(whole.outer[1] / whole.outer[0])) / math.log(STEEPEST)
+            number = max(elements, math.ceil(whole.phase(frequency, shear) / LONGEST_PHASE), math.ceil(steep))
+            marks = pairwise(np.linspace(left, right, number + 1).tolist())
+            sections += [(begin + start, segment.between(start, end)) for start, end in marks]
         begin += segment.length
     if len(sections) > MOST_ELEMENTS:
         why = f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
         raise SolveError(f"{beam.name or 'beam'}: {why}; ask for fewer `modes` or lower `speeds`")
-    starts = [start for start, _ in sections]
-    inside = size(shear) - 4
-    first = 2 * (len(sections) + 1)
+    inside, first = size(shear) - 4, 2 * (len(sections) + 1)
     cells = [
-        Cell(start, section, np.r_[end_unknowns(k), first + inside * k : first + inside * (k + 1)])
+        Cell(start, section, np.r_[2 * k : 2 * k + 4, first + inside * k : first + inside * (k + 1)])
         for k, (start, section) in enumerate(sections)
     ]
-    return tuple(cells), np.array([*starts, beam.length])
+    return tuple(cells), np.array([*(start for start, _ in sections), beam.length])
 
 
-def _apart(place: float, other: float, beam: Beam) -> bool:
-    """Two places are not one but for rounding."""
-    return abs(place - other) > 1e-12 * beam.length
+@dataclass(frozen=True)
+class Places:
+    """Rows that give the values of one plane, (places, unknowns); an end between two elements is there twice."""
+
+    position: FloatArray  # (places,) m from the start
+    displacement: FloatArray  # m
+    slope: FloatArray  # 1: of the section; with shear the axis of the shaft is steeper
+    moment: FloatArray  # N m: E I u'', which bends in the plane of y (about z) or of z
+    moment_of_loss: FloatArray  # N m: loss factor times that, in quadrature
 
 
-def _divided(
-    segment: Segment, begin: float, part: tuple[float, float], asked: tuple[float, bool, int]
-) -> list[tuple[float, Section]]:
-    """Elements of the part (from, to) of a segment that starts at `begin`."""
-    frequency, shear, elements = asked
-    left, right = part
-
-    def section(start: float, end: float) -> Section:
-        share = np.array([start, end]) / segment.length
-        outer, bore = (ends[0] + (ends[1] - ends[0]) * share for ends in (segment.outer, segment.bore))
-        return Section(
-            end - start, (float(outer[0]), float(outer[1])), (float(bore[0]), float(bore[1])),
-            segment.youngs_modulus, segment.density, segment.shear_modulus, segment.loss_factor,
-        )  # fmt: skip
-
-    whole = section(left, right)
-    steep = abs(math.log(whole.outer[1] / whole.outer[0])) / math.log(STEEPEST)
-    number = max(elements, math.ceil(whole.phase(frequency, shear) / LONGEST_PHASE), math.ceil(steep))
-    ends = np.linspace(left, right, number + 1).tolist()
-    pairs = pairwise(ends)
-    return [(begin + start, section(start, end)) for start, end in pairs]
+def places(system: LateralSystem, shares: tuple[float, ...] = SHARES) -> Places:
+    """The rows at shares of the length of every element."""
+    local = np.array(shares)
+    rows = np.zeros((4, len(system.cells), len(shares), len(system.inertia)))
+    for k, cell in enumerate(system.cells):
+        section = cell.section
+        shapes = scaled(functions(shares, system.shear), section.length, system.shear)
+        moment = shapes.bending * (section.youngs_modulus * section.moment(local))
+        for row, values in zip(
+            rows, (shapes.deflection, shapes.rotation, moment, section.loss_factor * moment), strict=True
+        ):
+            row[k][:, cell.unknowns] = values.T
+    position = [cell.start + cell.section.length * local for cell in system.cells]
+    return Places(np.concatenate(position), *rows.reshape(4, -1, rows.shape[3]))

@@ -5,13 +5,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from torsion.assembly.lateral.lacking import missing, supports_of
-from torsion.assembly.lateral.shaft import Beam, Point, Segment
-from torsion.components.support import fits
+import numpy as np
+
+from torsion.analyses.lateral.beam_elements import Segment
+from torsion.analyses.lateral.beam_matrices import Beam, Point
+from torsion.assembly.walking import connected
+from torsion.components.support import Support, fits
 from torsion.errors import Fault, Path
 from torsion.primitives import Bar
 from torsion.train import Train
 
+SOFTEST = 1e-8  # of E I/L^3: the lowest frequency is wrong by about 1e-13 over this share (measured), here 1e-5
 Placing = tuple[int, Literal["driving", "driven"], int]  # part of a joint, which of its shafts, where on this one
 
 
@@ -50,19 +54,11 @@ def bending_shafts(train: Train) -> tuple[tuple[BendingShaft, ...], list[Fault]]
 
 
 def _nodes(train: Train) -> list[int]:
-    """(stations,) the first station that each one is rigidly joined to."""
-    node = list(range(len(train.stations)))
-
-    def root(station: int) -> int:
-        while node[station] != station:
-            station = node[station]
-        return station
-
-    for spring in train.springs:
-        if spring.flexibility == 0:
-            one, other = sorted((root(spring.driving), root(spring.driven)))
-            node[other] = one
-    return [root(station) for station in range(len(node))]
+    """(stations,) the same number for stations that are joined rigidly."""
+    rigid = [(spring.driving, spring.driven) for spring in train.springs if spring.flexibility == 0]
+    ends = np.array(rigid, dtype=np.int64).reshape(-1, 2)
+    node: list[int] = connected(len(train.stations), ends[:, 0], ends[:, 1]).tolist()
+    return node
 
 
 def _rows(bars: Sequence[Bar], node: list[int]) -> list[list[Bar]]:
@@ -94,7 +90,7 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
     if not lacks and len(faults) == before:
-        lacks, place = missing(train, row, beam)
+        lacks, place = _missing(train, row, beam)
     faults += [] if lacks else of_material
     at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
     ratio = train.stations[row[0].driving].ratio
@@ -140,7 +136,7 @@ def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[F
     points = []
     begin = 0.0
     for bar in row:
-        part, every = train.parts[bar.part], supports_of(train, bar)
+        part, every = train.parts[bar.part], _supports_of(train, bar)
         for number, (support, path) in enumerate(every):
             if not fits(support, bar.length):
                 message = f"the support stands {support.at:g} m along a shaft of {bar.length:g} m"
@@ -166,3 +162,59 @@ def _loads(train: Train, node: list[int], stations: list[int], parts: tuple[int,
         for number, part in enumerate(train.parts)
         if number not in parts and part.component.keyword not in ("joint", "shaft") and here & set(part.stations)
     )
+
+
+def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
+    """The supports of a shaft and where each stands in the file."""
+    part = train.parts[bar.part]
+    given: Support | tuple[Support, ...] | None = getattr(part.component, "support", None)
+    every = (given,) if isinstance(given, Support) else given or ()
+    path: Path = (*part.path, "support")
+    return [(one, path if len(every) == 1 else (*path, number)) for number, one in enumerate(every)]
+
+
+def _missing(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
+    """Why a shaft of the bars `row` cannot be computed, and the key it is about; both empty where it can."""
+    of_mesh = [bar for bar in row if getattr(train.parts[bar.part].component, "section", None) is not None]
+    if of_mesh:
+        place = (*train.parts[of_mesh[0].part].path, "section")
+        return "its section is a mesh, and bending needs diameters", place
+    why, place = _not_held(train, row, beam)
+    if why:
+        return why, place
+    if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
+        place = (*train.parts[row[0].part].path, "material")
+        return "it has no mass: neither its material a density nor a support a `mass`", place
+    return "", ()
+
+
+def _not_held(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
+    """Why joints and supports do not hold a shaft in both planes."""
+    free = [beam.rigid_motions(plane) for plane in (0, 1)]
+    given = [one for bar in row for one in _supports_of(train, bar)]
+    if not any(free):
+        return _held_softly(beam, given)
+    if not given:
+        return "it is not held: a joint at either end, a joint and a `support`, or two supports would hold it", ()
+    if free[0] != free[1]:
+        plane = free.index(max(free))
+        path = next(path for one, path in given if not one.stiffness_of_planes[plane] > 0)
+        why = f"it is not held in the plane {'yz'[plane]}, in which its support has no stiffness"
+        return why, (*path, "stiffness")
+    at = [point.at for point in beam.points]
+    if len(set(at)) < len(at):
+        where = "on the joint itself" if any(point.held == "pinned" for point in beam.points) else "where another does"
+        path = given[-1][1]
+        return f"it is held at one place only, as its support stands {where}", (*path, "at")
+    return "it is held at one place only: another `support`, or a joint at an end, would hold it", given[-1][1]
+
+
+def _held_softly(beam: Beam, given: list[tuple[Support, Path]]) -> tuple[str, Path]:
+    """That its supports are too soft to be told from none."""
+    hold = min(beam.hold(0), beam.hold(1))
+    if hold >= SOFTEST or not given:
+        return "", ()
+    softest = min(given, key=lambda one: min(one[0].stiffness_of_planes))
+    bent = f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
+    why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft to compute"
+    return f"{why}; at least {SOFTEST:g} of it is needed", (*softest[1], "stiffness")

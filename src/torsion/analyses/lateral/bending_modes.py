@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, eigh, solve_triangular
 
-from torsion.assembly.lateral.shaft import LateralSystem
+from torsion.analyses.lateral.beam_matrices import LateralSystem
 from torsion.errors import SolveError
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree import FloatArray
 
 EPS = float(np.finfo(float).eps)
 
@@ -52,11 +52,6 @@ class Planes:
         """A support has a damper."""
         return any(any(point.damping) for point in self.system.beam.points)
 
-    def of_planes(self, p: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Modal coordinates (n, ...) of y and of z from those of both planes (2 n, ...)."""
-        n = len(self.y.square)
-        return p[:n], -1j * p[n:]
-
 
 def planes(system: LateralSystem) -> Planes:
     """The modal coordinates of a shaft that its joints and supports hold; raises SolveError where it is not held."""
@@ -86,49 +81,13 @@ def _projected(matrix: FloatArray, one: Plane, other: Plane) -> FloatArray:
 def _plane(system: LateralSystem, plane: int) -> Plane:
     """Modes of a held plane, by the inverse of the stiffness scaled to a diagonal of 1."""
     stiffness = system.stiffness + system.support("stiffness", plane)
-    square, shape = _inverse_modes(stiffness, system)
-    square = np.where(square > len(square) * EPS * square[0], square, 0.0)
-    return Plane(shape, square)
-
-
-def _inverse_modes(stiffness: FloatArray, system: LateralSystem) -> tuple[FloatArray, FloatArray]:
-    """Squares descending, and shapes (unknowns, modes) with shape' stiffness shape = 1."""
     at = np.ix_(system.free, system.free)
     scale = 1.0 / np.sqrt(np.diagonal(stiffness)[system.free])
-    factor, _ = cho_factor(scale[:, None] * stiffness[at] * scale, lower=True)
-    factor = np.tril(factor)
+    factor = np.tril(cho_factor(scale[:, None] * stiffness[at] * scale, lower=True)[0])
     half = solve_triangular(factor, scale[:, None] * system.inertia[at] * scale, lower=True)
     whole = solve_triangular(factor, half.T, lower=True)
     square, turned = eigh((whole + whole.T) / 2.0)
     shape = np.zeros((stiffness.shape[0], len(square)))
     shape[system.free] = scale[:, None] * solve_triangular(factor, turned[:, ::-1], lower=True, trans="T")
-    return square[::-1], shape
-
-
-def frequencies_at_rest(system: LateralSystem, plane: int = 0) -> FloatArray:
-    """(modes,) rad/s of a plane without rotation, ascending; 0 for every rigid motion.
-
-    A shaft that is not held is shifted by a spring on its inertia, of the size of its lowest bending frequency.
-    """
-    rigid = system.beam.rigid_motions(plane)
-    if not rigid:
-        return _plane(system, plane).frequency
-    stiffness = system.stiffness + system.support("stiffness", plane)
-    shift = _first_square(system)
-    square, _ = _inverse_modes(stiffness + shift * system.inertia, system)
-    elastic = square[rigid:]
-    elastic = elastic[elastic > len(square) * EPS * square[0]]
-    return np.asarray(np.concatenate([np.zeros(rigid), np.sqrt(1.0 / elastic - shift)]))
-
-
-def _first_square(system: LateralSystem) -> float:
-    """1/s2 of the size of the lowest bending frequency squared: Rayleigh's quotient of a parabola over the length."""
-    beam = system.beam
-    shape = np.zeros(system.inertia.shape[0])
-    nodes = np.array([*(cell.start for cell in system.cells), beam.length]) / beam.length
-    shape[0 : 2 * len(nodes) : 2] = (2.0 * nodes - 1.0) ** 2
-    shape[1 : 2 * len(nodes) : 2] = 4.0 * (2.0 * nodes - 1.0) / beam.length
-    middle = np.array([0.5])
-    sections = [cell.section for cell in system.cells]
-    stiff = sum(float(each.youngs_modulus * each.moment(middle)[0] * each.length) for each in sections)
-    return float(stiff * (8.0 / beam.length**2) ** 2 / (shape @ system.inertia @ shape))
+    square = square[::-1]
+    return Plane(shape, np.where(square > len(square) * EPS * square[0], square, 0.0))

@@ -5,10 +5,9 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
-from torsion.analyses.lateral.planes import frequencies_at_rest
-from torsion.assembly.lateral.places import places
-from torsion.assembly.lateral.shaft import LONGEST_PHASE, Beam, Point, Segment, assemble_lateral
+from torsion.analyses.lateral.beam_matrices import LONGEST_PHASE, Beam, Point, Segment, assemble_lateral, places
 
 E, RHO, G, LENGTH = 210e9, 7850.0, 80e9, 1.5
 OUTER, BORE = 0.120, 0.108
@@ -18,6 +17,19 @@ UNIT = math.sqrt(E * MOMENT / (RHO * AREA)) / LENGTH**2  # rad/s: frequency = UN
 TUBE = Segment(LENGTH, (OUTER, OUTER), (BORE, BORE), E, RHO, G)
 PINNED = (Point(0.0, held="pinned"), Point(LENGTH, held="pinned"))
 RATIO = 2.0  # end mass / mass of the shaft
+
+
+def frequencies_at_rest(system, plane=0):
+    """rad/s, ascending; 0 for every rigid motion. A spring on the inertia holds a shaft that nothing else holds."""
+    at = np.ix_(system.free, system.free)
+    stiffness = (system.stiffness + system.support("stiffness", plane))[at]
+    rigid, inertia = system.beam.rigid_motions(plane), system.inertia[at]
+    shift = UNIT**2 * 100.0 if rigid else 0.0
+    scale = 1.0 / np.sqrt(np.diagonal(stiffness + shift * inertia))
+    held, inert = (scale[:, None] * matrix * scale for matrix in (stiffness + shift * inertia, inertia))
+    inverse = eigh(inert, held, eigvals_only=True)[::-1]  # the largest keep all their digits
+    elastic = inverse[rigid:][inverse[rigid:] > len(inverse) * np.finfo(float).eps * inverse[0]]
+    return np.concatenate([np.zeros(rigid), np.sqrt(1.0 / elastic - shift)])
 
 
 def _roots(equation, starts):

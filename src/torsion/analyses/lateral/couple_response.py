@@ -1,11 +1,17 @@
 """Answer of a turning shaft to couples at its points: at rest in space (order 0) and at orders of its speed."""
 
+from collections.abc import Sequence
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.analyses.lateral.planes import EPS, Planes
+from torsion.analyses.joints.couples import couples_found
+from torsion.analyses.joints.line import Behind, Placed, motions
+from torsion.analyses.lateral.beam_matrices import places
+from torsion.analyses.lateral.bending_modes import EPS, Planes
+from torsion.analyses.lateral.bending_shafts import BendingShaft
 from torsion.analyses.lateral.whirl import Critical, criticals
-from torsion.assembly.lateral.places import places
 from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
 from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.results import derived, reported, result, words
@@ -16,6 +22,8 @@ REACH = 0.01  # of its speed: an amplitude so near an undamped resonance, 50 tim
 Lines = NDArray[np.uint8]
 CHUNK = 64  # speeds treated at once
 STEPS = np.tan(np.linspace(-0.5, 0.5, 13)[1:-1] * np.pi)  # equal steps of phase around a resonance
+SAMPLES = 512  # of a revolution; the orders of a joint of 70 degrees fall below rounding before the half of it
+Carrier = Literal["driving", "driven"]
 ASIDE = np.array([-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03])  # around one without damping
 
 
@@ -179,3 +187,55 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
             spring = np.array(point.stiffness) + 1j * w * np.array(point.damping)
             force[:, k] = spring * x[:, at[k]]
     return force
+
+
+def orders(every: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
+    """0, and the orders of all joints up to this shaft and at its end."""
+    found = {0}
+    for at in shaft.joints:
+        position: int | None = next(k for k, place in enumerate(every) if place.part == at.part)
+        while position is not None:
+            found.add(every[position].joint.order)
+            position = every[position].before
+    return tuple(sorted(found))
+
+
+def couples_at(
+    every: Sequence[Placed], shaft: BendingShaft, torque: FloatArray, carrier: Carrier = "driving"
+) -> dict[int, ComplexArray]:
+    """By order: (speeds, points, 2) N m, amplitudes about y and z of Re[C exp(i order x)], x the first shaft's angle.
+
+    torque: (joints of `every`, speeds) N m, mean, constant on the first shaft of the line (carrier driving) or on the
+    last. y is the normal of the plane of the joint before the shaft, else of the one behind it.
+    """
+    turned = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
+    moved = motions(every, turned)
+    result = {
+        order: np.zeros((torque.shape[1], len(shaft.beam.points), 2), dtype=np.complex128)
+        for order in orders(every, shaft)
+    }
+    for at in shaft.joints:
+        position = next(k for k, place in enumerate(every) if place.part == at.part)
+        place = every[position]
+        pair, _ = couples_found(place, moved[position].yoke, 1.0, "driving", None)
+        couple = pair[0] if at.shaft == "driving" else pair[1]
+        curve = (couple.normal + 1j * couple.inplane) * _carried(every, position, moved, carrier)
+        if at is not shaft.joints[0] and at.shaft == "driving":
+            curve = curve * np.exp(1j * (place.joint.plane or 0.0))
+        for order, amplitude in result.items():
+            turn = (1.0 if order == 0 else 2.0) / SAMPLES * np.exp(-1j * order * turned)
+            pair_of_planes = np.array([curve.real @ turn, curve.imag @ turn])
+            amplitude[:, at.point] += torque[position][:, None] * pair_of_planes
+    return result
+
+
+def _carried(every: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier) -> FloatArray:
+    """(angles,) torque in the driving shaft of a joint over the constant one."""
+    before = every[position].before
+    speed = np.ones(SAMPLES) if before is None else moved[before].speed
+    if carrier == "driving":
+        return np.asarray(1.0 / speed)
+    last = position
+    while following := [k for k, place in enumerate(every) if place.before == last]:
+        last = following[0]
+    return np.asarray(moved[last].speed / speed)

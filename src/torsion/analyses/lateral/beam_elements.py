@@ -7,34 +7,39 @@ independent of each other, which do not lock; the shear coefficient is that of C
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray, IntArray
+from torsion.kernels.tree import FloatArray
 
 DEGREE = 13  # of the displacement in an element
 POINTS = DEGREE + 4  # of Gauss: exact for the product of two functions and a moment of area of degree 4
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
-    """The data of one element."""
+class Segment:
+    """A piece of shaft, uniform or conical; an element is one too."""
 
     length: float  # m
-    outer: tuple[float, float]  # m
+    outer: tuple[float, float]  # m, diameters at both ends
     bore: tuple[float, float]  # m
     youngs_modulus: float  # Pa
     density: float  # kg/m3
-    shear_modulus: float  # Pa
+    shear_modulus: float = math.inf  # Pa, of the shear only
     loss_factor: float = 0.0
 
     def diameters(self, share: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Outer diameter and bore, m, at shares of the length."""
         outer, bore = (ends[0] + (ends[1] - ends[0]) * share for ends in (self.outer, self.bore))
         return outer, bore
+
+    def between(self, start: float, end: float) -> "Segment":
+        """The part between two distances from its start, m."""
+        (o1, o2), (b1, b2) = (each.tolist() for each in self.diameters(np.array([start, end]) / self.length))
+        return replace(self, length=end - start, outer=(o1, o2), bore=(b1, b2))
 
     def area(self, share: FloatArray) -> FloatArray:
         """m2."""
@@ -76,28 +81,17 @@ class Functions:
     shear: FloatArray  # derivative of the deflection alone; the shear strain is that less the rotation
 
 
-@dataclass(frozen=True)
-class Element:
-    """Matrices (functions, functions) of one plane over displacements, m, slopes, and inner unknowns."""
-
-    stiffness: FloatArray  # N/m
-    mass: FloatArray  # kg
-    rotary: FloatArray  # kg: of the diametral inertia of the sections
-
-
 def size(shear: bool) -> int:
     """Unknowns of one element, those at its ends included."""
     return 2 * DEGREE + 1 if shear else DEGREE + 1
 
 
-def end_unknowns(number: int) -> IntArray:
-    """Displacement and slope at the start and at the end of the element of that number."""
-    return np.arange(2 * number, 2 * number + 4, dtype=np.intp)
+def element(section: Segment, shear: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Stiffness, N/m, mass, kg, and rotary inertia of the sections, kg, by quadrature that is exact for cones.
 
-
-def element(section: Section, shear: bool) -> Element:
-    """Stiffness and inertia of an element by quadrature that is exact for cones."""
-    points, weights = _gauss()
+    Each (functions, functions) of one plane over displacements, m, slopes, and inner unknowns.
+    """
+    points, weights = gauss(POINTS)
     shapes, weights = scaled(functions(tuple(points), shear), section.length, shear), weights * section.length
     area, moment = section.area(points), section.moment(points)
     stiffness = _product(shapes.bending, weights * section.youngs_modulus * moment)
@@ -105,7 +99,7 @@ def element(section: Section, shear: bool) -> Element:
         coefficient = section.shear_coefficient(points) * section.shear_modulus
         stiffness += _product(shapes.shear - shapes.rotation, weights * coefficient * area)
     mass = _product(shapes.deflection, weights * section.density * area)
-    return Element(stiffness, mass, _product(shapes.rotation, weights * section.density * moment))
+    return stiffness, mass, _product(shapes.rotation, weights * section.density * moment)
 
 
 def scaled(shapes: Functions, length: float, shear: bool) -> Functions:
@@ -172,10 +166,10 @@ def _on_cell(kind: Any, points: FloatArray) -> list[Any]:
     return [fields[0] for fields in basis.basis]
 
 
-@lru_cache(maxsize=1)
-def _gauss() -> tuple[FloatArray, FloatArray]:
-    """Points and weights on [0, 1]."""
-    points, weights = np.polynomial.legendre.leggauss(POINTS)
+@lru_cache(maxsize=2)
+def gauss(number: int) -> tuple[FloatArray, FloatArray]:
+    """Points and weights of Gauss on [0, 1]."""
+    points, weights = np.polynomial.legendre.leggauss(number)
     return (points + 1.0) / 2.0, weights / 2.0
 
 
