@@ -11,7 +11,7 @@ from time import perf_counter, process_time
 import numpy as np
 
 from benchmarks import machine
-from torsion.analyses.motion.map import StabilityMap, stability_map
+from torsion.analyses.motion.stability_map import StabilityMap, stability_map
 from torsion.assembly import assemble
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc

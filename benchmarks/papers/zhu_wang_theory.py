@@ -15,8 +15,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
     growth,
     small_angle_part,
 )
-from torsion.kernels.periodic.harmonic_balance import harmonics_of
-from torsion.kernels.periodic.hill import Couplings, couplings_of, hill_blocks, hill_exponents, scattered
+from torsion.kernels.periodic.hill import Couplings, couplings_of, harmonics_of, hill_blocks, hill_exponents, scattered
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

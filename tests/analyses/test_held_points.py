@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.modes import modes
-from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.motion.periodic_orbits import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.excitation import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping

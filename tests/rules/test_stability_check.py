@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.stability import Stability, UnstableRange
-from torsion.analyses.motion.zones import Zone
+from torsion.analyses.motion.stability_over_speed import Stability, UnstableRange
+from torsion.analyses.motion.unstable_ranges import Zone
 from torsion.rules.stability import stability_check
 from torsion.study import Operation
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.motion.map import StabilityMap
-from torsion.analyses.motion.periodic import PeriodicResponse
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.stability_map import StabilityMap
+from torsion.analyses.motion.periodic_orbits import PeriodicResponse
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.errors import SolveError
 from torsion.findings import Findings
 from torsion.rules.check import Checks

@@ -85,15 +85,15 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
-        results={"periodic": "torsion.analyses.motion.periodic:PeriodicResponse"}, wanted=always,
+        results={"periodic": "torsion.analyses.motion.periodic_orbits:PeriodicResponse"}, wanted=always,
         place=("analyses", "response", "method"),
     ),
     "stability": Analysis(
         "stability", "torsion.analyses.motion.requested_motion", "run_stability",
-        settings="torsion.analyses.motion.asked:StabilitySettings", needs=("modes",),
+        settings="torsion.analyses.motion.stability_settings:StabilitySettings", needs=("modes",),
         results={
-            "stability": "torsion.analyses.motion.stability:Stability",
-            "stability_map": "torsion.analyses.motion.map:StabilityMap",
+            "stability": "torsion.analyses.motion.stability_over_speed:Stability",
+            "stability_map": "torsion.analyses.motion.stability_map:StabilityMap",
         },
     ),
     "frequency response": Analysis(

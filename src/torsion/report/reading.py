@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
 from torsion.kernels.response import Status

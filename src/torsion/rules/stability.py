@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.findings import Results
 from torsion.kernels.tree import FloatArray
 from torsion.rules.base_rule import Rule

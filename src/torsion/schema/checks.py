@@ -57,7 +57,7 @@ def _motion_faults(study: Study) -> list[Fault]:
     exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
     if not exact and "stability" not in study.analyses:
         return []
-    from torsion.analyses.motion.faults import asked_faults
+    from torsion.analyses.motion.stability_settings import asked_faults
 
     found = asked_faults(study)
     if "stability" in study.analyses and not _has_inertia(study):

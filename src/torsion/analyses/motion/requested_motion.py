@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.analyses.motion.asked import MapSettings, StabilitySettings
+from torsion.analyses.motion.stability_settings import MapSettings, StabilitySettings
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -26,7 +26,7 @@ def run_periodic(work: Work) -> None:
         if asked or first_order is not None:
             log.without(PERIODIC, "`method: first-order`" if first_order is not None else "no response over speed")
         return
-    from torsion.analyses.motion.periodic import is_advised
+    from torsion.analyses.motion.periodic_orbits import is_advised
 
     if not asked and not is_advised(system, first_order.joint_error):
         log.without(PERIODIC, SMALL)
@@ -37,9 +37,9 @@ def run_periodic(work: Work) -> None:
 
 def _periodic(work: Work, first_order: Response, why: str, *, must: bool) -> None:
     """must: there is no answer without it."""
-    from torsion.analyses.motion.faults import motion_faults
-    from torsion.analyses.motion.periodic import Found
-    from torsion.analyses.motion.speeds import periodic_over_speed, too_long
+    from torsion.analyses.motion.periodic_orbits import Found
+    from torsion.analyses.motion.periodic_speeds import periodic_over_speed, too_long
+    from torsion.analyses.motion.stability_settings import motion_faults
 
     study, system, log = work.study, work.system, work.log
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
@@ -79,9 +79,9 @@ def exciting_joints(system: System) -> bool:
 
 def run_stability(work: Work) -> None:
     """Stability over speed and its map, where they are requested."""
-    from torsion.analyses.motion.loading import scene
-    from torsion.analyses.motion.periodic import harmonics_at_least
-    from torsion.analyses.motion.reduced import stability_asked
+    from torsion.analyses.motion.mechanism_loads import scene
+    from torsion.analyses.motion.periodic_orbits import harmonics_at_least
+    from torsion.analyses.motion.stability_over_speed import stability_asked
 
     study, system, log = work.study, work.system, work.log
     settings = work.settings("stability", StabilitySettings)
@@ -113,7 +113,7 @@ _METHODS = {
 
 
 def _map(work: Work, settings: MapSettings, speeds: SpeedRange) -> None:
-    from torsion.analyses.motion.map import stability_map
+    from torsion.analyses.motion.stability_map import stability_map
 
     with work.log.step("stability map", "asked") as step:
         found = stability_map(

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from torsion.analyses.motion.map import StabilityMap
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.stability_map import StabilityMap
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.findings import Findings
 from torsion.report.blocks import Block, Column, Figure, Heading, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, counted, number, rpm, told_apart

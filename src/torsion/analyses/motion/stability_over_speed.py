@@ -1,30 +1,28 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from torsion.analyses.motion.asked import Method
-from torsion.analyses.motion.floquet import Multipliers, by_hill, by_monodromy, hill_count, variation
-from torsion.analyses.motion.loading import Scene, scene
-from torsion.analyses.motion.losses import viscous
-from torsion.analyses.motion.modes import Basis, basis, reduced
-from torsion.analyses.motion.periodic import Orbit, continued
-from torsion.analyses.motion.ranges import UNSTABLE, UnstableRange, indicator, unstable_ranges
-from torsion.analyses.motion.zones import candidates
+from torsion.analyses.motion.floquet_exponents import Search, modes_that_matter, search
+from torsion.analyses.motion.mechanism_loads import scene
+from torsion.analyses.motion.stability_settings import Method, StabilitySettings
+from torsion.analyses.motion.straight_modes import basis
+from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree import FloatArray
 from torsion.results import reported, result
 from torsion.study import Study
 
 MOST_SEEDS = 60  # combination resonances that are looked at between the speeds asked for
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
-BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
 CHECKED = 3  # speeds at which the other method checks the growth rate
+WHOLE = 20  # coordinates up to which no mode is left out; beyond, the highest modes make the steps in time many
+MORE = 2  # times the modes kept: how many the estimate of the error keeps
 
 
 @reported
@@ -63,64 +61,6 @@ class Stability:
         first = np.maximum(np.flatnonzero(~bare[:-1] & bare[1:]) - 1, 0)
         last = np.minimum(np.flatnonzero(bare[:-1] & ~bare[1:]), len(self.speed) - 1)
         return tuple(zip(self.speed[first].tolist(), self.speed[last].tolist(), strict=True))
-
-
-@dataclass
-class Search:
-    """A train whose growth rate is asked at many speeds; remembers what it computed."""
-
-    at: Scene
-    shapes: Basis
-    reduced: Basis | None
-    method: Method
-    known: dict[float, tuple[Orbit, Multipliers] | None]
-
-    def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
-        """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
-        if speed not in self.known:
-            solved = [(abs(there - speed), one) for there, one in self.known.items() if one is not None]
-            near = min(solved, key=lambda one: one[0])[1][0] if solved else None
-            orbit, _ = continued(self.at, speed, near)
-            self.known[speed] = None if orbit is None else (orbit, self.exponents(orbit, self.method))
-        return self.known[speed]
-
-    def exponents(self, orbit: Orbit, method: Method) -> Multipliers:
-        """By one of the methods."""
-        around = variation(self.at, orbit)
-        highest = self.shapes.highest
-        if self.reduced is not None:
-            around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
-        if method == "hill":
-            return by_hill(around, hill_count(around, highest, orbit.found.count))
-        return by_monodromy(around, highest)
-
-    def growth(self, speed: float) -> float:
-        """1/s; NaN where there is no periodic motion."""
-        found = self(speed)
-        return np.nan if found is None else found[1].growth
-
-    def is_unstable(self, speed: float) -> bool:
-        """Growth beyond rounding."""
-        found = self(speed)
-        return found is not None and found[1].growth * found[1].period > UNSTABLE
-
-    @property
-    def loses(self) -> bool:
-        """Something damps."""
-        return self.at.system.damps and self.at.damping > 0
-
-
-def search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:
-    """A train ready to be asked; `modes`: reduce to so many elastic modes."""
-    at = scene(study, system, vibratory=False)
-    shapes = basis(at.layout)
-    fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
-    return Search(damped(at, fewer or shapes), shapes, fewer, method, {})
-
-
-def damped(at: Scene, shapes: Basis) -> Scene:
-    """The scene with dampers on the shapes of a basis for its loss factors."""
-    return replace(at, layout=viscous(at.layout, shapes))
 
 
 def stability(
@@ -202,9 +142,29 @@ def _check(ask: Search, asked: FloatArray) -> float:
     return float(worst)
 
 
-def exponents_at(ask: Search, speed: float) -> ComplexArray:
-    """(exponents,) 1/s at a speed; raises SolveError where there is no periodic motion."""
-    found = ask(speed)
-    if found is None:
-        raise SolveError(f"no periodic motion at {speed:.8g} rad/s")
-    return found[1].exponent
+def stability_asked(
+    study: Study, system: System, asked: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
+) -> Stability:
+    """Stability at reference speeds (speeds,) rad/s, on as many modes as are asked for, else those that matter."""
+    at = scene(study, system, vibratory=False)
+    shapes = basis(at.layout)
+    elastic, modes = len(shapes.frequency) - shapes.rigid, asked.modes
+    if modes is None and at.layout.free > WHOLE:
+        fewer = modes_that_matter(at, shapes, float(np.max(speeds)))
+        modes = fewer.modes - fewer.rigid
+    if modes is not None and modes >= elastic:
+        modes = None
+    found = stability(study, system, speeds, method=asked.method, modes=modes, progress=progress)
+    if modes is None:
+        return found
+    return replace(found, kept=modes, left_out=_left_out(study, system, found, min(MORE * modes, elastic)))
+
+
+def _left_out(study: Study, system: System, found: Stability, more: int) -> float:
+    """1/s: largest change of the growth rate with more modes, at the fastest growth and at both ends."""
+    ask = search(study, system, modes=more)
+    known = np.flatnonzero(np.isfinite(found.growth))
+    if not known.size:
+        return np.nan
+    places = {int(known[0]), int(known[-1]), int(known[np.argmax(found.growth[known])])}
+    return float(np.nanmax([abs(ask.growth(float(found.speed[k])) - found.growth[k]) for k in sorted(places)]))

@@ -1,24 +1,30 @@
 """Floquet exponents of a train about its periodic motion at one speed, by the monodromy matrix or by Hill's matrix."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.motion.equations import Loading, gathered, linearised, mean_angle, state, torque_rates
-from torsion.analyses.motion.layout import Layout
-from torsion.analyses.motion.loading import Scene
-from torsion.analyses.motion.losses import at_coordinates
-from torsion.analyses.motion.modes import Basis
-from torsion.analyses.motion.periodic import Orbit
+from torsion.analyses.motion.equations_of_motion import Loading, gathered, linearised, mean_angle, state, torque_rates
+from torsion.analyses.motion.mechanism import Layout
+from torsion.analyses.motion.mechanism_loads import Scene, scene
+from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
+from torsion.analyses.motion.stability_settings import Method
+from torsion.analyses.motion.straight_modes import Basis, at_coordinates, basis, reduced, viscous
+from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.floquet import exponents, monodromy, steps_for
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
-from torsion.kernels.periodic.hill import couplings_of, hill_exponents
+from torsion.kernels.periodic.hill import couplings_of, harmonics_of, hill_exponents
 from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.study import Study
 
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
 REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats itself
 APART = 1e-10  # relative: of a motion that others combine to, less is left
+BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
+HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
+FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
+UNSTABLE = 1e-7  # growth over one common period: less is rounding
 MOST_HILL = 2500  # rows of the eigenvalue problem
 
 
@@ -164,7 +170,7 @@ def by_hill(around: Variation, count: int) -> Multipliers:
     if 2 * size * (2 * count + 1) > MOST_HILL:
         raise SolveError(f"Hill's matrix of {size} coordinates and {count} harmonics is too large; use the monodromy")
     entries = couplings_of(around.mass, around.damping, around.stiffness)
-    found = hill_exponents(entries, around.w0, count, size, _harmonics(around.repeated[:, :size], count))
+    found = hill_exponents(entries, around.w0, count, size, harmonics_of(around.repeated[:, :size], count))
     value = found.exponent
     order = np.argsort(-value.real, kind="stable")
     start = found.vector[order]
@@ -173,13 +179,75 @@ def by_hill(around: Variation, count: int) -> Multipliers:
     return Multipliers(folded, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
 
 
-def _harmonics(samples: FloatArray, count: int) -> ComplexArray:
-    """(..., 2 count + 1) harmonics -count..count of (..., times); 0 beyond what the samples tell."""
-    times = samples.shape[-1]
-    rank = np.arange(-count, count + 1)
-    return np.where(np.abs(rank) <= (times - 1) // 2, np.fft.fft(samples)[..., rank % times], 0.0)
-
-
 def hill_count(around: Variation, highest: float, orbit_count: int) -> int:
     """Harmonics for Hill's matrix: those of the orbit, and those up to a highest frequency (rad/s)."""
     return int(max(orbit_count, np.ceil(highest / around.w0) + 4))
+
+
+@dataclass
+class Search:
+    """A train whose growth rate is asked at many speeds; remembers what it computed."""
+
+    at: Scene
+    shapes: Basis
+    reduced: Basis | None
+    method: Method
+    known: dict[float, tuple[Orbit, Multipliers] | None]
+
+    def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
+        """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
+        if speed not in self.known:
+            solved = (one[0] for one in self.known.values() if one is not None)
+            orbit, _ = continued(self.at, speed, nearest(speed, solved))
+            self.known[speed] = None if orbit is None else (orbit, self.exponents(orbit, self.method))
+        return self.known[speed]
+
+    def exponents(self, orbit: Orbit, method: Method) -> Multipliers:
+        """By one of the methods."""
+        around = variation(self.at, orbit)
+        highest = self.shapes.highest
+        if self.reduced is not None:
+            around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
+        if method == "hill":
+            return by_hill(around, hill_count(around, highest, orbit.found.count))
+        return by_monodromy(around, highest)
+
+    def growth(self, speed: float) -> float:
+        """1/s; NaN where there is no periodic motion."""
+        found = self(speed)
+        return np.nan if found is None else found[1].growth
+
+    def is_unstable(self, speed: float) -> bool:
+        """Growth beyond rounding."""
+        found = self(speed)
+        return found is not None and found[1].growth * found[1].period > UNSTABLE
+
+    @property
+    def loses(self) -> bool:
+        """Something damps."""
+        return self.at.system.damps and self.at.damping > 0
+
+
+def search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:
+    """A train ready to be asked; `modes`: reduce to so many elastic modes."""
+    at = scene(study, system, vibratory=False)
+    shapes = basis(at.layout)
+    fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
+    return Search(damped(at, fewer or shapes), shapes, fewer, method, {})
+
+
+def damped(at: Scene, shapes: Basis) -> Scene:
+    """The scene with dampers on the shapes of a basis for its loss factors."""
+    return replace(at, layout=viscous(at.layout, shapes))
+
+
+def modes_that_matter(at: Scene, shapes: Basis, fastest: float, asked: int | None = None) -> Basis:
+    """The rigid motions and as many elastic modes as asked for.
+
+    Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 3 to 12 elastic ones.
+    """
+    elastic = shapes.frequency[shapes.rigid :]
+    highest = HIGHEST * float(max(at.layout.orders, default=at.order)) * fastest
+    number = int(np.count_nonzero(elastic <= highest))
+    number = min(max(number, FEWEST_MODES), MOST_MODES) if asked is None else asked
+    return reduced(at.layout, shapes, shapes.rigid + min(number, len(elastic)))

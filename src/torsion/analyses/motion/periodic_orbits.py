@@ -1,14 +1,21 @@
 """The exact periodic response of a train with joints over speed, by harmonic balance."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.motion.equations import damper_twists, linearised
-from torsion.analyses.motion.loading import Operating, Scene, operating, rigid_motion, scene
-from torsion.analyses.motion.torques import course
+from torsion.analyses.motion.equations_of_motion import (
+    damper_twists,
+    linearised,
+    mean_angle,
+    spring_torques,
+    state,
+    torques,
+)
+from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_motion, scene
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
@@ -17,11 +24,11 @@ from torsion.kernels.periodic.harmonic_balance import (
     Linearised,
     Motion,
     balance,
-    harmonics_of,
     motion_of,
     points_in_time,
     resized,
 )
+from torsion.kernels.periodic.hill import harmonics_of
 from torsion.kernels.tree import BoolArray, ComplexArray, FloatArray
 from torsion.results import derived, reported, result, words
 from torsion.study import Study
@@ -35,6 +42,12 @@ LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless th
 LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
 GROWS = 1e-5  # over one common period: less may be the error of few modes
 SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be asked to hold
+ASIDE = (-0.02, 0.02)  # of the speed: from so far away a motion is carried to it
+STEPS = 4  # of the way
+SAME = 1e-5  # of the largest amplitude: motions that differ by less are one
+
+
+Orders = tuple[Fraction, ...]
 
 
 class Found(IntEnum):
@@ -132,7 +145,12 @@ def periodic_response(
         orbit, reason = continued(at, speed, orbits[-1] if orbits else None)
         orbits.append(orbit)
         why.append(reason)
-    return told(at, np.asarray(speeds, dtype=float), orbits, tuple(why))
+    return response_of(at, orbits, np.asarray(speeds, dtype=float), tuple(why))
+
+
+def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:
+    """The one of the speed nearest to a speed, rad/s; None of none."""
+    return min(orbits, key=lambda one: abs(one.now.loading.speed - speed), default=None)
 
 
 def continued(at: Scene, speed: float, before: Orbit | None) -> tuple[Orbit | None, str]:
@@ -219,9 +237,15 @@ def _refuse_slipping(found: Balance, now: Operating) -> None:
         raise SolveError("a coupling without stiffness would have to carry a mean torque; give it a stiffness")
 
 
-def told(at: Scene, speed: FloatArray, orbits: list[Orbit | None], why: tuple[str, ...]) -> PeriodicResponse:
-    """The response at speeds (speeds,) rad/s whose orbits are known: all orders that are more than rounding."""
-    most = max((one.found.count for one in orbits if one is not None), default=0)
+def response_of(
+    at: Scene, orbits: Sequence[Orbit | None], speed: FloatArray, why: tuple[str, ...], orders: Orders | None = None
+) -> PeriodicResponse:
+    """The response at speeds (speeds,) rad/s whose orbits are known, in some orders: all that are more than rounding.
+
+    why: of every speed without an orbit.
+    """
+    ranks = [int(order / at.order) for order in orders or ()]
+    most = max([*ranks, *(one.found.count for one in orbits if one is not None)], default=0)
     stations, spans, number = len(at.system.stations), len(at.system.spans), len(speed)
     angle = np.full((number, most, stations), np.nan, dtype=complex)
     torque = np.full((number, most, spans), np.nan, dtype=complex)
@@ -237,10 +261,115 @@ def told(at: Scene, speed: FloatArray, orbits: list[Orbit | None], why: tuple[st
         mean[k] = moving.torque.mean(axis=1)
         drive[k] = one.found.load[0] if one.found.load.size else np.nan
         harmonics[k], truncation[k], status[k] = count, one.found.truncation, one.status
-    size = np.nan_to_num(np.abs(torque)).max(axis=(0, 2), initial=0.0)
-    swing = np.nan_to_num(np.abs(angle)).max(axis=(0, 2), initial=0.0)
-    kept = np.flatnonzero((size > KEPT * size.max(initial=0.0)) | (swing > KEPT * swing.max(initial=0.0)))
-    orders = tuple(at.order * int(rank + 1) for rank in kept)
+    kept = np.array(ranks, dtype=int) - 1
+    if orders is None:
+        sizes = (np.nan_to_num(np.abs(part)).max(axis=(0, 2), initial=0.0) for part in (angle, torque))
+        kept = np.flatnonzero(np.any([size > KEPT * size.max(initial=0.0) for size in sizes], axis=0))
+        orders = tuple(at.order * int(rank + 1) for rank in kept)
     return PeriodicResponse(
         speed, orders, angle[:, kept], torque[:, kept], mean, drive, harmonics, truncation, status, why, tuple(orbits)
     )
+
+
+@dataclass(frozen=True)
+class Course:
+    """A periodic motion over the common period, at evenly spaced times."""
+
+    time: FloatArray  # (times,) s
+    angle: FloatArray  # (stations, times) rad at own speed, deviation from the mean motion
+    speed: FloatArray  # (stations, times) rad/s at own speed, deviation from the mean speed
+    torque: FloatArray  # (spans, times) N m at the driving station's speed, positive when the driving side pushes
+
+
+def course(at: Scene, now: Operating, found: Balance, times: int | None = None) -> Course:
+    """The motion of every station and the torque of every span."""
+    whole, system, loading = at.layout, at.system, now.stations
+    times = points_in_time(found.count) if times is None else times
+    turned = mean_angle(loading, times)
+    moving = state(whole, now.loading, motion_of(found.harmonic, loading.w0, times), found.load, turned)
+    ratio = system.speed_ratio[:, None]
+    deviation, slip = moving.turning.deviation[whole.body], moving.slip[whole.body]
+    inertia = np.where(system.held, 0.0, system.inertia)[:, None] * ratio**2
+    need = inertia * moving.acceleration[whole.body] + loading.damping[:, None] * slip
+    need -= torques(loading, turned, found.load)
+    torque = np.zeros((len(system.spans), times))
+    torque[whole.spring] = spring_torques(whole, moving.turning.deviation, moving.slip)
+    np.add.at(need, system.driving[whole.spring], torque[whole.spring])
+    np.subtract.at(need, system.driven[whole.spring], torque[whole.spring])
+    _rigid_torques(system, torque, need, moving.turning.first[whole.body])
+    return Course(turned / loading.speed, deviation * ratio, slip * ratio, torque / system.span_ratio[:, None])
+
+
+def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: FloatArray) -> None:
+    """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree inward.
+
+    need: (stations, times) N m that a station needs from its rigid spans; summed up here on the way. A joint takes
+    power through: torque on either side times the speed there is the same, and the speeds go as `first`. Told is the
+    torque on its driven side.
+    """
+    folded = system.folded
+    above = np.full(folded.tree.size, -1)
+    above[folded.span[folded.span >= 0]] = np.flatnonzero(folded.span >= 0)
+    station = np.full(folded.tree.size, -1)
+    station[folded.node] = np.arange(len(folded.node))
+    for node in range(folded.tree.size - 1, -1, -1):
+        span, parent = int(above[node]), int(folded.tree.parent[node])
+        if span < 0 or system.flexibility[span] != 0:
+            continue
+        driving, driven = int(system.driving[span]), int(system.driven[span])
+        here = station[node] if station[node] >= 0 else (driven if folded.sign[span] > 0 else driving)
+        inward = station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
+        passed = need[here] * (first[here] / first[inward])
+        torque[span] = need[here] if here == driven else -passed
+        need[inward] = need[inward] + passed
+
+
+def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:
+    """What else was found at the speeds of some rows of a response, in its orders; None where nothing was.
+
+    A speed stands once for every further motion.
+    """
+    speeds, orbits = list[float](), list[Orbit | None]()
+    for row in rows:
+        here = found.orbits[row]
+        if here is None:
+            continue
+        known = [here]
+        for start in _starts(at, found, row):
+            other = _reached(at, float(found.speed[row]), start)
+            if other is not None and all(_differ(at, one, other) for one in known):
+                known.append(other)
+        speeds += [float(found.speed[row])] * (len(known) - 1)
+        orbits += known[1:]
+    if not orbits:
+        return None
+    return response_of(at, orbits, np.array(speeds), ("",) * len(orbits), found.orders)
+
+
+def _starts(at: Scene, found: PeriodicResponse, row: int) -> list[Orbit | None]:
+    """The rigid motion (None), and motions a little slower and faster, found from the rigid one."""
+    starts: list[Orbit | None] = [None]
+    for share in ASIDE:
+        aside = _reached(at, float(found.speed[row]) * (1.0 + share), None)
+        if aside is not None:
+            starts.append(aside)
+    return starts
+
+
+def _reached(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:
+    """A motion at the speed, carried there in steps from another one; None where the way breaks off."""
+    try:
+        if start is None:
+            return orbit(at, speed)
+        for ahead in np.linspace(start.now.loading.speed, speed, STEPS + 1)[1:].tolist():
+            start = orbit(at, ahead, start)
+    except SolveError:
+        return None
+    return start
+
+
+def _differ(at: Scene, one: Orbit, other: Orbit) -> bool:
+    """Two motions at one speed are not the same."""
+    both = response_of(at, [one, other], np.full(2, one.now.loading.speed), ("", ""))
+    size = np.abs(both.torque)
+    return bool(np.abs(size[0] - size[1]).max(initial=0.0) > SAME * size.max(initial=0.0))

@@ -1,11 +1,60 @@
-"""What the exact equations of motion do not take: told as faults of the file where they are asked for."""
+"""What a file may ask of the stability of a train with joints."""
 
-from torsion.analyses.motion.asked import Over
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
+
 from torsion.components.base import Component
 from torsion.errors import Fault, Path
-from torsion.study import Study
+from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.kernels.tree import FloatArray
+from torsion.study import SpeedRange, Study
 
+Method = Literal["hill", "monodromy"]
+Over = Literal["angle", "damping", "torque"]
 SPEEDS = "`speeds: {from: 300 rpm, to: 1800 rpm}`, here or in `operation`"
+
+
+def _read_value(value: Any, info: ValidationInfo) -> float:
+    """An angle below 90 degrees with its unit, or a factor; which, `over` says."""
+    if info.data.get("over") == "angle":
+        return Quantity("rad", at_least=0, below=np.pi / 2.0).read(value)
+    return Quantity("1", at_least=0).read(value) if "over" in info.data else 0.0
+
+
+Value = Annotated[float, BeforeValidator(_read_value, json_schema_input_type=float | str)]
+
+
+class MapSettings(Declared):
+    """Settings of `map` in `stability`."""
+
+    over: Over = required("angle (of all cross joints), damping or torque (factors on what the file says)")
+    first: Value = required("lowest value: an angle with its unit, or a factor", alias="from")
+    last: Value = required("highest value", alias="to")
+    steps: Annotated[int, Field(ge=2, le=2000)] = given("number of values", 101)
+    modes: Annotated[int, Field(ge=1, le=60)] | None = given("elastic modes kept (default: those that matter)")
+
+    @model_validator(mode="after")
+    def _rises(self) -> "MapSettings":
+        if self.first >= self.last:
+            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
+        return self
+
+    def values(self) -> FloatArray:
+        """(steps,) rad, or factors."""
+        return np.linspace(self.first, self.last, self.steps)
+
+
+class StabilitySettings(Declared):
+    """Settings of `stability`."""
+
+    speeds: SpeedRange | None = given("speeds (default: those of the operation)")
+    method: Method = given("`monodromy` in steps of time, or `hill`: the eigenvalues of Hill's matrix", "monodromy")
+    modes: Annotated[int, Field(ge=1, le=1000)] | None = given(
+        "reduce to so many elastic modes (default: all of a train of at most 20 coordinates, else those that matter)"
+    )
+    map: MapSettings | None = given("growth over speed and one more quantity")
 
 
 def motion_faults(study: Study, path: Path) -> list[Fault]:

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.motion.equations import Loading, State, entries, gathered, over_time, state
-from torsion.analyses.motion.layout import Layout
-from torsion.analyses.motion.loading import Scene, operating, rigid_deviation
-from torsion.analyses.motion.losses import at_bodies
-from torsion.analyses.motion.modes import Basis
-from torsion.kernels.periodic.harmonic_balance import Motion, harmonics_of
-from torsion.kernels.periodic.hill import from_real_parts, real_blocks, real_parts, toeplitz
+from torsion.analyses.motion.equations_of_motion import Loading, State, entries, gathered, over_time, state
+from torsion.analyses.motion.mechanism import Layout
+from torsion.analyses.motion.mechanism_loads import Scene, operating, rigid_deviation
+from torsion.analyses.motion.straight_modes import Basis, at_bodies
+from torsion.kernels.periodic.floquet import at_times, radau, steps_for, through_steps
+from torsion.kernels.periodic.harmonic_balance import Motion, motion_of
+from torsion.kernels.periodic.hill import from_real_parts, harmonics_of, real_blocks, real_parts, toeplitz
 from torsion.kernels.tree import FloatArray
 
 SMALL = 1e-5  # relative step of Newton's method after which the next would be rounding
@@ -24,6 +24,11 @@ SLOW = 0.1  # shrinking of the steps from which the matrix is renewed
 FARTHEST = 10.0  # a larger step is none (rad, with inertias of the order of 1 kg m2)
 LEFT_OUT = 1e-7  # q^harmonics
 SAMPLES = 4  # points in time per harmonic
+BEYOND = 1.5  # times the highest mode kept: what the steps resolve
+STAGES = 4  # order 7: growth rates of a map need no more
+
+
+Factors = list[tuple[float, FloatArray, FloatArray]]
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     loading = _loading(plain.loading, there)
     turned = np.tile(2.0 * np.pi / loading.order * np.arange(stack.times) / stack.times, variants)
     rigid = rigid_deviation(there.layout, loading.steady, plain.twist[:, None] * there.mean, turned)
-    base = _course(rigid.reshape(-1, variants, stack.times), loading.w0)
+    base = motion_of(harmonics_of(rigid.reshape(-1, variants, stack.times), stack.times // 2), loading.w0, stack.times)
     if before is None:
         harmonic, load = np.zeros((variants, modes, 2 * count + 1)), plain.load * _each(there.mean, stack)
     else:
@@ -140,25 +145,11 @@ def _loading(plain: Loading, there: Scene) -> Loading:
     return replace(plain, damping=damping, torque=torque)
 
 
-def _course(samples: FloatArray, w0: float) -> list[FloatArray]:
-    """Deviation, speed and acceleration (coordinates, variants * times) from samples (coordinates, variants, times)."""
-    times = samples.shape[-1]
-    spectrum = np.fft.rfft(samples)
-    rate = 1j * w0 * np.arange(spectrum.shape[-1])
-    return [np.fft.irfft(spectrum * rate**k, times).reshape(len(samples), -1) for k in range(3)]
-
-
-def _motion(stack: Stack, base: list[FloatArray], harmonic: FloatArray, w0: float) -> Motion:
-    """Rigid motion and modes together, (coordinates, variants * times)."""
-    full = np.zeros((*harmonic.shape[:2], stack.times // 2 + 1), dtype=complex)
-    full[..., : stack.count + 1] = from_real_parts(harmonic)[..., stack.count :]
-    rate = 1j * w0 * np.arange(full.shape[-1])
-    parts = []
-    for k, rigid in enumerate(base):
-        one = np.fft.irfft(full * rate**k, stack.times) * stack.times  # (variants, modes, times)
-        modal = one.transpose(1, 0, 2).reshape(harmonic.shape[1], -1)
-        parts.append(rigid + stack.reduced.shape @ modal)
-    return Motion(parts[0], parts[1], parts[2])
+def _motion(stack: Stack, base: Motion, harmonic: FloatArray, w0: float) -> Motion:
+    """Rigid motion (coordinates, variants, times) and modes together, (coordinates, variants * times)."""
+    modal = motion_of(from_real_parts(harmonic).swapaxes(0, 1), w0, stack.times)  # (modes, variants, times)
+    shape, parts = stack.reduced.shape, zip(vars(base).values(), vars(modal).values(), strict=True)
+    return Motion(*(rigid.reshape(len(rigid), -1) + shape @ one.reshape(len(one), -1) for rigid, one in parts))
 
 
 def _residual(stack: Stack, layout: Layout, now: State) -> FloatArray:
@@ -206,15 +197,10 @@ def _damped(stack: Stack, layout: Layout, now: State) -> tuple[FloatArray, Float
     return (pull @ twist).transpose(1, 2, 0), (pull @ slope).transpose(1, 2, 0)
 
 
-@dataclass(frozen=True)
-class Factors:
-    """Factored matrices of Newton's step, each scaled by its largest element."""
-
-    scale: FloatArray  # (variants,)
-    factors: list[tuple[FloatArray, FloatArray]]
-
-
 def _factored(stack: Stack, loading: Loading, around: Periodic) -> Factors:
+    """The matrices of Newton's step, each with the largest element by which it is scaled."""
+    from scipy.linalg.lapack import dgetrf
+
     variants, count = len(stack.values), stack.count
     number, modes, loads = 2 * count + 1, around.mass.shape[0], around.force.shape[2]
     w, upper = 1j * loading.w0 * np.arange(-count, count + 1), np.arange(count + 1)
@@ -223,24 +209,17 @@ def _factored(stack: Stack, loading: Loading, around: Periodic) -> Factors:
     complex_blocks += w**2 * toeplitz(around.mass, count, upper)
     blocks = real_blocks(complex_blocks)
     total = modes * number
-    scale, factors = np.empty(variants), []
+    factors = []
     for k in range(variants):
         whole = np.zeros((total + loads, total + loads), order="F")
         whole[:total, :total] = blocks[:, :, k].transpose(0, 2, 1, 3).reshape(total, total)
-        scale[k] = np.abs(whole).max()
-        whole[:total, :total] /= scale[k]
+        scale = np.abs(whole).max()
+        whole[:total, :total] /= scale
         whole[:total, total:] = around.force[k]
         for load in range(loads):
             whole[total + load, np.arange(modes) * number] = stack.reduced.shape[loading.steady[load]]
-        factors.append(_lu(whole))
-    return Factors(scale, factors)
-
-
-def _lu(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
-    from scipy.linalg.lapack import dgetrf
-
-    factors, pivots, _ = dgetrf(matrix, overwrite_a=True)
-    return factors, pivots
+        factors.append((scale, *dgetrf(whole, overwrite_a=True)[:2]))
+    return factors
 
 
 def _step(stack: Stack, factors: Factors, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -248,9 +227,49 @@ def _step(stack: Stack, factors: Factors, residual: FloatArray) -> tuple[FloatAr
     from scipy.linalg.lapack import dgetrs
 
     variants, total = residual.shape
-    found = np.zeros((variants, factors.factors[0][0].shape[0]))
-    found[:, :total] = -residual / factors.scale[:, None]
-    for k, (matrix, pivots) in enumerate(factors.factors):
+    scale = np.array([[one[0]] for one in factors])
+    found = np.zeros((variants, len(factors[0][1])))
+    found[:, :total] = -residual / scale
+    for k, (_, matrix, pivots) in enumerate(factors):
         found[k] = dgetrs(matrix, pivots, found[k])[0]
     found[~np.isfinite(found).all(axis=1)] = FARTHEST
-    return found[:, :total].reshape(variants, -1, 2 * stack.count + 1), found[:, total:] * factors.scale[:, None]
+    return found[:, :total].reshape(variants, -1, 2 * stack.count + 1), found[:, total:] * scale
+
+
+def growths(stack: Stack, solution: Solution) -> FloatArray:
+    """(variants,) 1/s of the fastest growing motion; NaN where no periodic motion was found."""
+    loading, modes = solution.loading, len(stack.reduced.frequency)
+    period, rule = loading.period, radau(STAGES)
+    steps = steps_for(period, BEYOND * stack.reduced.highest)
+    share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
+    form = (len(stack.values), steps, STAGES, modes, modes)
+    around = (solution.around.mass, solution.around.damping, solution.around.stiffness)
+    mass, damping, stiffness = (
+        np.ascontiguousarray(np.moveaxis(at_times(part.transpose(3, 2, 0, 1), share), 0, 1)).reshape(form)
+        for part in around
+    )
+    scale = np.concatenate([np.ones(modes), np.full(modes, loading.w0)])
+    whole = through_steps(mass, damping, stiffness, period / steps, rule) / scale[:, None] * scale
+    known = _repeated(stack, solution) / scale
+    if known.shape[1]:
+        whole = _without(whole, np.einsum("pij,pkj->pki", whole, known))
+    value = np.abs(np.linalg.eigvals(np.where(np.isfinite(whole), whole, 0.0))).max(axis=1)
+    with np.errstate(divide="ignore"):
+        return np.where(solution.is_found, np.log(value) / period, np.nan)
+
+
+def _repeated(stack: Stack, solution: Solution) -> FloatArray:
+    """(variants, motions, 2 modes) what repeats itself: all that turns, turning further, and what turns loosely."""
+    whole, modes = stack.at.layout, len(stack.reduced.frequency)
+    found = [solution.turning] if whole.floating and whole.free == len(whole.root) else []
+    for group in whole.loose:
+        share = stack.reduced.share(group.astype(float))
+        found.append(np.tile(np.append(share, np.zeros(modes)), (len(stack.values), 1)))
+    return np.stack(found, axis=1) if found else np.zeros((len(stack.values), 0, 2 * modes))
+
+
+def _without(matrix: FloatArray, known: FloatArray) -> FloatArray:
+    """(variants, size - motions, ...): each matrix beside eigenvectors (variants, motions, size) that are known."""
+    turned = np.linalg.qr(np.swapaxes(known, 1, 2), mode="complete")[0]
+    number = known.shape[1]
+    return np.asarray((np.swapaxes(turned, 1, 2) @ matrix @ turned)[:, number:, number:])

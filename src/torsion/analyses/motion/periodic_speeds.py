@@ -7,13 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.motion.floquet import by_monodromy, variation
-from torsion.analyses.motion.loading import Scene, scene
-from torsion.analyses.motion.modes import basis
-from torsion.analyses.motion.periodic import Orbit, PeriodicResponse, continued, harmonics_at_least, orbit, told
-from torsion.analyses.motion.reduced import modes_that_matter
-from torsion.analyses.motion.several import others
-from torsion.analyses.motion.stability import damped
+from torsion.analyses.motion.floquet_exponents import BEYOND, by_monodromy, damped, modes_that_matter, variation
+from torsion.analyses.motion.mechanism_loads import Scene, scene
+from torsion.analyses.motion.periodic_orbits import (
+    Orbit,
+    PeriodicResponse,
+    continued,
+    harmonics_at_least,
+    nearest,
+    orbit,
+    others,
+    response_of,
+)
+from torsion.analyses.motion.straight_modes import basis
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -30,7 +36,6 @@ AT_PEAKS = 0.25  # of the speeds: at the peaks of the first order
 RESOLVED = 0.02  # of a peak: how far its neighbours may lie below it
 WORTH = 0.02  # of the largest amplitude of its span: lower peaks are not followed
 CLOSEST = 1e-5  # relative distance of two speeds
-BEYOND = 2.0  # times the highest of them: what the steps in time resolve
 MOST_SOUGHT, EACH = 3, 40  # speeds at which other motions are sought: at most, and one for so many speeds
 EDGE = 1e-3  # the same beside a speed without a periodic motion
 
@@ -72,10 +77,11 @@ def periodic_over_speed(
         for speed in speeds.tolist():
             if speed not in known:
                 tell("harmonic balance", len(known) / number)
-                known[speed] = _continued(at, speed, known)
+                solved = (one for one, _ in known.values() if one is not None)
+                known[speed] = continued(at, speed, nearest(speed, solved))
         order = sorted(known)
         orbits = [known[speed][0] for speed in order]
-        return told(at, np.array(order), orbits, tuple(known[speed][1] for speed in order))
+        return response_of(at, orbits, np.array(order), tuple(known[speed][1] for speed in order))
 
     found = solve(start(study, first_order, number))
     while len(known) < number:
@@ -94,18 +100,12 @@ def periodic_over_speed(
 
 def worth_another_look(found: PeriodicResponse, most: int) -> list[int]:
     """Rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
-    rows = highest_peaks(found)[:most]
+    size = np.abs(found.torque)
+    largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
+    rows = (list(dict.fromkeys(row for row, _, _ in _peaks(size))) or [int(largest.argmax())])[:most]
     if found.growth is not None and found.is_unstable.any():
         rows.append(int(np.nanargmax(found.growth)))
     return list(dict.fromkeys(rows))
-
-
-def highest_peaks(found: PeriodicResponse) -> list[int]:
-    """Rows of the highest peaks, else of the largest torque."""
-    size = np.abs(found.torque)
-    rows = list(dict.fromkeys(row for row, _, _ in _peaks(size)))
-    largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
-    return rows or [int(largest.argmax())]
 
 
 def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
@@ -127,12 +127,6 @@ def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
         return by_monodromy(variation(there, beside).on(fewer), BEYOND * fewer.highest).growth
 
     return np.array([growth(own) for own in found.orbits])
-
-
-def _continued(at: Scene, speed: float, known: dict[float, tuple[Orbit | None, str]]) -> tuple[Orbit | None, str]:
-    solved = [there for there, (orbit, _) in known.items() if orbit is not None]
-    near = min(solved, key=lambda there: abs(there - speed), default=None)
-    return continued(at, speed, None if near is None else known[near][0])
 
 
 def start(study: Study, first_order: Response, number: int) -> FloatArray:

@@ -9,15 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.motion.asked import Over
-from torsion.analyses.motion.batch import Stack, half_range, solve_stack
-from torsion.analyses.motion.growths import growths
-from torsion.analyses.motion.joints import JointMap
-from torsion.analyses.motion.layout import JointStep
-from torsion.analyses.motion.loading import Scene, scene
-from torsion.analyses.motion.modes import Basis, basis
-from torsion.analyses.motion.reduced import modes_that_matter
-from torsion.analyses.motion.stability import Search, damped
+from torsion.analyses.motion.floquet_exponents import Search, damped, modes_that_matter
+from torsion.analyses.motion.mechanism import JointMap, JointStep
+from torsion.analyses.motion.mechanism_loads import Scene, scene
+from torsion.analyses.motion.stability_settings import Over
+from torsion.analyses.motion.straight_modes import Basis, basis
+from torsion.analyses.motion.variant_stack import Stack, growths, half_range, solve_stack
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent

@@ -4,13 +4,12 @@ With every body's angle a function F of one coordinate q: sum over the bodies of
 R = J (F' q'' + F'' q'^2) + damping + springs - torques. Linearised about any motion: mass J F'^2, and so on.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.motion.joints import Turning, at_rest, beyond
-from torsion.analyses.motion.layout import Layout
-from torsion.analyses.motion.losses import at_bodies, at_coordinates
+from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond
+from torsion.analyses.motion.straight_modes import at_bodies, at_coordinates
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
 from torsion.kernels.periodic.hill import Couplings, toeplitz
@@ -256,8 +255,3 @@ def right_hand_side(layout: Layout, loading: Loading, load: FloatArray, t: float
         raise SolveError("a joint or shaft end without inertia cannot be integrated in time; give it an inertia")
     missing = gathered(layout, first * now.residual)[:free, 0]
     return np.concatenate([y[free:], -missing / mass])
-
-
-def without_vibratory(loading: Loading) -> Loading:
-    """The loading without its vibratory torques."""
-    return replace(loading, multiple=loading.multiple[:0], vibratory=loading.vibratory[:, :0])

@@ -4,16 +4,98 @@ All is referred to one speed: angle = own angle / speed ratio. Bodies joined by 
 of the body in front of the joints (or of the held body among them, whose motion is prescribed).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import gcd, lcm
 
 import numpy as np
 
-from torsion.analyses.motion.joints import JointMap, joint_map
+from torsion.assembly.spans import Span
 from torsion.assembly.system import System
+from torsion.assembly.walking import connected
 from torsion.errors import SolveError
 from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class JointMap:
+    """Driven angle = driving angle + error, at the own speeds of both sides.
+
+    A cross joint is exact: error = -arg(1 - q exp(2 i (angle + yoke))), q = tan(joint angle/2)^2 (convention P); the
+    map with -q undoes it. Any other joint is the Fourier sum of its constraint.
+    """
+
+    driving_ratio: float  # speed of the driving side / reference speed
+    driven_ratio: float
+    unevenness: float  # q; 0 where a series is used
+    yoke: float  # rad
+    series: tuple[tuple[int, complex], ...] = ()
+
+    @property
+    def strength(self) -> float:
+        """Half of the amplitude by which the ratio varies: q of a cross joint, order times error / 2 of a series."""
+        return abs(self.unevenness) + sum(order * abs(amplitude) for order, amplitude in self.series) / 2.0
+
+    def undone(self) -> "JointMap":
+        """The map from the driven side back; raises SolveError where only a series is known."""
+        if self.series:
+            raise SolveError("a tripod joint that is driven from its driven side by a held station is not built")
+        return replace(self, unevenness=-self.unevenness)
+
+
+def joint_map(system: System, span: Span) -> JointMap:
+    """The map of a span with an error."""
+    ratios = float(system.speed_ratio[span.driving]), float(system.speed_ratio[span.driven])
+    kind = getattr(system.train.parts[span.part].component, "kind", None)
+    if kind != "cross":
+        return JointMap(*ratios, 0.0, 0.0, span.error)
+    amplitude = span.error[0][1]
+    return JointMap(*ratios, abs(amplitude), float(np.angle(1j * amplitude)) / 2.0)
+
+
+def error(joint: JointMap, angle: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Transmission error (rad) and its derivatives over the driving angle, at driving angles at own speed.
+
+    With w = q z/(1 - q z): e' = 2 Re w, e'' = -4 Im(w + w^2), e''' = -8 Re(w (1 + w)(1 + 2 w)).
+    """
+    if joint.series:
+        sums = np.zeros((4, *angle.shape))
+        for order, amplitude in joint.series:
+            part = amplitude * np.exp(1j * order * angle)
+            for k in range(4):
+                sums[k] += ((1j * order) ** k * part).real
+        return sums[0], sums[1], sums[2], sums[3]
+    turned = joint.unevenness * np.exp(2j * (angle + joint.yoke))
+    w = turned / (1.0 - turned)
+    bent = w * (1.0 + w)
+    return -np.angle(1.0 - turned), 2.0 * w.real, -4.0 * bent.imag, -8.0 * (bent * (1.0 + 2.0 * w)).real
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Deviation of a station's angle from the mean motion, and the derivatives of its angle over its coordinate.
+
+    All at one speed (own angle / speed ratio).
+    """
+
+    deviation: FloatArray  # rad
+    first: FloatArray
+    second: FloatArray
+    third: FloatArray
+
+
+def beyond(before: Turning, joint: JointMap, turned: FloatArray) -> Turning:
+    """The turning of the station behind a joint; `turned` is the mean angle of the reference station, rad."""
+    r, s = joint.driving_ratio, joint.driven_ratio
+    e0, e1, e2, e3 = error(joint, r * (turned + before.deviation))
+    g1, g2, g3 = 1.0 + e1 * r / s, e2 * r * r / s, e3 * r**3 / s
+    f1, f2, f3 = before.first, before.second, before.third
+    return Turning(before.deviation + e0 / s, g1 * f1, g2 * f1**2 + g1 * f2, g3 * f1**3 + 3.0 * g2 * f1 * f2 + g1 * f3)
+
+
+def at_rest(deviation: FloatArray) -> Turning:
+    """The turning of the station that a coordinate is the angle of."""
+    return Turning(deviation, np.ones_like(deviation), np.zeros_like(deviation), np.zeros_like(deviation))
 
 
 @dataclass(frozen=True)
@@ -82,12 +164,17 @@ def layout(system: System) -> Layout:
     joints = np.array([bool(span.error) for span in system.spans], dtype=bool)
     if np.any(joints & ~rigid):
         raise SolveError("a mesh with a transmission error and a flexibility is not built in the exact motion")
-    body = _bodies(system, rigid & ~joints)
+    joined = rigid & ~joints  # stations that turn as one body
+    body = connected(len(system.stations), system.driving[joined], system.driven[joined])
     number = int(body.max()) + 1
     inertia = np.zeros(number)
     np.add.at(inertia, body, np.where(system.held, 0.0, system.inertia) * system.speed_ratio**2)
     held = np.zeros(number, dtype=bool)
     held[body[system.held]] = True
+    orders = {
+        order * system.stations[system.spans[k].driving].ratio
+        for k in np.flatnonzero(joints).tolist() for order, _ in system.spans[k].error
+    }  # fmt: skip
     coordinate, root, free, steps = _coordinates(system, body, held, np.flatnonzero(joints))
     springs = np.flatnonzero(~rigid & (np.isfinite(system.flexibility) | (system.viscous > 0)))
     ratio2 = system.span_ratio[springs] ** 2
@@ -99,7 +186,7 @@ def layout(system: System) -> Layout:
         body, inertia, coordinate, root, free, steps, springs, driving, driven, stiffness,
         system.viscous[springs] * ratio2, stiffness * system.loss_factor[springs],
         Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
-        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), _joint_orders(system, joints),
+        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), tuple(sorted(orders)),
     )  # fmt: skip
 
 
@@ -109,33 +196,6 @@ def common_order(orders: list[Fraction]) -> Fraction:
         return Fraction(0)
     below = lcm(*(order.denominator for order in orders))
     return Fraction(gcd(*(order.numerator * (below // order.denominator) for order in orders)), below)
-
-
-def _joint_orders(system: System, joints: BoolArray) -> tuple[Fraction, ...]:
-    spans = [system.spans[k] for k in np.flatnonzero(joints).tolist()]
-    return tuple(sorted({order * system.stations[span.driving].ratio for span in spans for order, _ in span.error}))
-
-
-def _roots(number: int, first: IntArray, second: IntArray) -> IntArray:
-    """(number,) the smallest member of the group of each, joined pair by pair."""
-    group = list(range(number))
-
-    def root(a: int) -> int:
-        while group[a] != a:
-            group[a] = group[group[a]]
-            a = group[a]
-        return a
-
-    for a, b in zip(first.tolist(), second.tolist(), strict=True):
-        low, high = sorted((root(a), root(b)))
-        group[high] = low
-    return np.array([root(a) for a in range(number)])
-
-
-def _bodies(system: System, joined: BoolArray) -> IntArray:
-    """(stations,) the body of each station: stations joined rigidly turn as one; bodies count from 0."""
-    group = _roots(len(system.stations), system.driving[joined], system.driven[joined])
-    return np.unique(group, return_inverse=True)[1]
 
 
 def _coordinates(
@@ -179,7 +239,7 @@ def _floating(
     coordinate: IntArray, free: int, driving: IntArray, driven: IntArray, number: int
 ) -> tuple[tuple[int, ...], ...]:
     """Groups of free coordinates that elastic springs join, without those that hang on a prescribed one."""
-    group = _roots(number, coordinate[driving], coordinate[driven])
+    group = connected(number, coordinate[driving], coordinate[driven])
     held = set(group[free:].tolist())
     names = [one for one in np.unique(group[:free]).tolist() if one not in held]
     return tuple(tuple(np.flatnonzero(group[:free] == one).tolist()) for one in names)
