@@ -106,8 +106,8 @@ ANALYSES: dict[str, Analysis] = {
         results={"critical_speeds": "CriticalSpeeds"}, wanted=always,
     ),
     "joints": Analysis(
-        "universal joints", "torsion.analyses.joints.joints", settings="JointsSettings", needs=("steady",),
-        results={"joints": "Joints"}, wanted=lambda study: study.has_joints,
+        "universal joints", "torsion.analyses.joints.joint_analysis", settings="JointsSettings", needs=("steady",),
+        results={"joints": "torsion.analyses.joints.joint_results:Joints"}, wanted=lambda study: study.has_joints,
     ),
     "lateral": Analysis(
         "bending of the shafts", "torsion.analyses.lateral.shaft_bending", settings="LateralSettings",

@@ -1,4 +1,4 @@
-"""Secondary couples of cross joints, on the shafts they bend, in the rotating yokes and at the bearings.
+"""Secondary couples of cross joints, on the shafts they bend and in the rotating yokes.
 
 A joint without friction carries a couple along the normal of its cross; what each shaft does not pass on as torque
 bends it. Fixed axes of a shaft of direction d at a joint of plane normal n = d_driving x d_driven/sin(angle):
@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.kinematics.cross import Array, Convention, transfer
-from torsion.kinematics.line import Line, motion
 
 ComplexArray = NDArray[np.complex128]
 Carrier = Literal["driving", "driven"]  # the shaft whose torque is constant
@@ -109,51 +108,3 @@ def couple_harmonics(
         driven_normal=Harmonic(none, -1j * sign * slope),
         driven_inplane=Harmonic(behind, -sign * behind + 0j),
     )
-
-
-def intermediate_couples(
-    driving: ArrayLike, line: Line, torque: ArrayLike, carrier: Carrier = "driving"
-) -> tuple[Couple, ...]:
-    """Net couple of the two joints on each shaft between joints, in the axes of the joint before it.
-
-    `torque` is constant on the first shaft (carrier "driving") or on the last. A plane of 180 degrees with equal
-    angles is the Z arrangement (outer shafts parallel), a plane of 0 the W arrangement.
-    """
-    every = line_couples(driving, line, torque, carrier)
-    nets = []
-    for before, behind, plane in zip(every[:-1], every[1:], line.plane[1:], strict=True):
-        turned = (behind.driving.normal + 1j * behind.driving.inplane) * np.exp(1j * plane)
-        nets.append(Couple(before.driven.normal + turned.real, before.driven.inplane + turned.imag))
-    return tuple(nets)
-
-
-def line_couples(
-    driving: ArrayLike, line: Line, torque: ArrayLike, carrier: Carrier = "driving"
-) -> tuple[Couples, ...]:
-    """Couples of every joint of a line, each with the torque that its own shafts carry at that angle."""
-    turning = motion(driving, line)
-    given = np.asarray(torque, dtype=float)
-    power = given if carrier == "driving" else given * turning.speed[-1]
-    before = [power + np.zeros_like(turning.speed[0]), *(power / ratio for ratio in turning.speed[:-1])]
-    triples = zip(turning.yoke, line.angle, before, strict=True)
-    return tuple(couples(yoke, angle, carried) for yoke, angle, carried in triples)
-
-
-def double_cardan(angle: ArrayLike, torque: ArrayLike, arrangement: Literal["Z", "W"]) -> tuple[Harmonic, Harmonic]:
-    """Net couple (normal, inplane) on the intermediate shaft of two equal joints with yokes in line, over x (P).
-
-    Z: none. W: T t sin 2x about the normal, T s (1 - cos 2x) in the plane (x counted in convention N; peak 2 T s).
-    """
-    bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
-    factor = 1.0 if arrangement == "W" else 0.0
-    slope, tilt = factor * given * np.tan(bend), factor * given * np.sin(bend)
-    return Harmonic(np.zeros_like(slope), 1j * slope), Harmonic(tilt, tilt + 0j)
-
-
-def bearing_reactions(couple: Couple, distance: ArrayLike) -> Couple:
-    """Force, N, of the farther of two bearings on the shaft, in the axes of the couple; the nearer bears its negative.
-
-    `distance`, m, counts along the shaft's direction d from the nearer bearing: distance d x force + couple = 0.
-    """
-    length = np.asarray(distance, dtype=float)
-    return Couple(-couple.inplane / length, couple.normal / length)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.kinematics.cross import Array, Transfer, rapidity, transfer
+from torsion.kinematics.cross import Array, Transfer, behind, rapidity, transfer
 
 ComplexArray = NDArray[np.complex128]
 
@@ -102,14 +102,12 @@ def motion(driving: ArrayLike, line: Line, speed: ArrayLike = 1.0, acceleration:
     """Angle, speed and acceleration behind each joint of one line, driven at `speed` and `acceleration`."""
     turned = np.asarray(driving, dtype=float)
     shape = np.broadcast_shapes(turned.shape, np.shape(speed), np.shape(acceleration))
-    lead, rate, gain = np.zeros(shape), np.broadcast_to(speed, shape), np.broadcast_to(acceleration, shape)
+    before = Transfer(np.zeros(shape), np.broadcast_to(speed, shape), np.broadcast_to(acceleration, shape))
     result = np.empty((4, line.angle.size, *shape))
     for rank, (angle, offset) in enumerate(zip(line.angle, np.cumsum(line.offset), strict=True)):
-        yoke = turned + (lead + offset)
-        joint = transfer(yoke, angle)
-        gain = joint.curvature * rate * rate + joint.ratio * gain
-        lead, rate = lead + joint.error, joint.ratio * rate
-        result[:, rank] = lead, rate, gain, yoke
+        yoke = turned + (before.error + offset)
+        before = behind(before, transfer(yoke, angle))
+        result[:, rank] = before.error, before.ratio, before.curvature, yoke
     return Motion(*result)
 
 
@@ -151,29 +149,11 @@ def _products(line: Line) -> tuple[ComplexArray, ComplexArray, Array]:
     return first, second, np.cumsum(shift, axis=-1)
 
 
-def two_joint_rapidity(first: ArrayLike, second: ArrayLike, misphase: ArrayLike) -> Array:
-    """Rapidity of two joints, misphase = phase - plane of the second: the hyperbolic law of cosines.
-
-    cosh R = cosh a cosh b - sinh a sinh b cos(2 misphase), written without its difference.
-    """
-    before, behind = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
-    apart = np.sin((before + behind) / 2.0) * np.sin((before - behind) / 2.0)
-    crossed = np.sin(before) * np.sin(behind) * np.sin(np.asarray(misphase, dtype=float)) / 2.0
-    half: Array = np.hypot(apart, crossed) / np.sqrt(np.cos(before) * np.cos(behind))
-    return 2.0 * np.arcsinh(half)
-
-
 def classical_angle(line: Line) -> Array:
     """Resulting joint angle of the handbooks, sqrt|sum angle^2 exp(2 i gamma)| for small angles, rad, shape (...)."""
     gamma = np.cumsum(line.offset, axis=-1)
     total: Array = np.abs(np.sum(line.angle**2 * np.exp(2j * gamma), axis=-1))
     return np.sqrt(total)
-
-
-def equivalent(driving: ArrayLike, result: Resultant) -> Transfer:
-    """Transmission error, ratio and second derivative of a whole line from its resultant; driving broadcasts."""
-    joint = transfer(np.asarray(driving, dtype=float) + result.phase, result.angle)
-    return Transfer(joint.error + result.lead, joint.ratio, joint.curvature)
 
 
 def rapidity_bound(line: Line) -> Array:

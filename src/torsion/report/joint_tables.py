@@ -8,7 +8,7 @@ from torsion.report.blocks import Block, Column, Paragraph, Table
 from torsion.report.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import JointFound, Joints, LineFound, OptimumFound
+    from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound, OptimumFound
 
 STILL = 1e-12  # rad: an amplitude or an index below it is rounding of angles of order one
 COUPLES = (

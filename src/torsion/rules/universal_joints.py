@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
-from torsion.analyses.joints.found import JointFound, Joints, LineFound
+from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given

@@ -47,7 +47,7 @@ def _joint_faults(study: Study) -> list[Fault]:
     asked = study.analyses.get("joints")
     if asked is None:
         return []
-    from torsion.analyses.joints.joints import JointsSettings, settings_faults
+    from torsion.analyses.joints.joint_analysis import JointsSettings, settings_faults
 
     return settings_faults(study.train, asked) if isinstance(asked, JointsSettings) else []
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from torsion.analyses.joints.line import placed
+from torsion.analyses.joints.joint_lines import placed
 from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.couple_response import couples_at
 from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral
@@ -19,7 +19,7 @@ from torsion.components.shaft import Shaft
 from torsion.components.support import Support
 from torsion.errors import InputError
 from torsion.kernels.response import Status
-from torsion.kinematics.couples import couple_harmonics, double_cardan
+from torsion.kinematics.couples import couple_harmonics
 from torsion.schema.read import parse
 from torsion.study import Operation, Rated, SpeedRange
 from torsion.train import train
@@ -87,9 +87,9 @@ def test_couples_of_parallel_shafts_cancel_on_the_tube_as_a_whole() -> None:
 
 def test_couples_of_a_double_cardan_that_bends_one_way_add_up() -> None:
     found = _ends(_cardan(Joint(angle="20 deg"), Joint(angle="20 deg")))
-    normal, inplane = double_cardan(math.radians(20), 100.0, "W")
-    np.testing.assert_allclose(found[0].sum(axis=0), [normal.mean, inplane.mean], atol=1e-11)
-    np.testing.assert_allclose(found[2].sum(axis=0), [normal.second, inplane.second], atol=1e-11)
+    slope, tilt = 100.0 * math.tan(math.radians(20)), 100.0 * math.sin(math.radians(20))
+    np.testing.assert_allclose(found[0].sum(axis=0), [0.0, tilt], atol=1e-11)
+    np.testing.assert_allclose(found[2].sum(axis=0), [1j * slope, tilt], atol=1e-11)
 
 
 def test_the_constant_torque_may_be_that_of_the_last_shaft() -> None:

@@ -6,8 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.analyses.joints.couples import couples_found
-from torsion.analyses.joints.line import Behind, Placed, motions
+from torsion.analyses.joints.joint_couples import couples_found
+from torsion.analyses.joints.joint_lines import Behind, Placed, motions
 from torsion.analyses.lateral.beam_matrices import places
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.analyses.lateral.bending_shafts import BendingShaft
@@ -232,10 +232,10 @@ def couples_at(
 def _carried(every: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier) -> FloatArray:
     """(angles,) torque in the driving shaft of a joint over the constant one."""
     before = every[position].before
-    speed = np.ones(SAMPLES) if before is None else moved[before].speed
+    speed = np.ones(SAMPLES) if before is None else moved[before].transfer.ratio
     if carrier == "driving":
         return np.asarray(1.0 / speed)
     last = position
     while following := [k for k, place in enumerate(every) if place.before == last]:
         last = following[0]
-    return np.asarray(moved[last].speed / speed)
+    return np.asarray(moved[last].transfer.ratio / speed)

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from torsion import fields
-from torsion.analyses.joints.line import Placed, placed
+from torsion.analyses.joints.joint_lines import Placed, placed
 from torsion.analyses.lateral.beam_elements import DEGREE
 from torsion.analyses.lateral.beam_matrices import assemble_lateral, places
 from torsion.analyses.lateral.bending_modes import Planes, planes

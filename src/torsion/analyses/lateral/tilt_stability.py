@@ -10,7 +10,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from torsion.analyses.joints.line import Placed
+from torsion.analyses.joints.joint_lines import Placed
 from torsion.analyses.lateral.beam_elements import gauss
 from torsion.analyses.lateral.beam_matrices import Beam
 from torsion.analyses.lateral.bending_shafts import BendingShaft, JointAt

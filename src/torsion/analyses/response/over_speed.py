@@ -10,7 +10,6 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.analyses.damped import DampedModes
-from torsion.analyses.joints.first_order import joint_errors
 from torsion.analyses.modes import Modes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, merged
@@ -23,7 +22,7 @@ from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, silent
 from torsion.kernels.response import Status
-from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree import ComplexArray, FloatArray
 from torsion.study import FrequencyRange, Study
 
 __all__ = ["FrequencyResponse", "Line", "Response", "ResponseSettings", "Synthesis", "response"]
@@ -190,3 +189,19 @@ def _frequencies(line: Line, speed: FloatArray) -> FloatArray:
     if line.order is not None:
         return float(line.order) * speed
     return np.full(len(speed), 2.0 * math.pi * (line.frequency or 0.0))
+
+
+def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
+    """(frequencies,) estimated relative error of a line that joints excite, from its angles (frequencies, stations).
+
+    The model evaluates a joint's error e at the mean angle of its yokes. Terms of second order are left out: a joint
+    changes the stiffness seen through it by 4 q at twice its speed, and a yoke that oscillates by x changes e by its
+    slope times x. Acting twice, they come back at the same order with the square of both together, (2 q + 2 |x|)^2, of
+    the largest joint. It is an estimate and no bound; in 40 cases of a train of two joints (3 to 30 degrees, off and at
+    resonance, cancelling and adding) it was 1.3 to 32 times the error against the full non-linear solution.
+    """
+    worst = np.zeros(len(angle))
+    for error in excitation.errors:
+        amplitude = np.abs(angle[:, system.spans[error.span].driving])
+        worst = np.maximum(worst, (2.0 * abs(error.amplitude) + error.order * amplitude) ** 2)
+    return worst

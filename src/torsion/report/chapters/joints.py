@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.report import joint_figures, joint_tables
@@ -15,7 +15,7 @@ from torsion.report.reading import NO_VALUE, joint_model, largest
 from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import JointFound, Joints
+    from torsion.analyses.joints.joint_results import JointFound, Joints
 
 AXES = (
     "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import torsion
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.findings import Findings
 from torsion.kernels.tree import FloatArray
 from torsion.report.blocks import Block
@@ -25,7 +25,7 @@ from torsion.report.numbers import RPM
 from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import JointFound
+    from torsion.analyses.joints.joint_results import JointFound
 
 PAGE = "joints.html"
 Series = tuple[str, FloatArray]  # title with unit; (angles,)

@@ -8,7 +8,7 @@ from rich.console import Console, RenderableType
 from rich.table import Table as Grid
 from rich.text import Text
 
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.findings import Findings
 from torsion.report import joint_tables
 from torsion.report.chapters import verdict
@@ -18,7 +18,7 @@ from torsion.report.terminal.grids import filled, grid, printed, verdicts
 from torsion.rules.check import Checks
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import Joints, OptimumFound
+    from torsion.analyses.joints.joint_results import Joints, OptimumFound
 
 DIGITS = 4
 

@@ -13,7 +13,7 @@ from rich.text import Text
 from torsion.analyses.check.models import Compared
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.damped import DampedModes
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response, Synthesis

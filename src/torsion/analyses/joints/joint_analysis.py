@@ -8,20 +8,30 @@ import numpy as np
 from pydantic import Field
 
 from torsion import fields
-from torsion.analyses.joints.best import has_third_order, line_found, optimum_found, steepest
-from torsion.analyses.joints.couples import couples_found
-from torsion.analyses.joints.found import CoupleFound, JointFound, Joints, LineFound, OptimumFound
-from torsion.analyses.joints.line import Behind, Placed, motions, paths, placed, turning
+from torsion.analyses.joints.joint_couples import couples_found
+from torsion.analyses.joints.joint_lines import (
+    Behind,
+    Placed,
+    has_third_order,
+    line_found,
+    motions,
+    optimum_found,
+    path_to,
+    paths,
+    placed,
+    steepest,
+    turning,
+)
+from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound, OptimumFound
 from torsion.analyses.steady import Steady
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Work
+from torsion.kinematics.cross import fluctuation
 from torsion.study import Operation
 from torsion.train import Train
-
-__all__ = ["CoupleFound", "JointFound", "Joints", "JointsSettings", "LineFound", "OptimumFound", "joints"]
 
 PLACE: Path = ("analyses", "joints")
 _SAMPLES = 720  # of a tripod's turn; symmetry puts the extremes of its speed at multiples of 30 degrees
@@ -75,7 +85,7 @@ def _joint(
     speed: float | None,
     torque: float | None,
 ) -> JointFound:
-    place, path = every[position], _path_to(every, position)
+    place, moved = every[position], behind.transfer
     pair: tuple[CoupleFound, ...] = ()
     force = 0.0
     if torque is not None:
@@ -86,20 +96,16 @@ def _joint(
         angle=place.joint.angle, plane=place.joint.plane or 0.0, phase=place.joint.phase or 0.0, yoke=place.yoke,
         ratio=place.ratio, order=place.joint.order, amplitude=place.error[0][1] if place.error else 0j,
         unevenness=_unevenness(place), speed=None if speed is None else speed * float(place.ratio), torque=torque,
-        error=behind.error, speed_ratio=behind.speed, acceleration=behind.acceleration,
-        torque_ratio=1.0 / behind.ratio, couples=pair, steepest=steepest(every, path), force=force,
+        error=moved.error, speed_ratio=moved.ratio, acceleration=moved.curvature,
+        torque_ratio=1.0 / behind.ratio, couples=pair, steepest=steepest(every, path_to(every, position)),
+        force=force,
     )  # fmt: skip
-
-
-def _path_to(every: Sequence[Placed], position: int) -> tuple[int, ...]:
-    before = every[position].before
-    return (position,) if before is None else (*_path_to(every, before), position)
 
 
 def _unevenness(place: Placed) -> float:
     """(Greatest - least)/mean driven speed of one joint at constant driving speed."""
     if place.joint.order == 2:
-        return math.sin(place.joint.angle) * math.tan(place.joint.angle)
+        return float(fluctuation(place.joint.angle))
     ratio = turning(place.joint, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
     return float(ratio.max() - ratio.min())
 
