@@ -1,9 +1,8 @@
 """Bending of the shafts of a Cardan line: critical speeds, whirl, and the answer to the joints' secondary couples."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property, partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -16,11 +15,10 @@ from torsion.analyses.lateral.beam_matrices import assemble_lateral, places
 from torsion.analyses.lateral.bending_modes import Planes, planes
 from torsion.analyses.lateral.bending_shafts import BendingShaft, bending_shafts
 from torsion.analyses.lateral.couple_response import Answer, answer, couples_at, orders, speeds_for
-from torsion.analyses.lateral.tilt_stability import Tilting, tilting
+from torsion.analyses.lateral.tilt_stability import Tilting, Torques, tilting
 from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
-from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.findings import Progress, Work
@@ -31,7 +29,7 @@ from torsion.train import Train
 
 PLACE: Path = ("analyses", "lateral")
 _ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
-_SPARE = 4  # inner unknowns for every mode that is told
+_SPARE = 4  # inner unknowns for every mode that is reported
 _WHIRL_SPEEDS = 41  # speeds of the whirl map at most
 
 
@@ -122,13 +120,21 @@ def lateral(
         raise InputError(faults)
     every, (shafts, _) = placed(train), bending_shafts(train)
     held = [shaft for shaft in shafts if not shaft.lacks]
-    torque = _Torques(train, operation, wanted, every)
-    found = []
+    speeds, found = wanted.speeds or operation.speeds, []
+    reference = None if speeds is None else speeds.values()
+    torque = None if speeds is None else _torques(train, operation, wanted, every)
     for number, shaft in enumerate(held):
         if progress is not None:
             progress("bending of the shafts", number / len(held))
-        found.append(_found(every, shaft, wanted, operation, torque))
-    remarks = [*_remarks(shafts, operation, wanted, torque)]
+        found.append(_found(every, shaft, wanted, reference, torque))
+    remarks = [
+        f"{shaft.name}: " + (shaft.lacks or f"it bends without the masses of {', '.join(shaft.loads)}, "
+        "which the file does not say") for shaft in shafts if shaft.lacks or shaft.loads
+    ]  # fmt: skip
+    if reference is None:
+        remarks.append("no speeds are given: whirl over speed and the answer to the secondary couples are left out")
+    elif every and torque is None:
+        remarks.append("no torque is known: the answer to the secondary couples is left out")
     remarks += [f"{shaft.name}: {shaft.remark}" for shaft in found if shaft.remark]
     return Lateral(tuple(found), tuple(remarks), wanted.shear)
 
@@ -144,59 +150,36 @@ def lateral_faults(train: Train, asked: LateralSettings | None) -> list[Fault]:
     return faults
 
 
-@dataclass(frozen=True)
-class _Torques:
-    """Mean torques in the driving shafts of all joints."""
-
-    train: Train
-    operation: Operation
-    asked: LateralSettings
-    every: Sequence[Placed]
-
-    @property
-    def is_known(self) -> bool:
-        """The file says a torque."""
-        return bool(self.every) and (self.asked.torque is not None or self.operation.has_mean_torque)
-
-    def at(self, speed: FloatArray) -> FloatArray:
-        """(joints, speeds) N m at reference speeds, rad/s."""
-        if self.asked.torque is not None:
-            return np.full((len(self.every), len(speed)), self.asked.torque)
-        known = mean_torques(self.train, self._system, self.operation, speed)
-        return np.array([known.torque[place.span] for place in self.every])
-
-    @cached_property
-    def _system(self) -> System:
-        return assemble(self.train)
-
-    def of(self, part: int, speed: FloatArray) -> FloatArray:
-        """(speeds,) N m of one joint."""
-        return np.asarray(self.at(speed)[next(k for k, place in enumerate(self.every) if place.part == part)])
-
-
-def _speeds(operation: Operation, asked: LateralSettings) -> FloatArray | None:
-    """(speeds,) rad/s of the reference."""
-    chosen = asked.speeds or operation.speeds
-    return None if chosen is None else chosen.values()
+def _torques(train: Train, operation: Operation, asked: LateralSettings, every: Sequence[Placed]) -> Torques | None:
+    """(joints, speeds) N m, mean, in the driving shafts of all joints, of reference speeds, rad/s; None if unknown."""
+    if not every or (asked.torque is None and not operation.has_mean_torque):
+        return None
+    if (known := asked.torque) is not None:
+        return lambda speed: np.full((len(every), len(speed)), known)
+    system, spans = assemble(train), [place.span for place in every]
+    return lambda speed: np.asarray(mean_torques(train, system, operation, speed).torque[spans])
 
 
 def _found(
-    every: Sequence[Placed], shaft: BendingShaft, asked: LateralSettings, operation: Operation, torque: _Torques
-) -> ShaftFound:
-    reference, ratio = _speeds(operation, asked), float(shaft.ratio)
+    every: Sequence[Placed], shaft: BendingShaft, asked: LateralSettings, reference: FloatArray | None,
+    torque: Torques | None,
+) -> ShaftFound:  # fmt: skip
+    ratio = float(shaft.ratio)
     own = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
     both, critical = _divided(shaft, asked, own, excited)
     critical = tuple(replace(crossing, ratio=ratio) for crossing in critical)
-    map_of = None if own is None else replace(whirl(both, _some(own), asked.modes), ratio=ratio)
+    some = slice(0) if own is None else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
+    map_of = None if own is None else replace(whirl(both, own[some], asked.modes), ratio=ratio)
     rest = _hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)
     answers: tuple[Answer, ...] = ()
     tilt, remark = None, ""
-    if own is not None and reference is not None and shaft.joints and torque.is_known:
-        tilt, remark = tilting(shaft, every, partial(torque.of, shaft.joints[0].part), reference, rest)
+    if own is not None and reference is not None and shaft.joints and torque is not None:
+        first = next(k for k, place in enumerate(every) if place.part == shaft.joints[0].part)
+        tilt, remark = tilting(shaft, every, lambda speeds: torque(speeds)[first], reference, rest)
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
         grid = speeds_for(own, resonances)
-        couple = couples_at(every, shaft, torque.at(grid / ratio), asked.carrier)
+        couple = couples_at(every, shaft, torque(grid / ratio), asked.carrier)
         answers = tuple(replace(answer(both, order, grid, couple[order]), ratio=ratio) for order in couple)
     system = both.system
     return ShaftFound(
@@ -206,12 +189,6 @@ def _found(
     )  # fmt: skip
 
 
-def _some(speeds: FloatArray) -> FloatArray:
-    """As many of the speeds as the whirl map shows, the first and the last among them."""
-    pick = np.linspace(0, len(speeds) - 1, min(len(speeds), _WHIRL_SPEEDS))
-    return np.asarray(speeds[np.round(pick).astype(np.int64)])
-
-
 def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
     return np.asarray(frequency[:modes] / (2.0 * np.pi))
 
@@ -219,7 +196,7 @@ def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
 def _divided(
     shaft: BendingShaft, asked: LateralSettings, speed: FloatArray | None, excited: tuple[int, ...]
 ) -> tuple[Planes, tuple[Critical, ...]]:
-    """The shaft in as many elements as the highest frequency that is told of it needs."""
+    """The shaft in as many elements as the highest frequency that is reported of it needs."""
     highest = 0.0 if speed is None else float(speed[-1]) * max((1, *excited))
     elements = 1
     for _ in range(_ROUNDS):
@@ -228,10 +205,10 @@ def _divided(
         critical = tuple(
             crossing for order in (1, *excited) for crossing in criticals(both, order, np.inf)[: 2 * asked.modes]
         )
-        told = [np.array([crossing.frequency for crossing in critical])]
-        told += [_hertz(plane.frequency, asked.modes) for plane in (both.y, both.z)]
-        told += [] if speed is None else [whirl(both, speed[-1:], asked.modes).frequency]
-        reached = 2.0 * np.pi * float(max(part[np.isfinite(part)].max(initial=0.0) for part in told))
+        reported_of = [np.array([crossing.frequency for crossing in critical])]
+        reported_of += [_hertz(plane.frequency, asked.modes) for plane in (both.y, both.z)]
+        reported_of += [] if speed is None else [whirl(both, speed[-1:], asked.modes).frequency]
+        reached = 2.0 * np.pi * float(max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of))
         spare = len(system.free) >= _SPARE * asked.modes
         if spare and reached <= highest:
             return both, critical
@@ -240,7 +217,7 @@ def _divided(
 
 
 def _none_held(train: Train, shafts: Sequence[BendingShaft], is_asked: bool) -> list[Fault]:
-    """Told where every shaft lacks something; else where bending is asked for, or at the first support."""
+    """At the keys where every shaft lacks something; else where bending is asked for, or at the first support."""
     named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
     if named:
         return named
@@ -262,22 +239,6 @@ def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
             message = f"its `youngs_modulus` and `shear_modulus` make a Poisson's ratio of {poisson:.3g}"
             faults.append(Fault((*part.path, "material"), message, "from 0 to 0.5 for `shear: true`"))
     return faults
-
-
-def _remarks(
-    shafts: Sequence[BendingShaft], operation: Operation, asked: LateralSettings, torque: "_Torques"
-) -> Iterator[str]:
-    """What a reader must know of what was left out."""
-    for shaft in shafts:
-        if shaft.lacks:
-            yield f"{shaft.name}: {shaft.lacks}"
-        elif shaft.loads:
-            names = ", ".join(shaft.loads)
-            yield f"{shaft.name}: it bends without the masses of {names}, which the file does not say"
-    if _speeds(operation, asked) is None:
-        yield "no speeds are given: whirl over speed and the answer to the secondary couples are left out"
-    elif torque.every and not torque.is_known:
-        yield "no torque is known: the answer to the secondary couples is left out"
 
 
 def run(work: Work) -> None:

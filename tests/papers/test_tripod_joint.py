@@ -9,7 +9,7 @@ import pytest
 from torsion.errors import SolveError
 from torsion.kinematics import tripod
 
-ORACLES = json.loads((Path(__file__).parent / "oracles.json").read_text())
+ORACLES = json.loads((Path(__file__).parents[1] / "kinematics" / "oracles.json").read_text())
 RADIUS, ARM, TORQUE = 0.03, 0.6, 200.0
 ANGLES = (10, 20, 30, 40)
 RANGES = {  # N m: couple of the single bearing least, greatest; twin bearing
@@ -28,11 +28,11 @@ def close(found: object, expected: object, relative: float = 1e-13) -> None:
 
 @pytest.mark.parametrize("turned", [0, 15, 30, 90])
 @pytest.mark.parametrize("degrees", ANGLES)
-def test_first_order_statics_agree_with_the_reference_values(degrees: int, turned: int) -> None:
+def test_first_order_statics_agree_with_the_reference_values(degrees: int, turned: int, paper) -> None:
     expected = {key: float(value) for key, value in ORACLES[f"tripod_gamma{degrees}"][f"phi{turned}"].items()}
     geometry = (np.radians(turned), np.radians(degrees), RADIUS, ARM)
-    found = tripod.first_order_statics(*geometry, TORQUE)
-    close(tripod.first_order_motion(*geometry).ratio, expected["i"])
+    found = paper["tripod_first_order"].first_order_statics(*geometry, TORQUE)
+    close(paper["tripod_first_order"].first_order_motion(*geometry).ratio, expected["i"])
     close(
         [-found.torque, found.driving_inplane, found.driven_inplane, found.couple],
         [expected[key] for key in ("To", "V1", "V2", "M1")],
@@ -49,18 +49,18 @@ def test_amplitudes_and_twin_couple_agree_with_the_reference_values(degrees: int
 
 
 @pytest.mark.parametrize("degrees", ANGLES)
-def test_couple_ranges_over_a_turn(degrees: int) -> None:
+def test_couple_ranges_over_a_turn(degrees: int, paper) -> None:
     """As its figure 5: the couple is least where sin 3x = -1 and greatest where it is 1."""
     x, angle = np.linspace(0.0, 2.0 * np.pi, 721), np.radians(degrees)
-    couple = tripod.first_order_statics(x, angle, RADIUS, ARM, TORQUE).couple
+    couple = paper["tripod_first_order"].first_order_statics(x, angle, RADIUS, ARM, TORQUE).couple
     found = couple.min(), couple.max(), tripod.constant_velocity_couple(angle, TORQUE)
     close(found, RANGES[degrees], 1e-11)
 
 
-def test_complex_amplitude_of_order_three() -> None:
+def test_complex_amplitude_of_order_three(paper) -> None:
     x, spider = np.linspace(0.0, 6.0, 20), 0.4
     amplitude = tripod.error_amplitude(0.5, spider, RADIUS, ARM)
-    expected = tripod.first_order_motion(x + spider, 0.5, RADIUS, ARM).error
+    expected = paper["tripod_first_order"].first_order_motion(x + spider, 0.5, RADIUS, ARM).error
     np.testing.assert_allclose((amplitude * np.exp(3j * x)).real, expected, rtol=0.0, atol=1e-18)
 
 
@@ -108,15 +108,18 @@ def test_exact_ratio_is_the_derivative_of_the_exact_angle(degrees: float) -> Non
 
 
 @pytest.mark.parametrize("degrees", ANGLES)
-def test_first_order_is_the_limit_of_the_exact_joint(degrees: int) -> None:
+def test_first_order_is_the_limit_of_the_exact_joint(degrees: int, paper) -> None:
     """Relative errors of motion and statics fall with the square and the first power of radius/arm."""
     x, angle = np.linspace(0.0, 2.0 * np.pi, 25), np.radians(degrees)
-    motions, forces = [], []
+    motions, forces, theory = [], [], paper["tripod_first_order"]
     for radius in (1e-3, 5e-4):
         size = tripod.error_size(angle, radius, 1.0)
-        first, exact = tripod.first_order_motion(x, angle, radius, 1.0), tripod.exact_motion(x, angle, radius, 1.0)
+        first, exact = (
+            theory.first_order_motion(x, angle, radius, 1.0),
+            tripod.exact_motion(x, angle, radius, 1.0),
+        )
         motions.append(np.abs(first.error - exact.error).max() / size)
-        near, true = (pick(x, angle, radius, 1.0, 1.0) for pick in (tripod.first_order_statics, tripod.exact_statics))
+        near, true = (pick(x, angle, radius, 1.0, 1.0) for pick in (theory.first_order_statics, tripod.exact_statics))
         for name in ("driving_normal", "driving_inplane", "driven_inplane"):
             forces.append(np.abs(getattr(near, name) - getattr(true, name)).max() / radius**2)
         forces.extend(np.abs(a - b).max() / radius**2 for a, b in zip(near.force, true.force, strict=True))
