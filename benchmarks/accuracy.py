@@ -4,70 +4,58 @@ Writes reports/accuracy.md and its figures in under five minutes; `--quick` take
 with `--out`.
 """
 
-import argparse
 import sys
-import warnings
-from pathlib import Path
-from time import perf_counter
+from collections.abc import Sequence
+from dataclasses import replace
+from time import process_time
+from typing import Any
 
-from benchmarks import accuracy_page, accuracy_references, machine
-from benchmarks.accuracy_methods import MODES, Method, elements, exact, lumped, peer
-from benchmarks.accuracy_page import Study
-from benchmarks.accuracy_rows import FULL, QUICK, Effort, Row, frequencies, mode_rows, torque_rows
+import numpy as np
+
+from benchmarks import accuracy_page, accuracy_references
+from benchmarks.accuracy_methods import MODES, mode_curves, torque_curves
 from benchmarks.accuracy_scenes import LINES, STEPPED, Line
+from benchmarks.page_file import Report
+from torsion.analyses.compare.timing import Effort, timed
 
-REPORT = Path(__file__).parents[1] / "reports" / "accuracy.md"
-ROUNDS_OF_STEPPED = 5
-PATIENCE_OF_STEPPED = 60.0  # s: every method is called in every round
-FINENESS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # finite elements a shaft
+# the processor's time, one run a turn; what takes long has its turn once
+FULL = Effort(
+    rounds=5, runs=1, slow=0.4, slow_rounds=1, clock=process_time, segments=1024, unknowns=260,
+    degrees=tuple(range(1, 11)), modes=0, dense=0, speeds=40,
+)  # fmt: skip
+QUICK = replace(FULL, rounds=2, slow=0.2, segments=64, degrees=(1, 2, 10), unknowns=70, speeds=8)
+PEERS = (6, 12, 24, 48, 96, 192, 336)  # elements a line
+TENTH = replace(FULL, slow=60.0, segments=1, degrees=(10,), unknowns=40)  # of the stepped shaft
+PEERS_OF_STEPPED = (8, 100)  # elements a shaft
 
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="half a minute, nothing written unless --out")
-    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
-    chosen = parser.parse_args()
-    warnings.simplefilter("ignore")  # of the peer
-    effort = QUICK if chosen.quick else FULL
-    about, start = machine.lines(), perf_counter()
-    stepped = _stepped(quick=chosen.quick)
-    studies = [_study(line, effort) for line in LINES]
-    how = f"Written by `python -m benchmarks.accuracy` in {perf_counter() - start:.0f} s."
-    page = accuracy_page.text(studies, stepped, about, how + (" Quick run: fewer methods." if chosen.quick else ""))
-    print(page)
-    target = chosen.out or (None if chosen.quick else REPORT)
-    if target:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(page, encoding="utf-8")
-        for study in studies:
-            (target.parent / accuracy_page.figure_name(study)).write_text(accuracy_page.figure(study), encoding="utf-8")
-
-
-def _study(line: Line, effort: Effort) -> Study:
-    known = accuracy_references.frequencies(line, MODES)
-    highest = float(known[-1]) * (1 + 1e-9)
-    shafts = len(line.shafts)
-    methods = [lumped(line, number) for number in effort.segments]
-    for degree in effort.degrees:
-        methods += [elements(line, degree, n) for n in FINENESS if n * degree <= effort.unknowns]
-    peers = [peer(line, max(1, number // shafts)) for number in effort.peer]
-    modes = mode_rows([*methods, exact(line, highest), *peers], known, effort.rounds, effort.patience)
-    w = frequencies(known, effort.frequencies)
-    torques = torque_rows(
-        line, [*methods, exact(line, highest, halved=True), *peers], w, effort.rounds, effort.patience
-    )
-    print(f"{line.name}: {len(modes)} and {len(torques)} rows", file=sys.stderr, flush=True)
-    return Study(line.name, modes, torques)
-
-
-def _stepped(*, quick: bool) -> list[Row]:
-    """Exact, degree 10, and openTorsion's 40 and 500 elements, in turns."""
+    report = Report(__doc__, "accuracy", "half a minute")
+    is_quick = report.chosen.quick
+    effort, tenth = (QUICK, replace(TENTH, rounds=1)) if is_quick else (FULL, TENTH)
     known = accuracy_references.frequencies(STEPPED, MODES)
-    methods: list[Method] = [exact(STEPPED, float(known[-1]) * (1 + 1e-9))]
-    methods += [elements(STEPPED, 10, number) for number in (1, 2, 4)]
-    methods += [peer(STEPPED, number) for number in (8, 100)]
-    return mode_rows(methods, known, 1 if quick else ROUNDS_OF_STEPPED, PATIENCE_OF_STEPPED)
+    stepped = timed(mode_curves(STEPPED, known, tenth, PEERS_OF_STEPPED)[1:], tenth)[0]
+    studies = [_study(line, effort, PEERS[: 5 if is_quick else None]) for line in LINES]
+    figures = {accuracy_page.figure_name(study): accuracy_page.figure(study) for study in studies}
+    report.publish(accuracy_page.TITLE, accuracy_page.parts(studies, stepped), figures)
+
+
+def _study(line: Line, effort: Effort, peers: Sequence[int]) -> accuracy_page.Study:
+    known = accuracy_references.frequencies(line, MODES)
+    each = sorted({max(1, number // len(line.shafts)) for number in peers})
+    modes, remarks = timed(mode_curves(line, known, effort, each), effort)
+    half = replace(effort, segments=effort.segments // 2, unknowns=effort.unknowns // 2)
+    halves = sorted({max(1, number // 2) for number in each})
+    torques, more = timed(torque_curves(line, frequencies(known, effort.speeds), half, halves), half)
+    print(f"{line.name}: {len(modes)} and {len(torques)} rows", file=sys.stderr, flush=True)
+    return accuracy_page.Study(line.name, modes, torques, (*remarks, *more))
+
+
+def frequencies(exact: Sequence[Any], count: int) -> np.ndarray:
+    """Random rad/s, even in the logarithm, from half the first natural frequency to the tenth, ascending."""
+    low, high = float(exact[0]) / 2, float(exact[MODES - 1])
+    return np.sort(2 * np.pi * np.exp(np.random.default_rng(4).uniform(np.log(low), np.log(high), count)))
 
 
 if __name__ == "__main__":

@@ -1,114 +1,81 @@
-"""The methods of the study of accuracy: how each assembles a line, finds ten modes, and answers a torque."""
+"""The candidates of the study of accuracy: every model of torsion and openTorsion's elements, on one line of shafts."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 import torsion
-from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft, scene
-from torsion.analyses.response.excitation import Sources
-from torsion.analyses.response.solver import answer
+from benchmarks.accuracy_references import middle_torques
+from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft, halved, scene
+from benchmarks.programs import tolerant
+from benchmarks.references import worst
+from torsion.analyses.compare.candidates import candidates, counted
+from torsion.analyses.compare.loads import Harmonics, Loaded, eliminated, loaded
+from torsion.analyses.compare.model_errors import over_largest
+from torsion.analyses.compare.timing import Candidate, Effort
+from torsion.assembly.system import System
 
 MODES = 10
+PEER = "openTorsion"
+Errors = Callable[[Any], tuple[float, ...]]
 
 
-@dataclass(frozen=True)
-class Method:
-    """One method at one fineness; `assemble` gives what `modes` and `torques` take."""
+def mode_curves(line: Line, known: Sequence[Any], effort: Effort, peers: Sequence[int]) -> list[list[Candidate]]:
+    """How to find the first ten modes; error: the largest of `known` (modes,) Hz, relative. peers: elements a shaft."""
 
-    family: str  # methods of one curve
-    name: str
-    assemble: Callable[[], Any]
-    modes: Callable[[Any], np.ndarray]  # Hz, elastic, ascending
-    torques: Callable[[Any, np.ndarray], np.ndarray] | None  # at rad/s; (shafts, frequencies) at each shaft's middle
+    def errors(found: np.ndarray) -> tuple[float, ...]:
+        return (worst(found, known),)
 
+    def solve(system: System) -> np.ndarray:
+        return np.asarray(torsion.modes(system, MODES).frequency)
 
-def lumped(line: Line, segments: int) -> Method:
-    """torsion's lumped model with so many segments a shaft."""
-    train = torsion.parse(scene(line, segments)).train
-    torques = _middle_of_segments if segments == 1 or segments % 2 == 0 else None
-    return Method("lumped", f"{segments}", lambda: torsion.assemble(train, "lumped"), _modes, torques)
+    def of_peer(assembly: Any) -> np.ndarray:
+        from benchmarks.peers_opentorsion import undamped_frequencies
 
+        return undamped_frequencies(assembly)[:MODES] / (2 * np.pi)
 
-def elements(line: Line, degree: int, number: int) -> Method:
-    """torsion's finite elements."""
-    train = torsion.parse(scene(line)).train
-    name, torques = f"degree {degree} x {number}", _middle_of_pieces if number % 2 == 0 else None
-    return Method(
-        f"FE degree {degree}", name, lambda: torsion.assemble(train, "fem", degree=degree, elements=number), _modes,
-        torques,
-    )  # fmt: skip
+    train, named = torsion.parse(scene(line)).train, partial(Candidate, solve=solve, errors=errors)
+    own = candidates(train, float(known[-1]) * (1 + 1e-9), effort, effort.degrees, named)
+    return [*own, [_peer(line, number, of_peer, errors) for number in peers]]
 
 
-def exact(line: Line, highest: float, *, halved: bool = False) -> Method:
-    """torsion's exact model for a highest frequency (Hz); `halved`: every shaft is cut at its middle as well.
+def torque_curves(line: Line, w: np.ndarray, effort: Effort, peers: Sequence[int]) -> list[list[Candidate]]:
+    """How to find the torques at the middles of the shafts; segments, elements and `peers` are those of half a shaft.
 
-    Only then is the torque at the middle told.
+    w: (frequencies,) rad/s. Error: the largest, over the largest of these torques at the same frequency.
     """
-    train = torsion.parse(scene(line)).train
-    if halved:
-        pieces = max(torsion.assemble(train, "exact", frequency=highest).segments.values())
-        train = torsion.parse(scene(line, pieces + pieces % 2)).train
-    torques = _middle_of_pieces if halved else None
-    return Method("exact", "exact", lambda: torsion.assemble(train, "exact", frequency=highest), _modes, torques)
+    halves, exact = halved(line), middle_torques(line, w.tolist())
+    study = torsion.parse(scene(halves))
+    firsts = [f"item {k}" for k, item in enumerate(halves.items) if isinstance(item, Shaft)][::2]
+
+    def errors(found: np.ndarray) -> tuple[float, ...]:
+        return (float(over_largest(found, exact).max()),)
+
+    def named(curve: str, words: str, size: int, assemble: Callable[[], System]) -> Candidate:
+        return Candidate(curve, words, size, lambda: loaded(assemble(), Harmonics(study, w)), solve, errors)
+
+    def solve(given: Loaded) -> np.ndarray:
+        places = [given.ends.name.index(f"{name}, driven end") for name in firsts]
+        return np.asarray(eliminated(given)[0][:, places])
+
+    def of_peer(assembly: Any, number: int) -> np.ndarray:
+        return _peer_torques(halves, number, assembly, w)
+
+    own = candidates(study.train, float(w.max()) / (2 * np.pi), effort, effort.degrees, named)
+    return [*own, [_peer(halves, number, partial(of_peer, number=number), errors) for number in peers]]
 
 
-def peer(line: Line, number: int) -> Method:
+def _peer(line: Line, number: int, solve: Callable[[Any], np.ndarray], errors: Errors) -> Candidate:
     """openTorsion's shaft elements, so many a shaft; a conical shaft in uniform steps of its mean section."""
     import opentorsion
 
-    from benchmarks.peers_opentorsion import undamped_frequencies
-
     parts = _peer_elements(line, number)
-
-    def modes(assembly: Any) -> np.ndarray:
-        return undamped_frequencies(assembly)[:MODES] / (2 * np.pi)
-
-    def torques(assembly: Any, w: np.ndarray) -> np.ndarray:
-        return _peer_torques(line, number, assembly, w)
-
-    return Method("openTorsion", f"{number}", lambda: opentorsion.Assembly(*parts), modes, torques)
-
-
-def _modes(system: Any) -> np.ndarray:
-    return np.asarray(torsion.modes(system, MODES).frequency)
-
-
-def _answer(system: Any, w: np.ndarray) -> np.ndarray:
-    """(spans, frequencies) torque from 1 N m at the first disc."""
-    force = np.zeros((system.folded.tree.size, len(w)), dtype=complex)
-    force[system.folded.node[0]] = system.speed_ratio[0]
-    ground = system.ground_damping(np.ones(len(w)), np.zeros((len(system.stations), len(w))))
-    return np.asarray(answer(system, w, Sources(force, None), ground).torque.T)
-
-
-def _shaft_spans(system: Any) -> list[list[int]]:
-    """The spans of every shaft, in their order along it."""
-    found: dict[str, list[int]] = {name: [] for name in system.segments}
-    for position, span in enumerate(system.spans):
-        name = span.name.partition(" [")[0]
-        if name in found:
-            found[name].append(position)
-    return list(found.values())
-
-
-def _middle_of_segments(system: Any, w: np.ndarray) -> np.ndarray:
-    """The mean of the two segments that meet at the middle; of one segment its own."""
-    torque = _answer(system, w)
-    rows = []
-    for spans in _shaft_spans(system):
-        half = len(spans) // 2
-        rows.append(torque[spans[max(half - 1, 0) : half + 1]].mean(axis=0))
-    return np.array(rows)
-
-
-def _middle_of_pieces(system: Any, w: np.ndarray) -> np.ndarray:
-    """The torque told at the driving end of the piece behind the middle."""
-    torque = _answer(system, w)
-    return np.array([torque[spans[len(spans) // 2]] for spans in _shaft_spans(system)])
+    return Candidate(
+        PEER, counted(number, "element"), number, lambda: opentorsion.Assembly(*parts), tolerant(solve), errors
+    )
 
 
 def _peer_elements(line: Line, number: int) -> tuple[list[Any], list[Any], list[Any] | None]:
@@ -141,27 +108,19 @@ def _peer_elements(line: Line, number: int) -> tuple[list[Any], list[Any], list[
     return shafts, disks, gears or None
 
 
-def _peer_torques(line: Line, number: int, assembly: Any, w: np.ndarray) -> np.ndarray:
-    """openTorsion's torque of the element at the middle, or the mean of the two that meet there."""
-    import opentorsion
+def _peer_torques(halves: Line, number: int, assembly: Any, w: np.ndarray) -> np.ndarray:
+    """(frequencies, shafts) the mean of openTorsion's torques of the two elements that meet at the middle."""
+    from benchmarks.peers_opentorsion import on_nodes
 
-    force = np.zeros((assembly.dofs, len(w)), dtype=complex)
-    force[0] = 1.0
-    if assembly.gear_elements is not None:
-        force = assembly.T(assembly.E()).T @ force
-    periodic = opentorsion.PeriodicExcitation(len(force), w)
-    periodic.U = force
-    rows, _ = assembly.vibratory_torque(periodic)
-    found, first, sense = [], 0, 1
-    for item in line.items:
+    rows, _ = assembly.vibratory_torque(on_nodes(assembly, np.eye(assembly.dofs, dtype=complex)[0], w))
+    behind, first, sense = [], 0, 1
+    for item in halves.items:
         match item:
             case Coupling():
                 first += 1
             case Gear():
                 sense = -sense
             case Shaft():
-                half = first + number // 2
-                middle = slice(half, half + 1) if number % 2 else slice(half - 1, half + 1)
-                found.append(sense * rows[middle].mean(axis=0))
                 first += number
-    return np.array(found)
+                behind.append(sense * rows[first - 1 : first + 1].mean(axis=0))
+    return np.array(behind[::2]).T

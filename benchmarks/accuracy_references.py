@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from mpmath import mp, mpf
 
-from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft
+from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft, halved
 
 DIGITS = 60  # of the arithmetic; some are lost along the line
 PROVEN = 40  # digits of a frequency, by a change of sign
@@ -19,16 +19,16 @@ POINTS = 20_000  # at which a line's free end is looked at for changes of sign
 
 
 class Passed(NamedTuple):
-    """What one pass along a line leaves."""
+    """What one sweep along a line leaves."""
 
     angle: Any  # rad at the last station
     torque: Any  # N m, on what would follow the last disc: zero at a natural frequency
-    middle: list[Any]  # N m, torque at the middle of every shaft
+    behind: list[Any]  # N m, torque behind every shaft
 
 
 def passed(line: Line, w: Any, angle: Any, torque: Any, m: Any = mp, *, damped: bool = False) -> Passed:
     """Passes from an angle and a torque applied at the first disc to the last, in the arithmetic of `m`."""
-    middle, number = [], mpf if m is mp else float
+    behind, number = [], mpf if m is mp else float
     for item in line.items:
         match item:
             case Disc():
@@ -43,30 +43,26 @@ def passed(line: Line, w: Any, angle: Any, torque: Any, m: Any = mp, *, damped: 
                 angle = angle * ratio
                 torque = torque + w * w * number(item.inertia[1]) * angle
             case Shaft():
-                for half in (0, 1):
-                    ends = [number(at) / 2 for at in (half, half + 1)]
-                    angle, torque = _through(item, ends, w, angle, torque, m)
-                    if half == 0:
-                        middle.append(torque)
-    return Passed(angle, torque, middle)
+                angle, torque = _through(item, w, angle, torque, m)
+                behind.append(torque)
+    return Passed(angle, torque, behind)
 
 
-def _through(shaft: Shaft, ends: list[Any], w: Any, angle: Any, torque: Any, m: Any) -> tuple[Any, Any]:
-    """The state at the second of two places along a shaft (0 to 1) from that at the first."""
+def _through(shaft: Shaft, w: Any, angle: Any, torque: Any, m: Any) -> tuple[Any, Any]:
+    """The state at the driven end of a shaft from that at its driving end."""
     number = mpf if m is mp else float
     modulus, density, length = (number(v) for v in (shaft.shear_modulus, shaft.density, shaft.length))
     first, last = (number(v) for v in shaft.diameter)
     kappa = w * m.sqrt(density / modulus)
     if first == last:
         area = m.pi / 32 * (first**4 - number(shaft.bore) ** 4)
-        phase, impedance = kappa * length * (ends[1] - ends[0]), kappa * modulus * area
+        phase, impedance = kappa * length, kappa * modulus * area
         cosine, sine = m.cos(phase), m.sin(phase)
         return cosine * angle - sine / impedance * torque, impedance * sine * angle + cosine * torque
     slope = (last - first) / length  # of the diameter
     rising = 1 if slope > 0 else -1
-    diameter = [first + (last - first) * at for at in ends]
-    sizes = [kappa * d / abs(slope) for d in diameter]
-    push = [-modulus * m.pi / 32 * d**4 * kappa * rising for d in diameter]  # torque over d theta/du
+    sizes = [kappa * d / abs(slope) for d in (first, last)]
+    push = [-modulus * m.pi / 32 * d**4 * kappa * rising for d in (first, last)]  # torque over d theta/du
     (f, df, g, dg), (f2, df2, g2, dg2) = (_cone(u, m) for u in sizes)
     slope_u = torque / push[0]
     wronskian = f * dg - g * df
@@ -110,20 +106,13 @@ def _frequency(line: Line, low: float, high: float) -> Any:
 
 
 def middle_torques(line: Line, w: Sequence[float]) -> np.ndarray:
-    """(shafts, frequencies) N m, complex: torque at the middle of every shaft from 1 N m at the first disc, damped."""
-    columns = []
+    """(frequencies, shafts) N m, complex: torque at the middle of every shaft from 1 N m at the first disc, damped."""
+    halves, rows = halved(line), []
     with mp.workdps(DIGITS):
         for value in w:
-            free = passed(line, mpf(value), mpf(1), mpf(0), damped=True)
-            driven = passed(line, mpf(value), mpf(0), mpf(1), damped=True)
+            free = passed(halves, mpf(value), mpf(1), mpf(0), damped=True)
+            driven = passed(halves, mpf(value), mpf(0), mpf(1), damped=True)
             angle = -driven.torque / free.torque
-            columns.append([complex(t + angle * f) for t, f in zip(driven.middle, free.middle, strict=True)])
-    return np.array(columns).T
-
-
-def worst(found: np.ndarray, exact: Sequence[Any]) -> float:
-    """Largest relative error of frequencies, the difference taken in the reference's digits; infinite for too few."""
-    if len(found) < len(exact):
-        return float("inf")
-    with mp.workdps(DIGITS):
-        return max(float(abs(mpf(float(f)) / e - 1)) for f, e in zip(found, exact, strict=False))
+            pairs = zip(driven.behind[::2], free.behind[::2], strict=True)
+            rows.append([complex(torque + angle * alone) for torque, alone in pairs])
+    return np.array(rows)

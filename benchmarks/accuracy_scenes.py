@@ -1,7 +1,7 @@
 """Shaft lines of the study of accuracy, and what each program is given: a scene file, nodes and elements."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 STEEL = (79.3e9, 7850.0)
@@ -58,6 +58,20 @@ class Line:
         return tuple(item for item in self.items if isinstance(item, Shaft))
 
 
+def halved(line: Line) -> Line:
+    """The line with every shaft in two that meet at its middle."""
+    items = list[Item]()
+    for item in line.items:
+        if isinstance(item, Shaft):
+            first, last = item.diameter
+            middle = (first + last) / 2
+            ends = (first, middle), (middle, last)
+            items += [replace(item, length=item.length / 2, diameter=diameter) for diameter in ends]
+        else:
+            items.append(item)
+    return replace(line, items=tuple(items))
+
+
 DRILL_STRING = Line(
     "drill string",
     (Disc(200.0), Shaft(800.0, (0.78, 0.78), 0.65, 75e9, 8000.0), Disc(10.0, 2e4)),
@@ -83,23 +97,25 @@ STEPPED = Line(
 LINES = (DRILL_STRING, MARINE, CONE)
 
 
-def scene(line: Line, segments: int | None = None) -> str:
-    """The text of a scene file; JSON is YAML."""
+def scene(line: Line) -> str:
+    """The text of a scene file, in which 1 N m of order 1 acts on the first disc; JSON is YAML."""
     materials: dict[str, dict[str, float]] = {}
-    train = [_component(item, segments, materials) for item in line.items]
-    return json.dumps({"name": line.name, "materials": materials, "train": train, "analyses": {"modes": {}}})
+    train = [_component(item, f"item {place}", materials) for place, item in enumerate(line.items)]
+    excited = [{"at": "item 0", "order": 1, "torque": 1.0}]
+    speeds = {"speeds": {"from": "1 rad/s", "to": "2 rad/s"}}  # which who solves it chooses
+    parts = {"materials": materials, "train": train, "operation": speeds, "excitations": excited}
+    return json.dumps({"name": line.name, **parts})
 
 
-def _component(item: Item, segments: int | None, materials: dict[str, dict[str, float]]) -> dict[str, Any]:
+def _component(item: Item, called: str, materials: dict[str, dict[str, float]]) -> dict[str, Any]:
     match item:
         case Disc():
-            return {"disc": {"inertia": item.inertia, "damping": item.damping}}
+            return {"disc": {"name": called, "inertia": item.inertia, "damping": item.damping}}
         case Coupling():
             return {"coupling": {"stiffness": item.stiffness}}
         case Gear():
             return {"gear": {"teeth": list(item.teeth), "inertia": list(item.inertia)}}
     name = f"G {item.shear_modulus:g} rho {item.density:g}"
     materials[name] = {"shear_modulus": item.shear_modulus, "density": item.density}
-    shaft: dict[str, Any] = {"length": item.length, "diameter": list(item.diameter), "material": name}
-    shaft |= {"bore": item.bore} if item.bore else {}
-    return {"shaft": shaft | ({"segments": segments} if segments else {})}
+    shaft: dict[str, Any] = {"name": called, "length": item.length, "diameter": list(item.diameter), "material": name}
+    return {"shaft": shaft | ({"bore": item.bore} if item.bore else {})}

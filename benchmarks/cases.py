@@ -54,7 +54,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Folded:
+class Condensed:
     """A case referred to the speed of its root, in the numbers of any arithmetic."""
 
     parent: tuple[int, ...]
@@ -66,8 +66,8 @@ class Folded:
     span_ratio: list[Any]  # speed of each span over that of the root
 
 
-def folded(case: Case, number: Callable[[Any], Any] = float) -> Folded:
-    """The case with its gears folded away: products and sums of positive terms, in the arithmetic of `number`."""
+def condensed(case: Case, number: Callable[[Any], Any] = float) -> Condensed:
+    """The case with its gears condensed: products and sums of positive terms, in the arithmetic of `number`."""
     ratio = [number(r.numerator) / number(r.denominator) for r in case.ratio]
     span = [ratio[max(parent, 0)] for parent in case.parent]
     inertia = []
@@ -76,7 +76,7 @@ def folded(case: Case, number: Callable[[Any], Any] = float) -> Folded:
         if gear:
             total = total + r * r * number(gear.driven_inertia) + s * s * number(gear.driving_inertia)
         inertia.append(total)
-    return Folded(
+    return Condensed(
         parent=case.parent,
         inertia=inertia,
         stiffness=[s * s * number(k) for s, k in zip(span, case.stiffness, strict=True)],

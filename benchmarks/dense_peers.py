@@ -1,17 +1,19 @@
 """What an engineer writes with numpy and scipy: assembled matrices, eigh, eigsh, solve, the companion matrix."""
 
+from typing import Any
+
 import numpy as np
 from scipy import linalg, sparse
 from scipy.sparse.linalg import eigsh
 
-from benchmarks.cases import Case, folded
+from benchmarks.cases import Case, condensed
 
 EIGH, EIGSH, SOLVE, COMPANION = "numpy eigh", "scipy eigsh", "numpy solve", "numpy eig (companion)"
 
 
 def matrices(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Stiffness, damping and the diagonal of inertia, at the speed of the root."""
-    flat = folded(case)
+    flat = condensed(case)
     stiffness, damping = np.zeros((case.size,) * 2), np.diag(np.array(flat.damping))
     for i in range(1, case.size):
         ends = np.ix_([flat.parent[i], i], [flat.parent[i], i])
@@ -38,12 +40,7 @@ def dense_modes(case: Case) -> tuple[np.ndarray, np.ndarray]:
 def sparse_frequencies(case: Case, count: int, shift: float) -> np.ndarray:
     """The lowest elastic frequencies, rad/s: eigsh by shift and invert, with a shift (rad2/s2) below zero."""
     stiffness, _, inertia = matrices(case)
-    start = np.random.default_rng(0).uniform(size=case.size)
-    square = eigsh(
-        sparse.csc_array(stiffness), count + 1, sparse.diags_array(inertia, format="csc"), sigma=shift, v0=start,
-        return_eigenvectors=False,
-    )  # fmt: skip
-    return np.sqrt(np.abs(np.sort(square)))[1:]
+    return _lowest(sparse.csc_array(stiffness), count, shift, M=sparse.diags_array(inertia, format="csc"))
 
 
 def chain_frequencies(size: int, count: int, shift: float) -> np.ndarray:
@@ -51,8 +48,12 @@ def chain_frequencies(size: int, count: int, shift: float) -> np.ndarray:
     diagonal = np.full(size, 2.0)
     diagonal[[0, -1]] = 1.0
     stiffness = sparse.diags_array([diagonal, np.full(size - 1, -1.0), np.full(size - 1, -1.0)], offsets=[0, 1, -1])
-    start = np.random.default_rng(0).uniform(size=size)
-    square = eigsh(stiffness.tocsc(), count + 1, sigma=shift, v0=start, return_eigenvectors=False)
+    return _lowest(stiffness.tocsc(), count, shift)
+
+
+def _lowest(stiffness: Any, count: int, shift: float, **inertia: Any) -> np.ndarray:
+    start = np.random.default_rng(0).uniform(size=stiffness.shape[0])
+    square = eigsh(stiffness, count + 1, sigma=shift, v0=start, return_eigenvectors=False, **inertia)
     return np.sqrt(np.abs(np.sort(square)))[1:]
 
 
@@ -60,7 +61,7 @@ def span_torque(case: Case, force: np.ndarray, w: float) -> np.ndarray:
     """Torque in span i on station i (0 at the root) from the dynamic stiffness, by numpy's solve; chains and trees."""
     stiffness, damping, inertia = matrices(case)
     angle = np.linalg.solve(stiffness + 1j * w * damping - w * w * np.diag(inertia), force)
-    flat = folded(case)
+    flat = condensed(case)
     spring = np.array(flat.stiffness) + 1j * w * np.array(flat.viscous)
     torque = spring * (angle[np.maximum(np.array(flat.parent), 0)] - angle)
     torque[0] = 0.0

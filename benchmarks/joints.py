@@ -3,42 +3,38 @@
 The time is that of one core; some of the angles are composed again in 40 digits.
 """
 
-import argparse
 import statistics
-from pathlib import Path
+from collections.abc import Iterator
 from time import process_time
 
 import numpy as np
 from mpmath import mp, mpf
 
-from benchmarks import machine
+from benchmarks.page_file import Report, verdict
 from torsion.kinematics.line import Line, Motion, line_of, motion
 
-REPORT = Path(__file__).parents[1] / "reports" / "joints.md"
 ANGLES, JOINTS, TARGET = 1_000_000, 6, 2.0  # the last in s
 CHECKED = 200  # angles composed again
+WHAT = f"""\
+Angle, speed, acceleration and yoke behind each of six cross joints (5 to 89 degrees, planes and phases random) at
+{ANGLES} driving angles in one call. An angle of up to 100 rad is stored to 1.4e-14 rad by double precision;
+steep joints magnify that."""
 
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=REPORT)
-    parser.add_argument("--calls", type=int, default=7)
-    chosen = parser.parse_args()
-    about = machine.lines()
+    report = Report(__doc__, "joints", calls=7)
     random = np.random.default_rng(6)
     plane = np.append(0.0, random.uniform(-np.pi, np.pi, JOINTS - 1))
     line = line_of(np.radians([5.0, 25.0, 45.0, 60.0, 75.0, 89.0]), plane, random.uniform(-np.pi, np.pi, JOINTS))
     driving = random.uniform(-100.0, 100.0, ANGLES)
     times = []
-    for _ in range(chosen.calls):
+    for _ in range(report.chosen.calls):
         start = process_time()
         found = motion(driving, line)
         times.append(process_time() - start)
-    text = _page(about, times, _errors(driving[:CHECKED], line, found))
-    print(text)
-    chosen.out.parent.mkdir(parents=True, exist_ok=True)
-    chosen.out.write_text(text)
+    errors = _errors(driving[:CHECKED], line, found)
+    report.publish("A million angles of a line of six joints", [WHAT, "\n".join(_lines(times, errors))])
 
 
 def _errors(driving: np.ndarray, line: Line, found: Motion) -> dict[str, float]:
@@ -60,27 +56,14 @@ def _errors(driving: np.ndarray, line: Line, found: Motion) -> dict[str, float]:
     return worst
 
 
-def _page(about: list[str], times: list[float], errors: dict[str, float]) -> str:
-    verdict = "met" if statistics.median(times) < TARGET else "MISSED"
-    lines = [
-        "# A million angles of a line of six joints",
-        "",
-        "Written by `python -m benchmarks.joints`.",
-        "",
-        *(f"- {line}" for line in about),
-        "",
-        "Angle, speed, acceleration and yoke behind each of six cross joints (5 to 89 degrees, planes and phases",
-        f"random) at {ANGLES} driving angles in one call. An angle of up to 100 rad is held to 1.4e-14 rad by double",
-        "precision; steep joints magnify that.",
-        "",
-        f"- time of one core: best {min(times):.2f} s, median {statistics.median(times):.2f} s of {len(times)} calls;",
-        f"  meant < {TARGET:g} s: {verdict}",
-        *(
-            f"- worst error of {CHECKED} angles behind the last joint, {what}: {size:.1e}"
-            for what, size in errors.items()
-        ),
-    ]
-    return "\n".join(lines) + "\n"
+def _lines(times: list[float], errors: dict[str, float]) -> Iterator[str]:
+    middle = statistics.median(times)
+    yield (
+        f"- time of one core: best {min(times):.2f} s, median {middle:.2f} s of {len(times)} calls; meant < "
+        f"{TARGET:g} s: {verdict(middle < TARGET)}"
+    )
+    for what, size in errors.items():
+        yield f"- worst error of {CHECKED} angles behind the last joint, {what}: {size:.1e}"
 
 
 if __name__ == "__main__":

@@ -4,31 +4,31 @@ Every run is a fresh process, so that its peak of memory is its own; the program
 reports/long_chains.md; `--quick` takes two minutes, smaller chains, and prints without writing.
 """
 
-import argparse
 import json
 import resource
 import statistics
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 
-from benchmarks import machine
+from benchmarks.page_file import Report, verdict
+from benchmarks.papers.writing import table
 
 MODES = 20
-CASES = ("free", "held at one end", "held at both ends", "stiff", "stiff, held at both ends", "stiff, rigid, massless")
+CASES = (
+    "free", "fixed at one end", "fixed at both ends", "stiff", "stiff, fixed at both ends", "stiff, rigid, massless"
+)  # fmt: skip
 SHIFTS = {"-first": -1.0, "0.9 first": 0.9, "between 10 and 11": 0.0}  # of eigsh, given the frequencies beforehand
 HEAD = (
-    "| stations | chain | torsion s | error | width of enclosures | enclosed | memory GB "
-    "| eigsh s | its shift | its error | its memory GB | torsion / eigsh |"
-)
+    "stations", "chain", "torsion s", "error", "width of enclosures", "enclosed", "memory GB", "eigsh s", "its shift",
+    "its error", "its memory GB", "torsion / eigsh",
+)  # fmt: skip
 PATIENCE = 600  # s a run
 TARGETS = {"error": 1e-12, "seconds": 0.5, "processor": 0.5, "memory": 1.5}
-REPORT = Path(__file__).parent.parent / "reports" / "long_chains.md"
 
 HOW = """\
 `torsion` is `tree_modes(tree, 20)`: frequencies, enclosures, angles and torques. `eigsh` is
@@ -42,27 +42,17 @@ brackets processor, each the median of the runs, in which the programs take turn
 whole process, interpreter, libraries and the chain itself included."""
 
 
-def main() -> int:
+def main() -> None:
     """Runs all cases and writes the page, or runs one and prints it as JSON."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="1e4 and 1e5 stations, nothing written unless --out")
-    parser.add_argument("--runs", type=int, default=3, help="of each program in a case")
-    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
-    parser.add_argument("--one", nargs=4, metavar=("PROGRAM", "CASE", "SIZE", "REFERENCE"), help=argparse.SUPPRESS)
-    chosen = parser.parse_args()
-    if chosen.one:
-        print(json.dumps(_one(chosen.one[0], chosen.one[1], int(chosen.one[2]), json.loads(chosen.one[3]))))
-        return 0
-    sizes, runs = ((10_000, 100_000), 1) if chosen.quick else ((100_000, 1_000_000), chosen.runs)
-    head = machine.lines()
+    if sys.argv[1:2] == ["--one"]:
+        program, case, size, reference = sys.argv[2:]
+        print(json.dumps(_one(program, case, int(size), json.loads(reference))))
+        return
+    report = Report(__doc__, "long_chains", "1e4 and 1e5 stations, one run each", runs=3)
+    sizes, runs = ((10_000, 100_000), 1) if report.chosen.quick else ((100_000, 1_000_000), report.chosen.runs)
     rows = [_case(case, size, runs) for size in sizes for case in CASES]
-    page = _page(head, rows, chosen.quick, runs)
-    print(page)
-    target = chosen.out or (None if chosen.quick else REPORT)
-    if target:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(page, encoding="utf-8")
-    return 0
+    lines = (f"- Runs of each program in a case: {runs}", table(HEAD, [_row(row) for row in rows]))
+    report.publish("Long chains: the lowest 20 modes", [HOW, *lines, "\n".join(_verdicts(rows))])
 
 
 def _case(case: str, size: int, runs: int) -> dict[str, Any]:
@@ -105,40 +95,40 @@ def _one(program: str, case: str, size: int, reference: list[float]) -> dict[str
 
 
 def _data(case: str, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Inertia, flexibility (of the span before each station) and what is held; all (stations,)."""
-    rng, held = np.random.default_rng(1), np.zeros(size, dtype=bool)
+    """Inertia, flexibility (of the span before each station) and what is fixed; all (stations,)."""
+    rng, fixed = np.random.default_rng(1), np.zeros(size, dtype=bool)
     inertia, flexibility = np.ones(size), np.ones(size)
     if case.startswith("stiff"):
         inertia, flexibility = 10 ** rng.uniform(-6, 4, size), 10 ** -rng.uniform(0, 12, size)
     if "massless" in case:
         inertia[rng.random(size) < 0.05] = 0.0
         flexibility[rng.random(size) < 0.05] = 0.0
-    held[-1] = "held" in case
-    held[0] = "both" in case
-    return inertia, flexibility, held
+    fixed[-1] = "fixed" in case
+    fixed[0] = "both" in case
+    return inertia, flexibility, fixed
 
 
 def _closed_form(case: str, size: int) -> np.ndarray | None:
     j = np.arange(1, MODES + 1)
     phase = {
         "free": j / (2 * size),
-        "held at one end": (2 * j - 1) / (4 * size - 2),
-        "held at both ends": j / (2 * (size - 1)),
+        "fixed at one end": (2 * j - 1) / (4 * size - 2),
+        "fixed at both ends": j / (2 * (size - 1)),
     }
     return 2.0 * np.sin(np.pi * phase[case]) if case in phase else None
 
 
 def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]:
-    from torsion.kernels.long_chain.lapack import are_available
-    from torsion.kernels.modes import tree_modes
+    from torsion.kernels.long_chain.twisted import are_available
+    from torsion.kernels.natural_modes import tree_modes
     from torsion.kernels.tree import Tree
 
-    inertia, flexibility, held = _data(case, size)
+    inertia, flexibility, fixed = _data(case, size)
     are_available()  # imports scipy.linalg
-    tree, told = Tree(np.arange(size) - 1, flexibility, inertia, held), list[int]()
+    tree, reported = Tree(np.arange(size) - 1, flexibility, inertia, fixed), list[int]()
 
     def solve() -> Callable[[], dict[str, Any]]:
-        modes = tree_modes(tree, MODES, progress=lambda done, _: told.append(done))
+        modes = tree_modes(tree, MODES, progress=lambda done, _: reported.append(done))
 
         def answer() -> dict[str, Any]:
             exact = _closed_form(case, size)
@@ -151,7 +141,7 @@ def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]
                 "width": float((modes.upper / modes.lower - 1.0).max()),
                 "enclosed": int(np.sum((modes.lower <= reference + slack) & (reference - slack <= modes.upper))),
                 "certified": bool(modes.certified),
-                "told": told == list(range(1, MODES + 1)),
+                "reported": reported == list(range(1, MODES + 1)),
             }
 
         return answer
@@ -163,13 +153,13 @@ def _eigsh(case: str, size: int, shift: str, reference: np.ndarray) -> Callable[
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import eigsh
 
-    inertia, flexibility, held = _data(case, size)
+    inertia, flexibility, fixed = _data(case, size)
     stiffness = 1.0 / flexibility[1:]
     diagonal = np.concatenate((stiffness, [0.0])) + np.concatenate(([0.0], stiffness))
-    free = ~held
+    free = ~fixed
     matrix = diags_array([diagonal, -stiffness, -stiffness], offsets=[0, 1, -1], format="csc")[free][:, free].tocsc()
     mass = diags_array(inertia[free], format="csc")
-    rigid = 0 if held.any() else 1
+    rigid = 0 if fixed.any() else 1
     square = reference**2
     sigma = SHIFTS[shift] * square[0] if SHIFTS[shift] else 0.5 * (square[9] + square[10])
 
@@ -185,38 +175,24 @@ def _eigsh(case: str, size: int, shift: str, reference: np.ndarray) -> Callable[
     return solve
 
 
-def _page(head: list[str], rows: list[dict[str, Any]], quick: bool, runs: int) -> str:
-    lines = ["# Long chains: the lowest 20 modes", ""]
-    if quick:
-        lines += ["Quick run: small sizes, one run each. `python -m benchmarks.long_chains` does it in full.", ""]
-    lines += [HOW, "", *(f"- {line}" for line in head), f"- Runs of each program in a case: {runs}", ""]
-    lines += [
-        HEAD,
-        "|---" * HEAD.count(" | ") + "|---|",
-        *map(_row, rows),
-        "",
-    ]
-    return "\n".join([*lines, *_verdicts(rows), ""])
-
-
-def _row(row: dict[str, Any]) -> str:
+def _row(row: dict[str, Any]) -> list[str]:
     own, peer = _summary(row["answers"]["torsion"]), _best_peer(row)
-    start = f"| {row['size']} | {row['case']} |"
+    cells = [str(row["size"]), row["case"]]
     if "fault" in own:
-        return f"{start} {own['fault']} |" + " |" * 9
+        return [*cells, own["fault"], *[""] * 9]
     mark = "*" if row["case"].startswith("stiff") else ""
-    ours = (
-        f" {own['seconds']:.2f} ({own['processor']:.2f}) | {own['error']:.0e}{mark} | {own['width']:.0e} "
-        f"| {own['enclosed']} of {MODES} | {own['memory']:.2f} |"
-    )
+    cells += [_clocks(own), f"{own['error']:.0e}{mark}", f"{own['width']:.0e}", f"{own['enclosed']} of {MODES}"]
+    cells.append(f"{own['memory']:.2f}")
     if peer is None:
         faults = {answer[-1]["fault"] for name, answer in row["answers"].items() if name != "torsion"}
-        return start + ours + f" {'; '.join(sorted(faults)) or 'not possible'} | | | | |"
+        return [*cells, "; ".join(sorted(faults)) or "not possible", *[""] * 4]
     name, its = peer
-    theirs = f" {its['seconds']:.2f} ({its['processor']:.2f}) | {name} | {its['error']:.0e} | {its['memory']:.2f} |"
-    return (
-        start + ours + theirs + f" {own['seconds'] / its['seconds']:.2f} ({own['processor'] / its['processor']:.2f}) |"
-    )
+    ratio = {clock: own[clock] / its[clock] for clock in ("seconds", "processor")}
+    return [*cells, _clocks(its), name, f"{its['error']:.0e}", f"{its['memory']:.2f}", _clocks(ratio)]
+
+
+def _clocks(values: dict[str, Any]) -> str:
+    return f"{values['seconds']:.2f} ({values['processor']:.2f})"
 
 
 def _summary(answers: list[dict[str, Any]]) -> dict[str, Any]:
@@ -243,7 +219,7 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
     if any("fault" in one for one in own):
         return ["MISSED: not every case was solved."]
     pairs = [(one, peer[1]) for one, peer in zip(own, peers, strict=True) if peer is not None]
-    proven = all(one["certified"] and one["enclosed"] == MODES and one["told"] for one in own)
+    proven = all(one["certified"] and one["enclosed"] == MODES and one["reported"] for one in own)
     found = {name: max(one[name] for one in own) for name in ("error", "memory")}
     for clock in ("seconds", "processor"):
         found[clock] = max((one[clock] / peer[clock] for one, peer in pairs), default=float("nan"))
@@ -253,11 +229,11 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
     }  # fmt: skip
     lines = [
         f"- {said[name]}, at {largest[0]['size']} stations: {found[name]:.2g}, meant <= {target:g}: "
-        f"{'met' if found[name] <= target else 'MISSED'}"
+        f"{verdict(found[name] <= target)}"
         for name, target in TARGETS.items()
     ]
-    return [*lines, f"- every mode enclosed, every step of the progress told: {'met' if proven else 'MISSED'}"]
+    return [*lines, f"- every mode enclosed, every step of the progress reported: {verdict(proven)}"]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

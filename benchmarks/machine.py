@@ -2,45 +2,23 @@
 
 import os
 import platform
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks import THREAD_VARIABLES
+from torsion.analyses.compare.run_times import machine
 
-PACKAGES = (
-    "torsion",
-    "numpy",
-    "scipy",
-    "opentorsion",
-    "ross-rotordynamics",
-    "pydantic",
-    "PyYAML",
-    "pint",
-    "gmpy2",
-    "mpmath",
-)
+PACKAGES = ("torsion", "numpy", "scipy", "opentorsion", "ross-rotordynamics", "pydantic", "PyYAML", "pint", "gmpy2",
+            "mpmath")  # fmt: skip
 
 
 def lines() -> list[str]:
-    """Processor, interpreter, versions, linear algebra and thread counts, one a line."""
+    """System, threads, interpreter, versions, processor, linear algebra and load, one a line."""
     blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]  # type: ignore[call-overload]
-    installed = (f"{name} {_version(name)}" for name in PACKAGES)
-    return [
-        f"Processor: {_processor()}, {os.cpu_count()} cores seen, {platform.system()} {platform.machine()}",
-        f"Python {platform.python_version()}; " + ", ".join(installed),
-        f"BLAS of numpy: {blas['name']} {blas['version']}",
-        "Threads: " + ", ".join(f"{name}={os.environ.get(name, 'unset')}" for name in THREAD_VARIABLES),
-        f"Load average before the run: {', '.join(f'{load:.2f}' for load in os.getloadavg())}",
-    ]
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "absent"
+    system, threads, *versions = (f"{name}: {value}" for name, value in machine(PACKAGES))
+    load = ", ".join(f"{load:.2f}" for load in os.getloadavg())
+    about = [f"Processor: {_processor()}", f"BLAS of numpy: {blas['name']} {blas['version']}"]
+    return [system, *about, threads, ", ".join(versions), f"Load average before the run: {load}"]
 
 
 def _processor() -> str:

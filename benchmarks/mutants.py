@@ -21,15 +21,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SECONDS = 300.0  # after which a mutant counts as killed: it hangs
-NUMBERS = "tests/report/test_numbers_of_two_discs.py"
-PAGES = (NUMBERS, "tests/report", "--ignore=tests/report/surface", "--ignore=tests/report/test_pdf.py",
-         "--ignore=tests/report/test_write.py")  # fmt: skip
+NUMBERS = "tests/output/test_numbers_of_two_discs.py"
+PAGES = (NUMBERS, "tests/output", "--ignore=tests/output/surface", "--ignore=tests/output/test_pdf.py",
+         "--ignore=tests/output/test_write.py")  # fmt: skip
 PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that should kill its mutants
     "rules": ("tests/rules", NUMBERS),
     "analyses/response/synthesis.py": ("tests/analyses/response", NUMBERS),
     "output": PAGES,
-    "report/terminal": PAGES,
-    "report/chapters": PAGES,
+    "output/terminal": PAGES,
+    "output/chapters": PAGES,
 }
 OPERATORS: dict[type[ast.operator], tuple[str, str]] = {
     ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"),

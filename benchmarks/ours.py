@@ -7,21 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.cases import Case, folded
+from benchmarks.cases import Case, condensed
+from benchmarks.decomposition import chain_frequencies, plain_modes
 from benchmarks.scenes import scene
-from torsion.kernels.chain import chain_frequencies
-from torsion.kernels.jacobi import plain_modes
-from torsion.kernels.modes import tree_modes
-from torsion.kernels.response import complex_compliance, tree_response
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import complex_compliance, tree_response
 
 NAME = "torsion"
-FEW = 20  # lowest modes, which is what an engineer asks of a large train
+FEW = 20  # lowest modes, which is what an engineer wants of a large train
 
 
 def tree(case: Case) -> Tree:
-    """The folded case as the kernels take it."""
-    flat = folded(case)
+    """The condensed case as the kernels take it."""
+    flat = condensed(case)
     return Tree(
         parent=np.array(flat.parent),
         flexibility=np.array([0.0, *(1 / k for k in flat.stiffness[1:])]),
@@ -50,14 +49,14 @@ class Response:
     """A steady response prepared as far as the peers' excitation and assembly are; calling it does the rest."""
 
     def __init__(self, case: Case, force: Sequence[complex], w: np.ndarray):
-        flat = folded(case)
+        flat = condensed(case)
         self.bare, self.w = tree(case), w
         self.force = np.array(flat.ratio) * np.asarray(force)
         self.damping, self.viscous = np.array(flat.damping), np.array(flat.viscous)
         self.span_ratio = np.array(flat.span_ratio)[:, None]
 
     def __call__(self, *, check: bool = True) -> Any:
-        """The kernel's answer in folded angles; `check` adds the residual of every frequency."""
+        """The kernel's answer in condensed angles; `check` adds the residual of every frequency."""
         bare, compliance = replace(self.bare), None
         if self.viscous.any():
             compliance = complex_compliance(bare.flexibility, self.viscous, np.zeros(bare.size), self.w)
@@ -73,10 +72,3 @@ def read(case: Case, folder: Path) -> Any:
     import torsion
 
     return torsion.read(str(scene(case, folder)))
-
-
-def whole_call(study: Any, count: int | None = None) -> Any:
-    """What a user calls for modes of a train: assembly, and modes with shapes and certificate."""
-    import torsion
-
-    return torsion.modes(torsion.assemble(study.train, model="lumped"), count=count)

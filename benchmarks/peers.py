@@ -3,39 +3,24 @@
 `--quick` takes a minute, leaves the largest trains out and prints without writing.
 """
 
-import argparse
 import sys
 import tempfile
-import time
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks import cases, frequency_rows, machine, response_rows
-from benchmarks.comparison import FULL, QUICK, Effort, Row
-from benchmarks.peers_page import page
-
-REPORT = Path(__file__).parents[1] / "reports" / "peers.md"
+from benchmarks import cases, frequency_rows, response_rows
+from benchmarks.page_file import Report
+from benchmarks.peers_page import parts
+from benchmarks.programs import FULL, QUICK, Effort, Row
 
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="a minute, small trains, nothing written unless --out")
-    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
-    chosen = parser.parse_args()
-    warnings.simplefilter("ignore")  # of the peers; torsion's own tests turn warnings into errors
-    effort = QUICK if chosen.quick else FULL
-    about, start = machine.lines(), time.perf_counter()
+    report = Report(__doc__, "peers", "a minute, small trains")
+    effort = QUICK if report.chosen.quick else FULL
     with tempfile.TemporaryDirectory() as folder:
         frequencies = _progress(_frequency_rows(effort, Path(folder)))
-    responses = _progress(_response_rows(effort))
-    text = page(frequencies, responses, about, time.perf_counter() - start, quick=chosen.quick)
-    print(text)
-    target = chosen.out or (None if chosen.quick else REPORT)
-    if target:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text)
+    report.publish("torsion beside openTorsion and ROSS", parts(frequencies, _progress(_response_rows(effort))))
 
 
 def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:
@@ -46,10 +31,10 @@ def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:
 
 
 def _response_rows(effort: Effort) -> Iterator[Row]:
-    for size, asked, asked_of_peers in effort.response:
+    for size, requested, requested_of_peers in effort.response:
         for make in (cases.chain, cases.geared_tree):
             for stiff in (False, True):
-                yield response_rows.compare(make(size, stiff=stiff), effort, asked, asked_of_peers)
+                yield response_rows.compare(make(size, stiff=stiff), effort, requested, requested_of_peers)
     for stiff in (False, True):
         case = cases.with_span_dampers(cases.chain(10, stiff=stiff))
         yield response_rows.compare(case, effort, 1000, 200)

@@ -63,14 +63,19 @@ def damped_frequencies(assembly: opentorsion.Assembly) -> np.ndarray:
 def excitation(
     case: Case, assembly: opentorsion.Assembly, force: Sequence[complex], w: np.ndarray
 ) -> opentorsion.PeriodicExcitation:
-    """The same force (stations,) at every frequency, on the angles that are left when the gears are eliminated."""
+    """The same force (stations,) at every frequency."""
     nodes = Numbering(case)
     full = np.zeros(nodes.count, dtype=complex)
     full[nodes.station] = force
+    return on_nodes(assembly, full, w)
+
+
+def on_nodes(assembly: opentorsion.Assembly, force: np.ndarray, w: np.ndarray) -> opentorsion.PeriodicExcitation:
+    """The same force (nodes,) at every frequency, on the angles that are left when the gears are eliminated."""
     if assembly.gear_elements is not None:
-        full = assembly.T(assembly.E()).T @ full
-    periodic = opentorsion.PeriodicExcitation(len(full), w)
-    periodic.U = np.repeat(full[:, None], len(w), axis=1)
+        force = assembly.T(assembly.E()).T @ force
+    periodic = opentorsion.PeriodicExcitation(len(force), w)
+    periodic.U = np.repeat(force[:, None], len(w), axis=1)
     return periodic
 
 

@@ -4,9 +4,7 @@ import math
 from collections.abc import Sequence
 
 from benchmarks import references
-from benchmarks.comparison import Error, Row
 from benchmarks.frequency_rows import (
-    ASSEMBLY,
     CHAIN,
     DAMPED,
     KERNEL,
@@ -15,12 +13,12 @@ from benchmarks.frequency_rows import (
     PLAIN,
     PUBLIC,
     PUBLIC_LOWEST,
-    ROTOR,
     UNDAMPED,
 )  # fmt: skip
+from benchmarks.papers.writing import table
+from benchmarks.programs import Row
 from benchmarks.response_rows import ANGLE, RECEPTANCE, TORQUE, UNCHECKED
 from benchmarks.response_rows import KERNEL as RESPONSE
-from benchmarks.timing import Timing
 
 # How many times as fast as the peer each is meant to be, by size.
 CHAIN_TARGET = {10: 30, 100: 100, 1000: 1000}
@@ -29,6 +27,8 @@ WHOLE_TARGET = {10: 1, 100: 5, 1000: 50}
 RESPONSE_TARGET = {10: 80, 100: 150, 1000: 3000}
 TREE_QUESTIONS = {"all, no certificate": PLAIN, "all, certified": KERNEL, "lowest 20, certified": LOWEST}
 FREQUENCY_PEERS = ("undamped_modal_analysis", "Assembly + undamped_modal_analysis", "Assembly + modal_analysis")
+Times = tuple[float, float]  # s, least and median
+NO_ASSEMBLY = 5e-6  # s: nothing is assembled in less
 RESPONSE_PEERS = ("vibratory_torque", "vibratory_torque + ss_response")
 
 HOW = """\
@@ -39,8 +39,9 @@ References: {arithmetic}, {digits} digits, each frequency proven to {proven} dig
 how many of a train's modes have a reference, "enclosed" how many of these lie inside torsion's own enclosure.
 
 Times are of one process and one thread, the programs taken in turn (A B A B ...); the best call is given, and the
-number of calls in brackets. A ratio is peer over torsion, of the best calls and, after the stroke, of the median calls.
-A call that takes more than a fifth of the time allowed is made once. Nothing is left out because it was wrong.
+number of calls in brackets; an assembly and its analysis are a sum. A ratio is peer over torsion, of the best calls
+and, after the stroke, of the median calls. A call that takes more than a fifth of the
+time allowed is made once. Nothing is left out because it was wrong.
 """
 MODES_NOTE = """\
 The frequencies of a program are sorted and compared by rank, a peer's lowest being taken for the rigid motion; where
@@ -65,39 +66,32 @@ angles by `ss_response`, which the former repeats. The peers check nothing; "no 
 """
 
 
-def page(frequencies: Sequence[Row], responses: Sequence[Row], about: list[str], seconds: float, *, quick: bool) -> str:
-    """The whole page."""
-    command = "python -m benchmarks.peers" + (" --quick" if quick else "")
-    parts = [
-        "# torsion beside openTorsion and ROSS",
-        f"Written by `{command}` in {seconds:.0f} s.",
-        "\n".join(f"- {line}" for line in about),
+def parts(frequencies: Sequence[Row], responses: Sequence[Row]) -> list[str]:
+    """Of the page."""
+    return [
         HOW.format(arithmetic=references.ARITHMETIC, digits=references.DIGITS, proven=references.PROVEN),
         *_frequency_parts(frequencies),
         *_response_parts(responses),
         "## Misses",
         _misses(frequencies, responses),
     ]
-    return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
 def _frequency_parts(rows: Sequence[Row]) -> list[str]:
-    own = (CHAIN, PLAIN, KERNEL, LOWEST, PUBLIC, PUBLIC_LOWEST)
-    names = (*own, UNDAMPED, DAMPED, MODAL)
-    timed = (*own, ASSEMBLY, UNDAMPED, DAMPED, ROTOR, MODAL)
+    names = (CHAIN, PLAIN, KERNEL, LOWEST, PUBLIC, PUBLIC_LOWEST, UNDAMPED, DAMPED, MODAL)
     errors = [
         [row.case, str(row.size), str(row.referenced), str(row.enclosed)] + [_worst(row, name) for name in names]
         for row in rows
     ]
-    times = [[row.case, str(row.size)] + [_time(row.times.get(name)) for name in timed] for row in rows]
+    times = [[row.case, str(row.size)] + [_time(row, name) for name in names] for row in rows]
     return [
         "## Natural frequencies: largest relative error",
-        _table(["case", "n", "modes", "enclosed", *names], errors),
+        table(["case", "n", "modes", "enclosed", *names], errors),
         MODES_NOTE,
         "## Natural frequencies: time",
-        _table(["case", "n", *timed], times),
+        table(["case", "n", *names], times),
         "## Natural frequencies: times faster than openTorsion",
-        _table(_ratio_head(FREQUENCY_PEERS), _frequency_ratios(rows)),
+        table(_ratio_head(FREQUENCY_PEERS), _frequency_ratios(rows)),
         RATIOS_NOTE,
     ]
 
@@ -105,17 +99,18 @@ def _frequency_parts(rows: Sequence[Row]) -> list[str]:
 def _response_parts(rows: Sequence[Row]) -> list[str]:
     names, timed = (RESPONSE, TORQUE, RECEPTANCE), (RESPONSE, UNCHECKED, TORQUE, ANGLE, RECEPTANCE)
     head = ["case", "n", "frequencies", "referenced", *names, *(f"{name}, ns" for name in timed)]
-    table = []
+    lines = []
     for row in rows:
-        errors = [f"{_worst(row, name)} / {_each(row, name)}" if name in row.errors else "-" for name in names]
-        times = [_figures(row.times[name].best * 1e9 / row.size) if name in row.times else "-" for name in timed]
-        table.append([row.case, str(row.size), str(row.asked), str(row.referenced), *errors, *times])
+        errors = [" / ".join(f"{one:.1e}" for one in row.timed[name].errors) if name in row.timed else "-"
+                  for name in names]  # fmt: skip
+        times = [_figures(one[0] * 1e9 / row.size) if (one := row.least(name)) else "-" for name in timed]
+        lines.append([row.case, str(row.size), str(row.requested), str(row.referenced), *errors, *times])
     return [
         "## Steady response: span torques",
-        _table(head, table),
+        table(head, lines),
         RESPONSE_NOTE,
         "## Steady response: times faster than openTorsion",
-        _table(_ratio_head(RESPONSE_PEERS), _response_ratios(rows)),
+        table(_ratio_head(RESPONSE_PEERS), _response_ratios(rows)),
         ANSWERS_NOTE,
     ]
 
@@ -127,49 +122,45 @@ def _ratio_head(peers: Sequence[str]) -> list[str]:
 def _frequency_ratios(rows: Sequence[Row]) -> list[list[str]]:
     kernels, wholes = [], []
     for row in rows:
-        analysis, assembly = row.times.get(UNDAMPED), row.times.get(ASSEMBLY)
-        totals = (_together(analysis, assembly), _together(row.times.get(DAMPED), assembly))
-        peers = (analysis, *totals)
-        wholes.append(_ratio("whole call, all modes", row, row.times.get(PUBLIC), (None, *totals), WHOLE_TARGET))
-        if PUBLIC_LOWEST in row.times:
-            own = row.times[PUBLIC_LOWEST]
-            wholes.append(_ratio("whole call, lowest 20", row, own, (None, *totals), WHOLE_TARGET))
-        if CHAIN in row.errors:
-            kernels.append(_ratio("chain frequencies", row, row.times.get(CHAIN), peers, CHAIN_TARGET))
+        totals = (row.whole(UNDAMPED), row.whole(DAMPED))
+        peers = (row.least(UNDAMPED), *totals)
+        wholes += [
+            _ratio(f"whole call, {what}", row, row.whole(name), (None, *totals), WHOLE_TARGET)
+            for what, name in {"all modes": PUBLIC, "lowest 20": PUBLIC_LOWEST}.items()
+            if name == PUBLIC or name in row.timed
+        ]
+        if CHAIN in row.timed:
+            kernels.append(_ratio("chain frequencies", row, row.least(CHAIN), peers, CHAIN_TARGET))
         else:
             kernels += [
-                _ratio(f"tree with vectors, {what}", row, row.times[name], peers, TREE_TARGET)
+                _ratio(f"tree with vectors, {what}", row, row.least(name), peers, TREE_TARGET)
                 for what, name in TREE_QUESTIONS.items()
-                if name in row.times
+                if name in row.timed
             ]
     return kernels + wholes
 
 
 def _response_ratios(rows: Sequence[Row]) -> list[list[str]]:
-    table = []
+    lines = []
     for row in rows:
-        torque = row.times.get(TORQUE)
-        peers = (torque, _together(torque, row.times.get(ANGLE)))
+        torque, angle = row.least(TORQUE), row.least(ANGLE)
+        both = (torque[0] + angle[0], torque[1] + angle[1]) if torque and angle else None
         for question, name in (("response", RESPONSE), ("response, no residual", UNCHECKED)):
-            table.append(_ratio(question, row, row.times.get(name), peers, RESPONSE_TARGET))
-    return table
-
-
-def _together(first: Timing | None, second: Timing | None) -> Timing | None:
-    return first + second if first and second else None
+            lines.append(_ratio(question, row, row.least(name), (torque, both), RESPONSE_TARGET))
+    return lines
 
 
 def _ratio(
-    question: str, row: Row, own: Timing | None, peers: Sequence[Timing | None], targets: dict[int, int]
+    question: str, row: Row, own: Times | None, peers: Sequence[Times | None], targets: dict[int, int]
 ) -> list[str]:
     """One line: how many times as fast as each of the peer's calls, and whether that is what was meant."""
     target = targets[row.size]
-    case = row.case + (f", {row.asked} frequencies" if row.asked else "")
+    case = row.case + (f", {row.requested} frequencies" if row.requested else "")
     head = [question, case, str(row.size)]
     if own is None:
         return [*head, *("-" for _ in peers), f">= {target}", "not measured"]
-    ratios = [f"{_figures(t.best / own.best)} / {_figures(t.median / own.median)}" if t else "-" for t in peers]
-    holds = {place: t.best / own.best >= target for place, t in enumerate(peers, 1) if t}
+    ratios = [f"{_figures(t[0] / own[0])} / {_figures(t[1] / own[1])}" if t else "-" for t in peers]
+    holds = {place: t[0] / own[0] >= target for place, t in enumerate(peers, 1) if t}
     met = [str(place) for place, good in holds.items() if good]
     verdict = f"met against ({') and ('.join(met)}) alone" if met else "MISSED"
     if len(met) == len(holds):
@@ -186,42 +177,29 @@ def _misses(frequencies: Sequence[Row], responses: Sequence[Row]) -> str:
         )
         if verdict != "met"
     ]
-    faults = [
-        f"- {name} failed on {row.case}, n = {row.size}: {error.fault}"
-        for row in (*frequencies, *responses)
-        for name, error in row.errors.items()
-        if error.fault
-    ]
+    faults = [f"- {row.case}, n = {row.size}: {fault}" for row in (*frequencies, *responses) for fault in row.faults]
     return "\n".join(lines + faults) or "None."
 
 
 def _worst(row: Row, name: str) -> str:
-    error = row.errors.get(name)
-    if error is None:
+    if name not in row.timed:
+        return "failed" if any(fault.startswith(f"{name},") for fault in row.faults) else "-"
+    (error,), lost = row.timed[name].errors, row.lost[name]
+    value = "" if math.isnan(error) else f"{error:.1e}"
+    return value + (f" ({abs(lost)} {'lost' if lost > 0 else 'too many'})" if lost else "")
+
+
+def _time(row: Row, name: str) -> str:
+    """The best call, with the assembly before it where there is one, and the number of calls."""
+    if name not in row.timed:
         return "-"
-    if error.fault:
-        return "failed"
-    value = "" if math.isnan(error.worst) else f"{error.worst:.1e}"
-    return value + (f" ({abs(error.lost)} {'lost' if error.lost > 0 else 'too many'})" if error.lost else "")
-
-
-def _each(row: Row, name: str) -> str:
-    error: Error = row.errors[name]
-    return "failed" if error.fault else f"{error.each:.1e}"
-
-
-def _time(timing: Timing | None) -> str:
-    if timing is None:
-        return "-"
-    unit, factor = ("s", 1.0) if timing.best >= 1 else ("ms", 1e3)
-    return f"{_figures(timing.best * factor)} {unit} ({timing.calls})"
+    found = row.timed[name]
+    assembly, solve = found.assembly_spread.least, found.solve_spread.least
+    unit, factor = ("s", 1.0) if solve >= 1 else ("ms", 1e3)
+    before = f"{_figures(assembly * factor)} + " if assembly > NO_ASSEMBLY else ""
+    return f"{before}{_figures(solve * factor)} {unit} ({found.total.runs})"
 
 
 def _figures(value: float) -> str:
     """Three figures, no exponent."""
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}"
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)

@@ -10,7 +10,7 @@ import ross
 from benchmarks.cases import Case
 
 NAME = f"ROSS {version('ross-rotordynamics')}"
-ANGLE = 5  # of the six freedoms of a node, the turn about the shaft
+ANGLE = 5  # of the six freedoms of a node, the rotation about the shaft
 
 
 def rotor(case: Case) -> Any:
@@ -21,7 +21,7 @@ def rotor(case: Case) -> Any:
     for i in range(1, case.size):
         damper = case.viscous[i]
         link = ross.CouplingElement(m_l=0, m_r=0, Ip_l=0, Ip_r=0, kr_z=case.stiffness[i], cr_z=damper, n=i - 1)
-        link.i_d = 0.0  # a rotor of couplings alone asks each for a bore, which ROSS 2.3.0 forgot to give it
+        link.i_d = 0.0  # a rotor of couplings alone needs a bore of each, which ROSS 2.3.0 forgot to give it
         couplings.append(link)
     discs = [ross.DiskElement(n=i, m=1.0, Id=1.0, Ip=case.inertia[i]) for i in range(case.size)]
     return ross.Rotor(couplings, discs)

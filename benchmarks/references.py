@@ -2,7 +2,7 @@
 
 gmpy2 does the arithmetic where it is installed, mpmath otherwise. The frequencies are the zeros of the characteristic
 polynomial of the tree, which elimination from the leaves carries as the fraction a/b that is the dynamic stiffness
-seen at a station: no division, no pole. Newton's method starts from singular values in double precision; the answer
+seen at a station: no quotient, no pole. Newton's method starts from singular values in double precision; the answer
 is accepted when the number of frequencies below w (1 -+ 1e-60), counted by signs, is that of the mode wanted.
 """
 
@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from mpmath import mp
 
-from benchmarks.cases import Case, Folded, folded
+from benchmarks.cases import Case, Condensed, condensed
+from torsion.analyses.compare.model_errors import relative_errors
 
 DIGITS = 100
 PROVEN = 60
@@ -32,14 +34,14 @@ except ImportError:
 
 
 class Elimination(NamedTuple):
-    """What one elimination at w**2 tells."""
+    """What one elimination at w**2 gives."""
 
     count: int  # natural frequencies below w, rigid motion included
     value: Any  # of the characteristic polynomial, whose sign and scale are free
     slope: Any  # its derivative by w**2
 
 
-def eliminate(tree: Folded, square: Any) -> Elimination:
+def eliminate(tree: Condensed, square: Any) -> Elimination:
     """Counts the frequencies below sqrt(square) and evaluates the characteristic polynomial there."""
     one, zero = real(1), real(0)
     above = [-square * inertia for inertia in tree.inertia]  # a of every station, b is `below`
@@ -65,12 +67,12 @@ def eliminate(tree: Folded, square: Any) -> Elimination:
 
 def frequencies(case: Case, modes: Sequence[int]) -> list[Any]:
     """The elastic frequencies of the given numbers (1 is the lowest), rad/s, each proven to 60 digits."""
-    tree = folded(case, real)
-    start = starting_values(folded(case))
+    tree = condensed(case, real)
+    start = starting_values(condensed(case))
     return [_frequency(tree, mode, start[mode]) for mode in modes]
 
 
-def starting_values(tree: Folded) -> np.ndarray:
+def starting_values(tree: Condensed) -> np.ndarray:
     """Singular values of D_k^1/2 B D_J^-1/2 ascending, rad/s; the first stands for the rigid motion."""
     size = len(tree.parent)
     factor = np.zeros((size, size))
@@ -84,7 +86,7 @@ def starting_values(tree: Folded) -> np.ndarray:
 
 def response(case: Case, frequency: float, force: Sequence[complex]) -> tuple[list[Any], list[Any]]:
     """Angle of every station (rad) and torque of every span (N m, on the child; 0 at the root), at their own speeds."""
-    tree = folded(case, real)
+    tree = condensed(case, real)
     size, w = case.size, real(float(frequency))
     load = [r * _complex(f) for r, f in zip(tree.ratio, force, strict=True)]
     z = [imaginary_unit * w * c - w * w * j for c, j in zip(tree.damping, tree.inertia, strict=True)]
@@ -102,11 +104,11 @@ def response(case: Case, frequency: float, force: Sequence[complex]) -> tuple[li
     return angle, [t / s for t, s in zip(torque, tree.span_ratio, strict=True)]
 
 
-def relative_error(value: float, reference: Any) -> float:
-    """|value / reference - 1|, the difference taken in the reference's digits."""
-    if not np.isfinite(value):
-        return float("inf")
-    return float(abs(real(float(value)) / reference - 1))
+def worst(found: Sequence[float] | np.ndarray, exact: Sequence[Any]) -> float:
+    """Largest relative error, the difference taken in the reference's digits; infinite where a value is missing."""
+    with mp.workdps(DIGITS):
+        error = np.abs(relative_errors(found, exact))
+    return float(np.where(np.isnan(error), np.inf, error).max())
 
 
 def torque_errors(torque: np.ndarray, reference: Sequence[Any], smallest: float = 0.0) -> tuple[float, float]:
@@ -119,7 +121,7 @@ def torque_errors(torque: np.ndarray, reference: Sequence[Any], smallest: float 
     return float(max(difference) / max(size)), float(max(each))
 
 
-def _frequency(tree: Folded, mode: int, start: float) -> Any:
+def _frequency(tree: Condensed, mode: int, start: float) -> Any:
     square = real(float(start)) ** 2
     for _ in range(12):
         _, value, slope = eliminate(tree, square)
@@ -131,13 +133,13 @@ def _frequency(tree: Folded, mode: int, start: float) -> Any:
     return frequency if _proven(tree, mode, frequency) else _bisected(tree, mode, real(float(start) or 1.0))
 
 
-def _proven(tree: Folded, mode: int, frequency: Any) -> bool:
+def _proven(tree: Condensed, mode: int, frequency: Any) -> bool:
     margin = real(10) ** -PROVEN
     below = eliminate(tree, (frequency * (1 - margin)) ** 2).count
     return below == mode and eliminate(tree, (frequency * (1 + margin)) ** 2).count == mode + 1
 
 
-def _bisected(tree: Folded, mode: int, start: Any) -> Any:
+def _bisected(tree: Condensed, mode: int, start: Any) -> Any:
     """Bisection of w by counts alone, for the mode that Newton's method missed."""
     low, high = start / 2, start * 2
     while eliminate(tree, low * low).count > mode:

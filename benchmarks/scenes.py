@@ -8,7 +8,7 @@ from benchmarks.cases import Case
 
 
 def scene(case: Case, folder: Path) -> Path:
-    """The case as a scene file in `folder` that asks for its modes."""
+    """The case as a scene file in `folder` that requests its modes."""
     path = folder / f"{case.name.replace(' ', '-')}-{case.size}.yaml"
     path.write_text(json.dumps({"name": case.name, "train": train(case), "analyses": {"modes": {}}}))
     return path

@@ -4,13 +4,11 @@ Writes reports/stability_map.md; it takes some minutes of one core. `--points N`
 and prints only.
 """
 
-import argparse
-from pathlib import Path
 from time import perf_counter, process_time
 
 import numpy as np
 
-from benchmarks import machine
+from benchmarks.page_file import Report, verdict
 from torsion.analyses.motion.stability_map import StabilityMap, stability_map
 from torsion.assembly import assemble
 from torsion.components.coupling import Coupling
@@ -20,25 +18,21 @@ from torsion.components.motor import Motor
 from torsion.study import Operation, Study
 from torsion.train import train
 
-REPORT = Path(__file__).parents[1] / "reports" / "stability_map.md"
 POINTS, TARGET = 200, 600.0  # along each side; s on two cores
 
 
 def main() -> None:
     """Measures and prints; writes the page of the whole map."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, default=POINTS)
-    chosen = parser.parse_args()
-    about = machine.lines()
+    report = Report(__doc__, "stability_map", points=POINTS)
+    points = report.chosen.points
+    report.chosen.quick = points != POINTS
     study = _study()
     system = assemble(study.train)
-    speeds, angles = np.linspace(60.0, 120.0, chosen.points), np.radians(np.linspace(2.0, 30.0, chosen.points))
+    speeds, angles = np.linspace(60.0, 120.0, points), np.radians(np.linspace(2.0, 30.0, points))
     wall, processor = perf_counter(), process_time()
     found = stability_map(study, system, speeds, "angle", angles)
-    text = _page(about, found, len(system.stations), perf_counter() - wall, process_time() - processor)
-    print(text)
-    if chosen.points == POINTS:
-        REPORT.write_text(text)
+    times = perf_counter() - wall, process_time() - processor
+    report.publish("A stability map over speed and joint angle", _parts(found, len(system.stations), *times))
 
 
 def _study() -> Study:
@@ -52,25 +46,20 @@ def _study() -> Study:
     return Study("map", train(line), operation=Operation(load=[["1 rad/s", 300.0], ["1000 rad/s", 300.0]]))
 
 
-def _page(about: list[str], found: StabilityMap, stations: int, wall: float, processor: float) -> str:
+def _parts(found: StabilityMap, stations: int, wall: float, processor: float) -> tuple[str, str]:
     growth = found.growth
-    lines = [
-        "# A stability map over speed and joint angle",
-        "",
-        "Written by `python -m benchmarks.stability_map`.",
-        "",
-        *(f"- {line}" for line in about),
-        "",
-        f"{growth.shape[0]} speeds (60 to 120 rad/s) x {growth.shape[1]} joint angles (2 to 30 degrees), a train of",
-        f"{stations} stations with two joints, reduced to {found.modes} of {found.of_modes} elastic modes.",
-        "",
-        f"- time: {wall:.0f} s by the clock, {processor:.0f} s of one processor;",
-        f"  meant < {TARGET:g} s on two cores: {'met' if wall < TARGET else 'MISSED'}",
+    what = (
+        f"{growth.shape[0]} speeds (60 to 120 rad/s) x {growth.shape[1]} joint angles (2 to 30 degrees), a train of "
+        f"{stations} stations with two joints, reduced to {found.modes} of {found.of_modes} elastic modes."
+    )
+    lines = (
+        f"- time: {wall:.0f} s by the clock, {processor:.0f} s of one processor; meant < {TARGET:g} s on two cores: "
+        + verdict(wall < TARGET),
         f"- largest difference to the whole train at the points that were checked: {found.error:.1e} 1/s",
         f"- points without an answer: {int(np.isnan(growth).sum())} of {growth.size}",
         f"- unstable points: {int((growth > 0).sum())}; fastest growth {np.nanmax(growth):.3f} 1/s",
-    ]
-    return "\n".join(lines) + "\n"
+    )
+    return what, "\n".join(lines)
 
 
 if __name__ == "__main__":

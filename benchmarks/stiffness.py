@@ -4,22 +4,19 @@ Writes reports/stiffness.md and its figures in under five minutes; `--quick` tak
 only with `--out`.
 """
 
-import argparse
 import sys
-import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
-from benchmarks import machine, references
+from benchmarks import references
 from benchmarks import stiffness_frequencies as frequencies
 from benchmarks import stiffness_motion as motion
 from benchmarks import stiffness_response as response
+from benchmarks.page_file import Report
 from benchmarks.sweeps import USEFUL, Sweep, ends_table, figure, reading
 
-REPORT = Path(__file__).parents[1] / "reports" / "stiffness.md"
 LENGTHS = (20, 50, 100, 300, 1000, 3000, 10_000, 100_000, 1_000_000)
 
 HOW = f"""\
@@ -28,31 +25,18 @@ Each sweep makes one figure of the train extreme and leaves all else benign. Err
 frequency has a reference, counts prove it to {references.PROVEN} digits. Every program is given the same doubles. An
 answer is called useful up to an error of {USEFUL:g}. Crosses at the top of a figure are answers that failed or
 were not finite. openTorsion, and numpy and scipy (eigh, eigsh, solve, eig) on assembled matrices, stand for what is in
-use; full matrices are not asked for long chains. `plain_modes` gives no certificate and takes no massless stations."""
+use; full matrices are not used for long chains. `plain_modes` gives no certificate and takes no massless stations."""
 
 
 def main() -> None:
     """Measures, prints the page and writes it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="half a minute, nothing written unless --out")
-    parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{REPORT.name})")
-    chosen = parser.parse_args()
-    warnings.simplefilter("ignore")  # of the peers
-    about, start = machine.lines(), perf_counter()
-    sweeps = []
+    report, sweeps = Report(__doc__, "stiffness", "half a minute"), list[Sweep]()
     with np.errstate(all="ignore"):
-        for sweep in _sweeps(quick=chosen.quick):
+        for sweep in _sweeps(quick=report.chosen.quick):
             sweeps.append(sweep)
-            print(f"{perf_counter() - start:5.0f} s  {sweep.title}", file=sys.stderr, flush=True)
-    how = f"Written by `python -m benchmarks.stiffness` in {perf_counter() - start:.0f} s."
-    page = _page(sweeps, about, how + (" Quick run: fewer points." if chosen.quick else ""))
-    print(page)
-    target = chosen.out or (None if chosen.quick else REPORT)
-    if target:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(page, encoding="utf-8")
-        for sweep in sweeps:
-            (target.parent / f"stiffness_{sweep.name}.svg").write_text(figure(sweep), encoding="utf-8")
+            print(f"{perf_counter() - report.start:5.0f} s  {sweep.title}", file=sys.stderr, flush=True)
+    figures = {f"stiffness_{sweep.name}.svg": figure(sweep) for sweep in sweeps}
+    report.publish("Stiff and extreme: where the numbers hold and where they end", _parts(sweeps), figures)
 
 
 def _sweeps(*, quick: bool) -> Iterator[Sweep]:
@@ -77,13 +61,11 @@ def _powers(first: int, last: int, step: int) -> list[float]:
     return [float(f"1e{exponent}") for exponent in exponents]
 
 
-def _page(sweeps: list[Sweep], about: list[str], how: str) -> str:
-    parts = ["# Stiff and extreme: where the numbers hold and where they end", how, HOW]
-    parts.append("\n".join(f"- {line}" for line in about))
+def _parts(sweeps: list[Sweep]) -> Iterator[str]:
+    yield HOW
     for sweep in sweeps:
-        parts += [f"## {sweep.title}", sweep.what, f"![{sweep.title}](stiffness_{sweep.name}.svg)", reading(sweep)]
-        parts += [ends_table(sweep), *sweep.remarks]
-    return "\n\n".join(parts) + "\n"
+        yield from (f"## {sweep.title}", sweep.what, f"![{sweep.title}](stiffness_{sweep.name}.svg)", reading(sweep))
+        yield from (ends_table(sweep), *sweep.remarks)
 
 
 if __name__ == "__main__":

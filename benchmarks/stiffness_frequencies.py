@@ -1,22 +1,23 @@
 """Sweeps of natural frequencies: stiffness, inertia, length, near-rigid, massless, repeated."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mp
 
 from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
+from benchmarks.references import worst
 from benchmarks.sweeps import Sweep
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
 TREE, PLAIN, PEER = "torsion tree_modes", "torsion plain_modes", "openTorsion"
 SIZE, FEW = 10, 5
 LOWEST = 10  # modes of long chains
-LARGEST = {PEER: 1000, dense_peers.EIGH: 1000}  # spans beyond which a program of full matrices is not asked
+LARGEST = {PEER: 1000, dense_peers.EIGH: 1000}  # spans beyond which a program of full matrices is not run
 
 
 def line(name: str, inertia: Sequence[float], stiffness: Sequence[float], **damping: Sequence[float]) -> Case:
@@ -30,32 +31,31 @@ def line(name: str, inertia: Sequence[float], stiffness: Sequence[float], **damp
 
 def stiffness_ratio(ratios: Sequence[float]) -> Sweep:
     """Nine springs, even in the logarithm over the ratio."""
-    sweep = Sweep(
-        "stiffness_ratio", "Stiffness ratio",
-        f"Free chain of {SIZE} discs of 0.5 to 2 kg m2, {SIZE - 1} springs in random order from 1e4 N m/rad up, even "
-        f"in the logarithm; the largest relative error of all elastic frequencies (eigsh: of the lowest {FEW}).",
-        "largest / smallest stiffness",
-    )  # fmt: skip
     random = np.random.default_rng(1)
     inertia, place = random.uniform(0.5, 2.0, SIZE), random.permutation(np.linspace(0.0, 1.0, SIZE - 1))
-    for ratio in ratios:
-        case = line("stiff", inertia.tolist(), (1e4 * ratio**place).tolist())
-        _add(sweep, ratio, case, range(1, SIZE))
-    return sweep
+    trains = ((inertia, 1e4 * ratio**place) for ratio in ratios)
+    what = f"of 0.5 to 2 kg m2, {SIZE - 1} springs in random order from 1e4 N m/rad up, even in the logarithm"
+    return _ratio("stiffness", what, ratios, trains)
 
 
 def inertia_ratio(ratios: Sequence[float]) -> Sweep:
     """Ten discs, even in the logarithm over the ratio."""
-    sweep = Sweep(
-        "inertia_ratio", "Inertia ratio",
-        f"Free chain of {SIZE} discs in random order from 1 kg m2 down, even in the logarithm, springs of 1e4 to 5e4 "
-        f"N m/rad; the largest relative error of all elastic frequencies (eigsh: of the lowest {FEW}).",
-        "largest / smallest inertia",
-    )  # fmt: skip
     random = np.random.default_rng(2)
     stiffness, place = random.uniform(1e4, 5e4, SIZE - 1), random.permutation(np.linspace(0.0, 1.0, SIZE))
-    for ratio in ratios:
-        _add(sweep, ratio, line("light", (ratio**-place).tolist(), stiffness.tolist()), range(1, SIZE))
+    trains = ((ratio**-place, stiffness) for ratio in ratios)
+    what = "in random order from 1 kg m2 down, even in the logarithm, springs of 1e4 to 5e4 N m/rad"
+    return _ratio("inertia", what, ratios, trains)
+
+
+def _ratio(of: str, what: str, ratios: Sequence[float], trains: Iterable[tuple[np.ndarray, np.ndarray]]) -> Sweep:
+    sweep = Sweep(
+        f"{of}_ratio", f"{of.capitalize()} ratio",
+        f"Free chain of {SIZE} discs {what}; the largest relative error of all elastic frequencies (eigsh: of the "
+        f"lowest {FEW}).",
+        f"largest / smallest {of}",
+    )  # fmt: skip
+    for ratio, (inertia, stiffness) in zip(ratios, trains, strict=True):
+        _add(sweep, ratio, line(of, inertia.tolist(), stiffness.tolist()), range(1, SIZE))
     return sweep
 
 
@@ -76,7 +76,7 @@ def near_rigid(stiffnesses: Sequence[float]) -> Sweep:
     flexibility = np.array([0.0, *(1 / k for k in springs)])
     flexibility[3] = 0.0
     found = tree_modes(_chain(np.array(inertia), flexibility), 3).frequency
-    sweep.remarks.append(f"Rigid altogether (flexibility 0): torsion is {_worst(found, exact):.1e} off the limit.")
+    sweep.remarks.append(f"Rigid altogether (flexibility 0): torsion is {worst(found, exact):.1e} off the limit.")
     return sweep
 
 
@@ -104,8 +104,8 @@ def massless(inertias: Sequence[float]) -> Sweep:
     exact = references.frequencies(case(1e-60), [1, 2, 3])
     none = Sweep("", "", "", "")
     _add(none, 0.0, case(0.0), [], few=3, exact=exact)
-    told = (f"{name} {p[0].fault or f'error {p[0].error:.1e}'}" for name, p in none.points.items())
-    sweep.remarks.append("With no inertia at all: " + "; ".join(told) + ".")
+    words = (f"{name} {p[0].fault or f'error {p[0].error:.1e}'}" for name, p in none.points.items())
+    sweep.remarks.append("With no inertia at all: " + "; ".join(words) + ".")
     return sweep
 
 
@@ -156,10 +156,10 @@ def length(sizes: Sequence[int]) -> Sweep:
             if size > LARGEST.get(name, size):
                 continue
             start = perf_counter()
-            sweep.add(name, size, lambda program=program, w=exact: _worst_mp(program(), w))
+            sweep.add(name, size, lambda program=program, w=exact: worst(program(), w))
             if size == sizes[-1]:
-                told = f"{name} took {perf_counter() - start:.2g} s for {size} stations, errors included."
-                sweep.remarks.append(told)
+                words = f"{name} took {perf_counter() - start:.2g} s for {size} stations, errors included."
+                sweep.remarks.append(words)
     return sweep
 
 
@@ -171,11 +171,11 @@ def _add(
     count = len(known)
     bare = ours.tree(case)
     shift = -(float(known[0]) ** 2)
-    sweep.add(TREE, at, lambda: _worst(ours.modes(bare).frequency[:count], known))
-    sweep.add(PLAIN, at, lambda: _worst(ours.plain(bare).frequency[:count], known))
-    sweep.add(PEER, at, lambda: _worst(_peer(case)[:count], known))
-    sweep.add(dense_peers.EIGH, at, lambda: _worst(dense_peers.dense_frequencies(case)[:count], known))
-    sweep.add(dense_peers.EIGSH, at, lambda: _worst(dense_peers.sparse_frequencies(case, few, shift), known[:few]))
+    sweep.add(TREE, at, lambda: worst(ours.modes(bare).frequency[:count], known))
+    sweep.add(PLAIN, at, lambda: worst(ours.plain(bare).frequency[:count], known))
+    sweep.add(PEER, at, lambda: worst(_peer(case)[:count], known))
+    sweep.add(dense_peers.EIGH, at, lambda: worst(dense_peers.dense_frequencies(case)[:count], known))
+    sweep.add(dense_peers.EIGSH, at, lambda: worst(dense_peers.sparse_frequencies(case, few, shift), known[:few]))
 
 
 def _peer(case: Case) -> np.ndarray:
@@ -185,15 +185,6 @@ def _peer(case: Case) -> np.ndarray:
 def _chain(inertia: np.ndarray, flexibility: np.ndarray) -> Tree:
     size = len(inertia)
     return Tree(np.arange(size) - 1, np.concatenate(([0.0], flexibility[1:])), inertia, np.zeros(size, dtype=bool))
-
-
-def _worst(found: np.ndarray, exact: Sequence[Any]) -> float:
-    return max(references.relative_error(float(w), e) for w, e in zip(found, exact, strict=True))
-
-
-def _worst_mp(found: np.ndarray, exact: Sequence[Any]) -> float:
-    with mp.workdps(60):
-        return max(float(abs(mpf(float(w)) / e - 1)) for w, e in zip(found, exact, strict=True))
 
 
 def _crossing(shape: np.ndarray, inertia: np.ndarray) -> float:

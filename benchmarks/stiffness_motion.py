@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpc, mpf
 
-from benchmarks import dense_peers, ours, peers_opentorsion
-from benchmarks.cases import Case, folded
+from benchmarks import dense_peers, ours, peers_opentorsion, references
+from benchmarks.cases import Case, condensed
 from benchmarks.stiffness_frequencies import PEER, line
 from benchmarks.sweeps import Sweep
-from torsion.kernels.damping.modes import damped_modes
+from torsion.kernels.damping.damped_tree_modes import damped_modes
 from torsion.kinematics.cross import speed_ratio
 
 DAMPED, JOINT, TEXTBOOK = "torsion damped_modes", "torsion speed_ratio", "textbook cos b/(1 - (sin b cos x)^2)"
@@ -30,7 +30,7 @@ def damping(scales: Sequence[float]) -> tuple[Sweep, Sweep]:
         what + "The largest relative error of the real part of any root but the one at 0, overdamped ones included.",
         along,
     )  # fmt: skip
-    told: dict[int, float] = {}
+    known_from: dict[int, float] = {}
     for scale in scales:
         case = damped_chain(scale)
         exact = _roots(case)
@@ -39,8 +39,8 @@ def damping(scales: Sequence[float]) -> tuple[Sweep, Sweep]:
             if oscillating:
                 swinging.add(name, scale, lambda run=program, case=case, want=oscillating: nearest(run(case), want))
             decay.add(name, scale, lambda run=program, case=case, want=exact: nearest(run(case), want, real=True))
-        told.setdefault(len(exact) - len(oscillating), scale)
-    words = ", ".join(f"{count} from {scale:.2g}" for count, scale in told.items())
+        known_from.setdefault(len(exact) - len(oscillating), scale)
+    words = ", ".join(f"{count} from {scale:.2g}" for count, scale in known_from.items())
     swinging.remarks.append(f"Real roots (the one at 0 left out) by scale of the dampers: {words}.")
     return swinging, decay
 
@@ -72,8 +72,8 @@ def joint(gaps: Sequence[float]) -> Sweep:
             bend = mpf(angle)
             exact = [mp.cos(bend) / (1 - (mp.sin(bend) * mp.cos(mpf(x))) ** 2) for x in driving.tolist()]
         plain = np.cos(angle) / (1.0 - (np.sin(angle) * np.cos(driving)) ** 2)
-        sweep.add(JOINT, gap, lambda angle=angle, exact=exact: _worst(speed_ratio(driving, angle), exact))
-        sweep.add(TEXTBOOK, gap, lambda plain=plain, exact=exact: _worst(plain, exact))
+        sweep.add(JOINT, gap, lambda angle=angle, exact=exact: references.worst(speed_ratio(driving, angle), exact))
+        sweep.add(TEXTBOOK, gap, lambda plain=plain, exact=exact: references.worst(plain, exact))
     return sweep
 
 
@@ -92,7 +92,7 @@ def nearest(found: np.ndarray, exact: Sequence[Any], *, real: bool = False) -> f
 def _roots(case: Case) -> list[Any]:
     """The roots above or on the real axis but those at 0, from the companion matrix in 80 digits."""
     with mp.workdps(DIGITS):
-        flat = folded(case, mpf)
+        flat = condensed(case, mpf)
         size = case.size
         matrix = mp.zeros(2 * size)
         for i in range(size):
@@ -111,19 +111,14 @@ def _roots(case: Case) -> list[Any]:
 
 
 def _ours(case: Case) -> np.ndarray:
-    flat = folded(case)
+    flat = condensed(case)
     found = damped_modes(ours.tree(case), ground_damping=np.array(flat.damping), viscous=np.array(flat.viscous))
     return np.concatenate([found.eigenvalue, found.real_root])
 
 
 def _peers(case: Case) -> np.ndarray:
-    """openTorsion tells moduli, imaginary parts and damping ratios."""
+    """openTorsion gives moduli, imaginary parts and damping ratios."""
     modulus, imaginary, ratio = peers_opentorsion.assembled(peers_opentorsion.elements(case)).modal_analysis()
     with np.errstate(invalid="ignore"):
         found = -np.asarray(ratio) * np.asarray(modulus) + 1j * np.asarray(imaginary)
     return np.asarray(found[np.isfinite(found)])
-
-
-def _worst(found: np.ndarray, exact: Sequence[Any]) -> float:
-    with mp.workdps(DIGITS):
-        return max(float(abs(mpf(float(value)) / right - 1)) for value, right in zip(found, exact, strict=True))

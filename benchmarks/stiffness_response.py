@@ -9,8 +9,8 @@ from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
 from benchmarks.stiffness_frequencies import PEER, line, near_rigid_data
 from benchmarks.sweeps import Sweep
-from torsion.kernels.response import Status, status, tree_response
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import Status, status, tree_response
 
 RESPONSE = "torsion tree_response"
 COUPLING = 3  # the span that grows stiff
@@ -50,16 +50,16 @@ def resonance(ratios: Sequence[float]) -> Sweep:
     random = np.random.default_rng(5)
     inertia, springs = random.uniform(0.5, 2.0, 10).tolist(), random.uniform(1e4, 5e4, 9).tolist()
     w = float(references.frequencies(line("bare", inertia, springs), [3])[0])
-    beside, told = float(np.nextafter(w, np.inf)), dict[str, float]()
+    beside, known_from = float(np.nextafter(w, np.inf)), dict[str, float]()
     for ratio in ratios:
         case = line("damped", inertia, springs, damping=[2 * ratio * w * j for j in inertia])
         _add(sweep, ratio, case, w)
         exact, near = (references.response(case, value, _unit(10))[1] for value in (w, beside))
         difference = max(abs(a - b) for a, b in zip(exact, near, strict=True)) / max(abs(a) for a in exact)
         sweep.limit.append((ratio, float(difference)))
-        told.setdefault(_status(case, w), ratio)
+        known_from.setdefault(_status(case, w), ratio)
     undamped = _status(line("bare", inertia, springs), w)
-    words = ", ".join(f"{name} from {ratio:.2g} on" for name, ratio in told.items())
+    words = ", ".join(f"{name} from {ratio:.2g} on" for name, ratio in known_from.items())
     sweep.remarks.append(f"torsion's own status of the line: {words}; without any damping {undamped}.")
     return sweep
 
@@ -69,7 +69,7 @@ def slow(frequencies: Sequence[float]) -> Sweep:
     sweep = Sweep(
         "slow", "Speed near 0",
         "Free chain of six discs, 1 N m at the first; the largest error of the torques, over the largest torque. The "
-        "train as a whole swings ever wider while its twist stays finite.",
+        "train as a whole moves by ever larger angles while its twist stays finite.",
         "frequency, rad/s",
     )  # fmt: skip
     inertia, springs = near_rigid_data()
@@ -83,7 +83,7 @@ def slow(frequencies: Sequence[float]) -> Sweep:
     found = tree_response(bare, np.zeros(1), force)
     twist = float(np.abs(np.abs(found.torque[1:, 0]) - 1.0).max())
     sweep.remarks += [
-        f"At exactly 0, free: torsion tells the status {_status(case, 0.0)}, as there is no steady answer.",
+        f"At exactly 0, free: torsion gives the status {_status(case, 0.0)}, as there is no steady answer.",
         f"At exactly 0, the first disc held and 1 N m at the last: every torque is 1 N m, torsion's error {twist:.1e}.",
     ]
     return sweep

@@ -5,13 +5,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from benchmarks.log_axes import plain_numbers
 from benchmarks.papers.writing import table
-from torsion.plots.style import BAD, COLOURS, legend_below, page
+from torsion.output.figures.error_curves import error_axis
+from torsion.output.figures.style import BAD, COLOURS, legend_below, page
 
 ROUNDING = 2.0**-53  # a smaller error is drawn here
 USEFUL = 1e-6  # the error beyond which a method has ended
+DECADES = 10  # on the axis of the parameter, at most
 HIGHEST = 1e3  # errors are drawn up to here
 
 
@@ -42,13 +44,13 @@ class Sweep:
             value, fault = error(), ""
             if not np.isfinite(value):
                 value, fault = float("inf"), "no finite answer"
-        except Exception as failed:  # peers fail in ways of their own; the page tells each with its words
+        except Exception as failed:  # peers fail in ways of their own; the page states each in its words
             value, fault = float("inf"), f"{type(failed).__name__}: {failed}".splitlines()[0][:120]
         self.points.setdefault(method, []).append(Point(at, value, fault))
 
 
 def ranges(points: Sequence[Point], useful: float = USEFUL) -> list[tuple[float, float]]:
-    """First and last parameter of every stretch of the sweep in which the answers are useful."""
+    """First and last parameter of every range of the sweep in which the answers are useful."""
     found: list[tuple[float, float]] = []
     before = False
     for point in points:
@@ -59,8 +61,8 @@ def ranges(points: Sequence[Point], useful: float = USEFUL) -> list[tuple[float,
     return found
 
 
-def told_ranges(points: Sequence[Point], useful: float = USEFUL) -> str:
-    """The stretches in words."""
+def ranges_in_words(points: Sequence[Point], useful: float = USEFUL) -> str:
+    """The ranges in words."""
     found = ranges(points, useful)
     if not found:
         return "nowhere"
@@ -71,12 +73,12 @@ def told_ranges(points: Sequence[Point], useful: float = USEFUL) -> str:
 
 def reading(sweep: Sweep) -> str:
     """What the figure shows, in one sentence made from its numbers."""
-    parts = [f"{method} {told_ranges(points)}" for method, points in sweep.points.items()]
+    parts = [f"{method} {ranges_in_words(points)}" for method, points in sweep.points.items()]
     own = max(point.error for method, points in sweep.points.items() for point in points if _is_ours(method))
     others = [point.error for method, points in sweep.points.items() for point in points if not _is_ours(method)]
     return (
-        f"Useful answers (error up to {USEFUL:g}): {'; '.join(parts)}; the largest error of torsion is {_told(own)}, "
-        f"of the others {_told(max(others))}."
+        f"Useful answers (error up to {USEFUL:g}): {'; '.join(parts)}; the largest error of torsion is {_size(own)}, "
+        f"of the others {_size(max(others))}."
     )
 
 
@@ -93,7 +95,7 @@ def _pen(method: str) -> dict[str, Any]:
     return {"color": COLOURS[colour], "linestyle": dashes}
 
 
-def _told(error: float) -> str:
+def _size(error: float) -> str:
     return f"{error:.1e}" if np.isfinite(error) else "beyond all bounds (no answer)"
 
 
@@ -103,9 +105,9 @@ def ends_table(sweep: Sweep) -> str:
     for method, points in sweep.points.items():
         worst = max((point.error for point in points if point.error <= USEFUL), default=float("nan"))
         faults = dict.fromkeys(f"{point.fault} (at {point.at:.2g})" for point in points if point.fault)
-        told = "; ".join(list(faults)[:2]) + (f"; {len(faults) - 2} more" if len(faults) > 2 else "")
+        words = "; ".join(list(faults)[:2]) + (f"; {len(faults) - 2} more" if len(faults) > 2 else "")
         largest = max(point.error for point in points)
-        rows.append((method, told_ranges(points), f"{worst:.1e}", _told(largest), told))
+        rows.append((method, ranges_in_words(points), f"{worst:.1e}", _size(largest), words))
     return table((sweep.along, "useful", "largest error there", "largest error anywhere", "faults"), rows)
 
 
@@ -125,11 +127,12 @@ def figure(sweep: Sweep) -> str:
             axes.plot(*zip(*sweep.limit, strict=True), color=BAD, linewidth=1.4, linestyle=(0, (1, 2)),
                       label="what the next double of the frequency changes")  # fmt: skip
         axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_ylim(ROUNDING / 3, HIGHEST * 2)
+        error_axis(axes, ROUNDING / 3, HIGHEST * 2)
         if sweep.points and next(iter(sweep.points.values()))[0].at > at[0]:
             axes.invert_xaxis()
-        plain_numbers(axes.xaxis, axes.yaxis)
+        axes.xaxis.set_major_locator(LogLocator(numticks=DECADES))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(sweep.along)
         axes.set_ylabel("largest relative error")
         legend_below(sheet)

@@ -7,40 +7,45 @@ import pytest
 
 SOURCE = Path(__file__).parent.parent / "src" / "torsion"
 FLOORS = {
-    "errors": -1,  # the ground under every floor
+    "errors": -1, "arrays": -1,  # the ground under every floor
     "units": 0, "kernels": 0, "kinematics": 0,
-    "fields": 1, "primitives": 1,
-    "components": 2,
+    "results": 1, "fields": 1, "primitives": 1,
+    "plan": 2, "components": 2,
     "train": 3,
     "study": 4, "assembly": 4,
-    "analyses": 5,
-    "rules": 6,
-    "schema": 7, "plan": 7, "asked": 7,
-    "steps": 8,
-    "findings": 9,
-    "report": 10, "plots": 10,
-    "job": 11, "cli": 12, "__main__": 13,
+    "findings": 5,
+    "analyses": 6,
+    "rules": 7,
+    "schema": 8,
+    "output": 9,
+    "runner": 10, "commands": 11, "cli": 12, "__main__": 13,
 }  # fmt: skip
 DOORS = {
     "yaml": ("schema/source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/", "analyses/lateral/"),
-    "meshio": ("assembly/section/mesh.py", "report/surface/vtu.py"),
-    "matplotlib": ("plots/",),
-    "jinja2": ("report/",),
-    "typst": ("report/",),
+    "meshio": ("assembly/section/section_mesh.py", "output/surface/vtu.py"),
+    "matplotlib": ("output/figures/",),
+    "jinja2": ("output/",),
+    "typst": ("output/",),
     "typer": ("cli.py",),
     "dask": (),
 }
+CYCLES_LEFT = {  # modules on a cycle that only a type or an import inside a function closes; to become empty
+    "components.base", "components.lowering",
+    "schema.source", "schema.faults",
+    "assembly.system", "assembly.distributed_spans", "assembly.element_matrices", "assembly.referred_tree",
+    "assembly.segment_groups",
+}  # fmt: skip
 FILES = sorted(path for path in SOURCE.rglob("*.py") if path != SOURCE / "__init__.py")
 
 
-def _imports(path: Path) -> list[str]:
-    """Modules that a file imports, but for those named to the type checker alone."""
+def _imports(path: Path, *, typed: bool = False) -> list[str]:
+    """Modules that a file imports anywhere in it; with `typed` also those named to the type checker alone."""
     found: list[str] = []
 
     def visit(node: ast.AST) -> None:
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+        if not typed and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             return
         if isinstance(node, ast.Import):
             found.extend(alias.name for alias in node.names)
@@ -75,21 +80,28 @@ def test_a_heavy_library_enters_by_its_door_alone(path: Path) -> None:
         assert doors is None or name.startswith(doors), f"{name} imports {module}"
 
 
-def test_no_circle_of_imports() -> None:
+def test_no_cycle_of_imports() -> None:
+    """Every import counts: those inside functions and those named to the type checker alone too."""
     names = {".".join(("torsion", *path.relative_to(SOURCE).with_suffix("").parts)): path for path in FILES}
     names = {name.removesuffix(".__init__"): path for name, path in names.items()}
-    arrows = {name: {m for m in _imports(path) if m in names and m != name} for name, path in names.items()}
-    while arrows:
-        free = [name for name, targets in arrows.items() if not targets & arrows.keys()]
-        assert free, f"a circle among {sorted(arrows)}"
-        for name in free:
-            del arrows[name]
+    arrows = {name: {m for m in _imports(path, typed=True) if m in names} for name, path in names.items()}
+
+    def reached(name: str) -> set[str]:
+        seen, left = set[str](), [name]
+        while left:
+            new = arrows[left.pop()] - seen
+            seen |= new
+            left += new
+        return seen
+
+    cycles = {name.removeprefix("torsion.") for name in names if name in reached(name)}
+    assert cycles <= CYCLES_LEFT, f"a cycle among {sorted(cycles - CYCLES_LEFT)}"
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(SOURCE).as_posix())
-def test_a_file_has_one_subject_and_at_most_300_lines(path: Path) -> None:
+def test_a_file_has_one_subject_and_at_most_400_lines(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 300
+    assert len(text.splitlines()) <= 400
     assert ast.get_docstring(ast.parse(text)) is not None, "a file says its subject in its first sentence"
 
 

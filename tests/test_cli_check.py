@@ -33,7 +33,7 @@ def test_models_are_compared_without_the_file_asking_it(scene: Path, tmp_path: P
     done = call("check", str(scene), "-o", str(tmp_path / "out"))
     assert done.exit_code == 0, done.output
     assert "lumped and fem are within 0.1 %" in done.output
-    assert "no torques are compared: nothing excites" in done.output
+    assert "No torques are compared: nothing excites" in done.output
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["check.html", "check.json"]
 
 

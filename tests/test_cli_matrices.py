@@ -8,7 +8,7 @@ import scipy.linalg
 from typer.testing import CliRunner
 
 import torsion
-from torsion.analyses.damped import DampedModes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.cli import app
 
 RATED = "operation: {speeds: {from: 300 rpm, to: 1800 rpm, steps: 5}, rated: {speed: 1500 rpm, power: 100 kW}}\n"

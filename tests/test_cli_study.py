@@ -2,13 +2,14 @@
 
 import csv
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from torsion.analyses.study import times as study_times
-from torsion.analyses.study.timing import Effort
+from torsion.analyses.compare import run_times as study_times
+from torsion.analyses.compare.timing import Effort
 from torsion.cli import app
 
 SHORT = Effort(rounds=2, longest=5.0, segments=8, unknowns=4, degrees=(1, 2), modes=4, dense=2, speeds=5)
@@ -46,7 +47,8 @@ def test_the_study_is_printed_and_written(scene: Path, tmp_path: Path) -> None:
     told = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
     rows = list(csv.DictReader((tmp_path / "out" / "study.csv").read_text(encoding="utf-8").splitlines()))
     assert len(rows) == sum(len(one["rows"]) for one in told["quantities"])
-    assert float(rows[-1]["error [1]"]) == told["quantities"][-1]["rows"][-1]["error"]
+    worst = [row["error"] for one in told["quantities"] for row in one["rows"]]
+    assert [float(row["error [1]"]) for row in rows] == [float("inf") if error is None else error for error in worst]
 
 
 def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Path) -> None:
@@ -55,6 +57,8 @@ def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Pat
     assert told["tolerance"] == pytest.approx(0.05)
     for one in told["quantities"]:
         best = one["rows"][one["recommended_row"]]
+        kept = [(one["rows"][k]["total"]["median_s"], one["rows"][k]["error"]) for k in one["unbeaten_rows"]]
+        assert all(a[0] <= b[0] and a[1] > b[1] for a, b in pairwise(kept))
         assert best["error"] <= 0.05
         assert best["total"]["median_s"] == min(
             row["total"]["median_s"] for row in one["rows"] if row["error"] is not None and row["error"] <= 0.05

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from torsion import commands
 from torsion.cli import app
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 SCENES = Path(__file__).parents[1] / "shafting_specs"
 HELD = """

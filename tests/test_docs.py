@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.components import KINDS
+from torsion.output import results_manual
 from torsion.rules.m68_formulas import DETAILS
 from torsion.schema.manual import EXAMPLES, manual
 from torsion.schema.read import Scene
@@ -44,6 +45,11 @@ def test_the_manual_is_that_of_the_declarations() -> None:
     assert written == manual(), "write docs/format.md anew from torsion.schema.manual.manual()"
 
 
+def test_the_manual_of_results_is_that_of_the_declarations() -> None:
+    written = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    assert written == results_manual.manual(), "write docs/results.md anew: python -m torsion.output.results_manual"
+
+
 def test_the_manual_has_every_section_and_kind() -> None:
     assert set(EXAMPLES) == set(KINDS)
     for name, field in Scene.model_fields.items():
@@ -53,7 +59,7 @@ def test_the_manual_has_every_section_and_kind() -> None:
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_the_example_of_a_kind_is_read_without_faults(kind: str) -> None:
     train = torsion.parse(AROUND.format(EXAMPLES[kind])).train
-    assert kind in {part.component.keyword for part in train.parts}
+    assert kind in {part.kind for part in train.parts}
 
 
 @pytest.mark.parametrize(("page", "text"), scenes(), ids=lambda value: value if value.endswith(".md") else "")

@@ -19,7 +19,7 @@ TORQUE, RADIUS, ARM = 200.0, 0.03, 0.6  # N m, m, m
 SHARE = RADIUS / ARM
 ANGLES = (10, 20, 30, 40)  # degrees
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
-FEW = TURN[:361:30]  # half a turn in steps of 15 degrees: the joint repeats after 120
+FEW = TURN[:361:30]  # half a revolution in steps of 15 degrees: the joint repeats after 120
 SMALL = 1e-4  # radius/arm at which the first order is all that counts
 
 
@@ -31,8 +31,8 @@ def page() -> Page:
         reference="Chang, Li, article on the tripod universal joint with single and twin radial bearings (journal, "
         "year and pages are not recorded in the copy at hand).",
         what="The paper finds the motion of the spider of a tripod joint and the couples that a driving torque puts on "
-        "both shafts. It compares a single radial bearing, whose couple varies three times a turn, with twin bearings, "
-        "whose couple stands still.",
+        "both shafts. It compares a single radial bearing, whose couple varies three times a revolution, with twin "
+        "bearings, whose couple stands still.",
         notation="`g` joint angle, `phi` driving angle from the normal of the shafts' plane, `lambda` radius of the "
         "three lines, `L` arm to the pivot, `Ti`, `To` driving and driven torque, `U1`, `V1` couple on the driving "
         "shaft about the normal and in the plane, `M1` its size, `V2` on the driven shaft, `i` speed ratio. Data: "
@@ -98,9 +98,9 @@ def _checks() -> str:
     exact = tripod.exact_statics(joints(NAME).angle, np.radians(40.0), RADIUS, ARM, TORQUE)
     near = bound(scene.largest, exact.couple.max(), "1e-3")
     return (
-        "The exact mechanism was held against three arms that meet three lines in space, found by a general solver, "
+        "The exact mechanism was compared with three arms that meet three lines in space, found by a general solver, "
         f"with three contact forces and the pivot's moment in balance: torques and couples within {limits[0]} over a "
-        "half turn at every angle. The corrected equations are its first order in lambda/L: their greatest M1 is "
+        "half revolution at every angle. The corrected equations are its first order in lambda/L: their greatest M1 is "
         f"{_short(10)} (10°) to {_short(40)} (40°) away from it. The scene's couple at 40° is that of the exact "
         f"mechanism within {near}."
     )
@@ -121,7 +121,7 @@ def _turn() -> Picture:
         for angle in ANGLES
     ]
     svg = curves("chang_li_tripod_fig_5", np.degrees(TURN), "driving angle phi, degrees", panels[::-1], height=1.35)
-    words = "Figure 5: couple on the driving shaft over a turn at joint angles of 10° to 40°."
+    words = "Figure 5: couple on the driving shaft over a revolution at joint angles of 10° to 40°."
     return Picture("chang_li_tripod_fig_5", words, svg)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.plots.style import INK, legend_below, page, pens
+from torsion.output.figures.style import INK, legend_below, page, pens
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-9  # relative: a smaller range is a level line

@@ -103,12 +103,12 @@ def _checks() -> str:
     body, ours = space.cross(TURN, angle), cross.transfer(TURN, angle, "N")
     bent = couples.couples(TURN, angle, TORQUE, convention="N")
     return (
-        "Ours was held against a joint of two pins in space, whose speeds and moments follow from three linear "
+        "Ours was compared with a joint of two pins in space, whose speeds and moments follow from three linear "
         f"equations: speed within {bound(ours.ratio, body.ratio, '1e-14')}, acceleration within "
         f"{bound(ours.curvature, body.curvature, '1e-12')}, torque within "
         f"{bound(bent.driven_torque, TORQUE * body.driven_torque, '1e-14')} and couples within "
         f"{bound(bent.driven_yoke, TORQUE * body.driven_couple, '1e-13')} of their greatest value at 721 angles of a "
-        "turn. The scene gives the same numbers as the joint formulas."
+        "revolution. The scene gives the same numbers as the joint formulas."
     )
 
 
@@ -246,7 +246,7 @@ def _other_misprints() -> tuple[Misprint, ...]:
             "three shafts of two inertias each, with G2 to G5 as free torques: eight equations, twelve unknowns",
             "each joint adds `theta3 = f1(theta2)` and `G3 = G2/i1(theta2)`, likewise 4 and 5: four free angles",
             "count of unknowns; with both conditions the joint's power is zero and two rigid inertias keep their "
-            "energy (test: 50 rad/s falls to 43.8576131631566 rad/s over a quarter turn at 25°)",
+            "energy (test: 50 rad/s falls to 43.8576131631566 rad/s over a quarter revolution at 25°)",
         ),
         Misprint(
             "(14), supports",

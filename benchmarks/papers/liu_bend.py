@@ -9,10 +9,9 @@ from benchmarks.papers import liu_bend_model as model
 from benchmarks.papers import liu_bend_space as space
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.liu_bend_model import Array, Boat
-from benchmarks.papers.own_equations import PageOfEquations
 from benchmarks.papers.pump_lumped import modes_of
 from benchmarks.papers.scenes import solved
-from benchmarks.papers.writing import Misprint, Picture, bound, told
+from benchmarks.papers.writing import Misprint, Page, Picture, bound, told
 
 NAME = "liu_2023_section_3"
 SOFT = 0.5  # stiffness of the softer shafts / that of the stiff ones
@@ -24,9 +23,9 @@ STIFF = Boat()
 LINES = {"stiff shafts": STIFF, "softer shafts": STIFF.softer(SOFT)}
 
 
-def page() -> PageOfEquations:
+def page() -> Page:
     """Everything the page says."""
-    return PageOfEquations(
+    return Page(
         name=NAME,
         title="Liu et al. 2023, section 3: torsion and bending of a line with two universal joints",
         reference="Liu et al., *Ship Science and Technology* 45(2), 2023, from page 80.",
@@ -130,12 +129,13 @@ def _checks() -> str:
     own = model.motion(STIFF, times, tolerance=1e-10)[:8]
     modes = modes_of(solved(NAME)).frequency
     return (
-        "Accelerations and joint torques were held against six bodies whose joints are pins in space, ten equations "
+        "Accelerations and joint torques were compared with six bodies whose joints are pins in space, ten equations "
         f"with the joint torques as unknowns: within {bound(worst + 1.0, 1.0, '1e-10')} at states all along the "
         "motion. Without damping and torque, from shafts twisted by 10 mrad, energy stays within "
-        f"{bound(energies, energies[0], '1e-10')} over more than half a turn. Dormand and Prince's method (order 8) "
-        f"and Radau IIA differ by {bound(other, own, '1e-6')} of the greatest value. The natural frequencies are those "
-        f"that the program finds in the scene, within {bound(model.frequencies(STIFF), modes, '1e-12')}."
+        f"{bound(energies, energies[0], '1e-10')} over more than half a revolution. Dormand and Prince's method "
+        f"(order 8) and Radau IIA differ by {bound(other, own, '1e-6')} of the greatest value. The natural "
+        f"frequencies are those that the program finds in the scene, "
+        f"within {bound(model.frequencies(STIFF), modes, '1e-12')}."
     )
 
 

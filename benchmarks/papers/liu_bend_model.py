@@ -50,7 +50,7 @@ def front(x: float, angle: float) -> tuple[float, float, float]:
 
 
 def rear(x: float, angle: float) -> tuple[float, float, float]:
-    """f, i, i' of the second joint, a quarter turn away: tan f = tan x/cos(angle)."""
+    """f, i, i' of the second joint, a quarter revolution away: tan f = tan x/cos(angle)."""
     turned, ratio, slope = front(x + math.pi / 2.0, angle)
     return turned - math.pi / 2.0, ratio, slope
 
@@ -96,7 +96,7 @@ def forces(boat: Boat, moving: Turning) -> tuple[float, float, float, float]:
 
     y is along the normal of the plane of the shafts, z square to it and to the shaft. The couples are those of a cross
     without friction: on the driving shaft of the first joint -T tan/2 sin 2x about y, T tan/2 (1 + cos 2x) about z; on
-    the driven shaft of the second, T at its driving side, x a quarter turn later, T tan/2 sin 2x, T sin/2 (1 - cos 2x).
+    the driven shaft of the second, T at its driving side, x 90 degrees later, T tan/2 sin 2x, T sin/2 (1 - cos 2x).
     """
     T, x = moving.joint[0], 2.0 * moving.angle[1]
     half = math.tan(boat.angle) / 2.0

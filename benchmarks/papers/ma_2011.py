@@ -57,7 +57,7 @@ def page() -> Page:
             ),
             (
                 "The equations are restored from each other and from the examples, (3) as `x2 = x1 + dx + 90° + phi − "
-                "gamma`, and held against lines in space; their print is not compared letter by letter."
+                "gamma`, and compared with lines in space; their print is not compared letter by letter."
             ),
         ),
     )
@@ -67,7 +67,7 @@ def _numbers() -> Iterator[tuple[str, ...]]:
     best, worst, middle = (output(degrees) for degrees in (10, 100, 55))
     optimum = output(55).optimum
     if optimum is None:
-        raise ValueError("the scene does not ask for the best phase")
+        raise ValueError("the scene requests no best phase")
     yield compared("best phase", "10", float(np.degrees(optimum.best[0])), "°", DIGITS)
     yield compared("phi = 10°: index of fluctuation", "0.055", best.index, "", DIGITS)
     yield compared("phi = 10°: greatest speed", "61.68", SPEED * best.greatest.speed_ratio, "deg/s", DIGITS)
@@ -93,7 +93,7 @@ def _checks() -> str:
         bound(output(degrees).index, paper.closed_index(FIRST, SECOND, np.radians(degrees) - PLANE), "1e-12")
     return (
         f"Ours and (1) to (5) agree with two joints placed in space within {limits[0]} of the speed at 721 angles of a "
-        "turn, for all three phases. The index needs no search: with `p = ln sec alpha`, `q = ln sec beta` it is "
+        "revolution, for all three phases. The index needs no search: with `p = ln sec alpha`, `q = ln sec beta` it is "
         "`2 sinh R`, `cosh R = cosh p cosh q − sinh p sinh q cos 2psi`, least at `psi = 0`, there "
         f"`|cos alpha/cos beta − cos beta/cos alpha|` = {abs(_left()):.13g}; the product of disk maps, which the "
         "program uses, agrees within 1e-12."
@@ -115,7 +115,11 @@ def _middle() -> Picture:
     x, last = _over(55)
     first = SPEED * at(55).joints[0].speed_ratio
     peak = output(55).greatest
-    mark = (float(np.degrees(peak[1])), SPEED * peak[0], f"{SPEED * peak[0]:.4f} deg/s at {np.degrees(peak[1]):.4f}°")
+    mark = (
+        float(np.degrees(peak.at)),
+        SPEED * peak.speed_ratio,
+        f"{SPEED * peak.speed_ratio:.4f} deg/s at {np.degrees(peak.at):.4f}°",
+    )
     lines = [("intermediate shaft", first), ("output shaft", last)]
     svg = curves("ma_2011_fig_3", x, ALONG, [Panel("speed, deg/s", lines, [mark])], height=2.8)
     return Picture("ma_2011_fig_3", "Figure 3: speeds of intermediate and output shaft, phi = 55°.", svg)

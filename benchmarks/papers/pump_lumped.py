@@ -13,8 +13,8 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.pump_steps import Chain
 from benchmarks.papers.scenes import solved
 from benchmarks.papers.writing import Misprint, Page, Picture, bound, told
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 
 NAME = "pump_lumped"
@@ -41,7 +41,7 @@ def found() -> Findings:
 def frequencies_of(findings: Findings) -> np.ndarray:
     """(frequencies,) Hz of the response."""
     if findings.get(FrequencyResponse) is None:
-        raise ValueError("the scene asks for no response over frequency")
+        raise ValueError("the scene requests no response over frequency")
     return findings.need(FrequencyResponse).frequency
 
 
@@ -54,30 +54,30 @@ def modes_of(findings: Findings) -> Modes:
 
 @cache
 def chain() -> Chain:
-    """The article's figures, taken from the scene's components as written."""
+    """The article's figures, taken from the scene's train before any assembly."""
     train = found().study.train
-    discs = [part.component for part in train.parts if part.component.keyword == "disc"]
-    links = [part.component for part in train.parts if part.component.keyword == "coupling"]
-    moment = np.zeros(len(discs), dtype=complex)
+    discs = [part.stations[0] for _, part in train.of_kind("disc")]
+    damping, moment = np.zeros(len(discs)), np.zeros(len(discs), dtype=complex)
+    for damper in train.dampers:
+        damping[discs.index(damper.station)] += damper.constant
     for torque in train.torques:
-        place = next(k for k, disc in enumerate(discs) if disc.name == torque.name)
-        moment[place] += torque.torque * np.exp(1j * torque.phase)
+        moment[discs.index(torque.station)] += torque.torque * np.exp(1j * torque.phase)
     return Chain(
-        np.array([disc.inertia for disc in discs]),
-        np.array([disc.damping or 0.0 for disc in discs]),
-        np.array([link.stiffness for link in links]),
-        np.array([link.viscous for link in links]),
+        np.array([disc.inertia for disc in train.inertias]),
+        damping,
+        np.array([1.0 / link.flexibility for link in train.springs]),
+        np.array([link.viscous for link in train.springs]),
         moment,
     )
 
 
 def program(findings: Findings) -> Answer:
     """The program's answer at discs and sections."""
-    parts, sweep, spans = findings.study.train.parts, findings.need(FrequencyResponse), findings.system.spans
+    train, sweep, spans = findings.study.train, findings.need(FrequencyResponse), findings.system.spans
     if sweep is None:
-        raise ValueError("the scene asks for no response over frequency")
-    discs = [part.stations[0] for part in parts if part.component.keyword == "disc"]
-    links = [part.name for part in parts if part.component.keyword == "coupling"]
+        raise ValueError("the scene requests no response over frequency")
+    discs = [part.stations[0] for _, part in train.of_kind("disc")]
+    links = [part.name for _, part in train.of_kind("coupling")]
     places = [next(k for k, span in enumerate(spans) if span.name == name) for name in links]
     return Answer(sweep.angle[:, discs].T, sweep.torque[:, places].T)
 
@@ -220,7 +220,7 @@ def _amplitudes() -> Picture:
 
 def _misprints() -> tuple[Misprint, ...]:
     modes = modes_of(found())
-    discs = [part.stations[0] for part in found().study.train.parts if part.component.keyword == "disc"]
+    discs = [part.stations[0] for _, part in found().study.train.of_kind("disc")]
     top = 2.0 * np.pi * float(modes.frequency[-1])
     shape = modes.shape[discs, -1]
     calm, wild = (steps.central_differences(chain(), shape, share / top) for share in (1.99, 2.01))

@@ -1,6 +1,6 @@
 """Joints as bodies in space: pins, velocities and moments as vectors, without any formula of a joint's angle.
 
-The truth against which printed equations are held; nothing of torsion is used here. Axes: the driving shaft runs along
+The truth with which printed equations are compared; nothing of torsion is used here. Axes: the driving shaft runs along
 y, the plane of the shafts is y-z, its normal is x.
 """
 

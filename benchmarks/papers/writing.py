@@ -42,10 +42,13 @@ class Page:
     pictures: tuple[Picture, ...]
     misprints: tuple[Misprint, ...]
     missing: tuple[str, ...]  # what could not be rebuilt
+    computed_by: str = ""  # modules, where no train file can say what the paper computes
+    tested_by: str = ""
 
     def text(self) -> str:
         """Markdown."""
         figures = [f"![{picture.name}]({picture.name}.svg)\n\n{picture.caption}" for picture in self.pictures]
+        scene = f"from `shafting_specs/papers/{self.name}.yaml`"
         faults = [(fault.where, fault.printed, fault.right, fault.checked) for fault in self.misprints]
         parts = [
             f"# {self.title}",
@@ -62,15 +65,15 @@ class Page:
             "## What could not be rebuilt",
             "\n".join(f"- {what}" for what in self.missing),
             (
-                f"Rebuilt by `{COMMAND}` from `shafting_specs/papers/{self.name}.yaml`; the numbers and the misprints "
-                f"are kept by `tests/papers/test_{self.name}.py`."
+                f"Rebuilt by `{COMMAND}` {f'with {self.computed_by}' if self.computed_by else scene}; the numbers and "
+                f"the misprints are kept by `tests/papers/{self.tested_by or f'test_{self.name}.py'}`."
             ),
         ]
         return "\n\n".join(parts) + "\n"
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table; bars inside a cell are escaped."""
+    """A Markdown table; vertical strokes inside a cell are escaped."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 

@@ -9,8 +9,7 @@ import numpy as np
 from benchmarks.papers import zhu_wang_equations as paper
 from benchmarks.papers import zhu_wang_space as space
 from benchmarks.papers.drawing import Panel, curves
-from benchmarks.papers.own_equations import PageOfEquations
-from benchmarks.papers.writing import Picture, bound, compared, told
+from benchmarks.papers.writing import Page, Picture, bound, compared, told
 from benchmarks.papers.zhu_wang_faults import faults
 from benchmarks.papers.zhu_wang_motion import DENSITY, RADIUS, SHAFT, body, exact, linear, shaft
 from benchmarks.papers.zhu_wang_theory import (
@@ -33,17 +32,17 @@ NO_CIRCULATION = Model(paper.without_circulation)
 SAID = {(25.9, True): "unstable", (25.9, False): "unstable", (26.2, True): "stable", (26.2, False): "unstable"}
 
 
-def page() -> PageOfEquations:
+def page() -> Page:
     """Everything the page says."""
-    return PageOfEquations(
+    return Page(
         name=NAME,
         title="Zhu and Wang: combination resonance of a misaligned shaft driven by a universal joint",
         reference="Zhu and Wang, on the combination resonance of a misaligned shaft driven by a universal joint "
         "(journal, year and pages are not recorded in the copy at hand).",
-        what="A rigid shaft hangs on a universal joint and lies in an elastic bearing at its other end. The couple "
-        "that the joint puts on it follows the shaft's own two angles, so that its stiffness varies at twice the "
-        "speed. The paper linearises, expands by multiple scales to the first order, and computes one example at two "
-        "speeds, with and without damping.",
+        what="A rigid shaft is carried by a universal joint and lies in an elastic bearing at its other end. The "
+        "couple that the joint puts on it follows the shaft's own two angles, so that its stiffness varies at twice "
+        "the speed. The paper linearises, expands by multiple scales to the first order, and computes one example at "
+        "two speeds, with and without damping.",
         notation="`phi` misalignment, `theta` driving angle, `alpha`, `beta` angles of the shaft, `T0` torque, `J0` "
         "transverse inertia about the joint, `kappa` polar/transverse inertia, `l` distance of the bearing, `Kx`, "
         "`Ky`, `C` its stiffness and damping, `w10`, `w20` frequencies of the shaft at rest, `E0`, `E1`, `E2` parts of "
@@ -174,10 +173,10 @@ def _checks() -> str:
     return (
         f"Growth by the monodromy matrix (collocation of order 13) and by Hill's matrix differ by at most "
         f"{bound(found, other, '1e-10')} of the greatest at 8 speeds from 3 to 40 rad/s, with and without damping, "
-        "for both matrices. The exact equations in two angles were held against the shaft as a body in space, its "
+        "for both matrices. The exact equations in two angles were compared with the shaft as a body in space, its "
         "direction and angular momentum in fixed axes and the couple square to both pins: "
         f"{bound(run.y[:2], angles, '1e-7')} of the greatest angle. The corrected (7) is the derivative of that "
-        "couple; the tests also hold it against integration in time and statics."
+        "couple; the tests also compare it with integration in time and statics."
     )
 
 

@@ -88,8 +88,8 @@ def _small_angle() -> tuple[Misprint, ...]:
             "(8), (11), (12), sign",
             "E0, E1, E2 opposite to (7)",
             "on the right side `E0 = diag(1, −1)`, `E1 = −[[0, 1], [1, 0]]`, `E2 = [[0, −1], [1, 0]]`",
-            f"limit phi → 0 of the corrected (7) within {limit}; the growth hardly tells: {apart(turned, right)} away "
-            "at both speeds, by the gyroscopic term alone",
+            f"limit phi → 0 of the corrected (7) within {limit}; the growth hardly shows it: {apart(turned, right)} "
+            "away at both speeds, by the gyroscopic term alone",
         ),
         Misprint(
             "(8), (11), (12), damping",
@@ -133,7 +133,7 @@ def _criteria() -> tuple[Misprint, ...]:
         Misprint(
             "conclusion 3, abstract",
             "they contradict each other and (21) on a longer shaft and a stiffer bearing",
-            "at given J0 the zone shrinks as 1/l and 1/(Kx Ky)^¼; of a bar, whose J0 grows as l³, as l^(−5/2)",
+            "at given J0 the zone shrinks as 1/l and 1/(Kx Ky)^¼; of a rod, whose J0 grows as l³, as l^(−5/2)",
             f"1.1 l at the same J0: width {ratio:.4f} times (1/1.1 = {1 / 1.1:.4f})",
         ),
     )
@@ -159,7 +159,7 @@ def _figures() -> tuple[Misprint, ...]:
             "example",
             "`kappa = 3.96e-5`",
             f"1.5 R²/l² = {1.5 * (RADIUS / SHAFT.length) ** 2:.4g}; 3 % apart. All numbers here take it as printed",
-            "J0 = m l²/3 of the same bar agrees as printed",
+            "J0 = m l²/3 of the same rod agrees as printed",
         ),
         Misprint("example", "unit of C", "N s/m", "C11 = 0.00172 follows with C = 1e-3 N s/m"),
     )

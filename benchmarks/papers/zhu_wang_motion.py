@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from benchmarks.papers import zhu_wang_space as space
 from benchmarks.papers.zhu_wang_theory import response, undamped
 from torsion.analyses.lateral.misaligned_shaft import EXACT, MisalignedShaft, coefficients
-from torsion.kernels.periodic.floquet import radau, step_matrices
+from torsion.kernels.periodic.monodromy import radau, step_matrices
 
 Array = NDArray[np.float64]
 SHAFT = MisalignedShaft(
@@ -18,7 +18,7 @@ SHAFT = MisalignedShaft(
 )  # fmt: skip
 RADIUS, DENSITY = 2.4e-3, 7830.0  # m, kg/m3
 CURVE = 1e-6  # relative tolerance of a curve to look at
-PARTS = 12  # points of half a turn that are told
+PARTS = 12  # points of half a revolution in the table
 
 
 def shaft(*, damped: bool) -> MisalignedShaft:
@@ -61,5 +61,5 @@ def exact(speed: float, damped: bool, last: float, points: int) -> tuple[Array, 
 
 
 def longer(one: MisalignedShaft, factor: float) -> MisalignedShaft:
-    """A bar of the same section, `factor` as long: its inertia grows with the third power."""
+    """A rod of the same section, `factor` as long: its inertia grows with the third power."""
     return replace(one, length=factor * one.length, inertia=factor**3 * one.inertia, polar=one.polar / factor**2)

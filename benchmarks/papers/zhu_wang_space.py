@@ -1,6 +1,6 @@
 """The misaligned shaft as a body in space: direction and angular momentum in fixed axes, no angle of the shaft at all.
 
-The truth against which the equations in two angles are held; nothing of torsion's kernels is used. Vectors are plain
+The truth with which the equations in two angles are compared; nothing of torsion's kernels is used. Vectors are plain
 tuples, which integrate faster than short arrays.
 """
 

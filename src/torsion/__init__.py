@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 from torsion.errors import Fault, InputError, SolveError, TorsionError
 
 if TYPE_CHECKING:
-    from torsion.analyses.modes import modes
     from torsion.analyses.response.over_speed import response
+    from torsion.analyses.undamped_modes import modes
     from torsion.assembly import assemble
     from torsion.commands import solve
     from torsion.runner import run
@@ -21,7 +21,7 @@ __all__ = [
 
 _PLACES = {
     "assemble": "torsion.assembly",
-    "modes": "torsion.analyses.modes",
+    "modes": "torsion.analyses.undamped_modes",
     "parse": "torsion.schema.read",
     "read": "torsion.schema.read",
     "response": "torsion.analyses.response.over_speed",

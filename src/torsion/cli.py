@@ -2,6 +2,8 @@
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -11,15 +13,15 @@ import typer
 from torsion.errors import InputError, SolveError
 
 if TYPE_CHECKING:
-    from torsion.findings import Findings
+    from torsion.findings import Findings, Progress
 
-ALONE = "no file is written, and no option that writes one is taken"  # what --json goes with
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
-app = typer.Typer(
-    add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
-)  # fmt: skip
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
+Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
+JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
+Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
 
 @app.callback()
@@ -30,8 +32,8 @@ def about() -> None:
 @app.command()
 def solve(
     file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the results as JSON; {ALONE}.")] = False,
+    out: Out = None,
+    json: Json = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     matrices: Annotated[
         Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
@@ -39,161 +41,146 @@ def solve(
     vtu: Annotated[
         bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
     ] = False,
+    memory: Annotated[
+        str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
+    ] = None,
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
     Exit status: 0 solved and no check fails, 1 solved and a check fails or a limit is not kept, 2 the input is at
-    fault, 3 no answer to the promised accuracy.
+    fault, 3 no answer to the promised accuracy. Where only some analyses have no answer, the report holds all others.
     """
-    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
-    try:
-        findings = _solve(file, out, as_json=json, pdf=pdf, matrices=matrices, vtu=vtu)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
-
-
-def _solve(file: Path, out: Path | None, *, as_json: bool, pdf: bool, matrices: Path | None, vtu: bool) -> "Findings":
     from torsion import commands
 
-    if as_json:
-        from torsion.output.results_json import text
-        from torsion.runner import run
-        from torsion.schema.read import read
-
-        findings = run(read(file))
-        typer.echo(text(findings))
-    else:
-        from torsion.report.terminal.tables import progress, show
-
-        with progress() as report_progress:
-            findings = commands.solve(file, out, pdf=pdf, vtu=vtu, progress=report_progress)
-        show(findings, commands.folder_of(file, out))
-    if matrices is not None:
-        typer.echo(commands.write_matrices(findings, matrices))
-    return findings
+    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
+    with _refusals(file):
+        with _progress() as report_progress:
+            findings = commands.solved(file, memory=memory, progress=report_progress)
+        folder, also = commands.folder_of(file, out), commands.outputs(pdf=pdf, vtu=vtu)
+        _publish(findings, folder, "solve", also, as_json=json)
+        if matrices is not None:
+            typer.echo(commands.write_matrices(findings, matrices))
+    raise typer.Exit(_status(findings))
 
 
 @app.command()
 def joint(
     file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the joints as JSON; {ALONE}.")] = False,
-    turns: Annotated[int | None, typer.Option("--turns", min=1, max=100, help="Turns of the driving shaft.")] = None,
+    out: Out = None,
+    json: Json = False,
+    turns: Annotated[
+        int | None, typer.Option("--turns", min=1, max=100, help="Revolutions of the driving shaft.")
+    ] = None,
 ) -> None:
     """Print the universal joints of a scene and write joints.html, joints.json and joints.csv.
 
     A scene of joints alone is enough: no inertia, speed or torque is needed. Exit status as of `solve`.
     """
-    _alone(json, {"-o": out})
-    try:
-        findings = _joint(file, out, as_json=json, turns=turns)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
-
-
-def _joint(file: Path, out: Path | None, *, as_json: bool, turns: int | None) -> "Findings":
     from torsion import commands
 
-    findings = commands.joint(file, turns=turns)
-    if as_json:
-        from torsion.output.results_json import JOINTS, text
-
-        typer.echo(text(findings, JOINTS), nl=False)
-    else:
-        from torsion.report.terminal.joints import show_joints
-
-        folder = commands.folder_of(file, out)
-        commands.write_joints(findings, folder)
-        show_joints(findings, folder)
-    return findings
+    _alone(json, {"-o": out})
+    with _refusals(file):
+        findings = commands.joint(file, turns=turns)
+        _publish(findings, commands.folder_of(file, out), "joint", as_json=json)
+    raise typer.Exit(_status(findings))
 
 
 @app.command()
-def check(
-    file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the comparison as JSON; {ALONE}.")] = False,
-) -> None:
+def check(file: File, out: Out = None, json: Json = False) -> None:
     """Compare the models of the shafts (lumped, fem, exact), print their errors and write check.html and check.json.
 
     Every error is against the exact model: frequencies, shapes, response torques. Exit status: 0 all within the
     tolerance (0.1 % unless the file says it), 1 a model is not, 2 and 3 as of `solve`.
     """
-    _alone(json, {"-o": out})
-    try:
-        findings = _check(file, out, as_json=json)
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
-
-
-def _check(file: Path, out: Path | None, *, as_json: bool) -> "Findings":
     from torsion import commands
 
-    if as_json:
-        from torsion.output.results_json import MODELS, text
-
-        findings = commands.check(file)
-        typer.echo(text(findings, MODELS), nl=False)
-        return findings
-    from torsion.report.terminal.check import show_check
-    from torsion.report.terminal.tables import progress
-
-    with progress() as report_progress:
+    _alone(json, {"-o": out})
+    with _refusals(file), _progress() as report_progress:
         findings = commands.check(file, progress=report_progress)
-    folder = commands.folder_of(file, out)
-    commands.write_check(findings, folder)
-    show_check(findings, folder)
-    return findings
+        _publish(findings, commands.folder_of(file, out), "check", as_json=json)
+    raise typer.Exit(_status(findings))
 
 
 @app.command()
 def study(
     file: File,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")] = None,
-    json: Annotated[bool, typer.Option("--json", help=f"Print the study as JSON; {ALONE}.")] = False,
+    out: Out = None,
+    json: Json = False,
     tolerance: Annotated[
         str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
     ] = "0.1%",
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer divisions and runs: seconds, not minutes.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer elements and runs: seconds, not minutes.")] = False,
 ) -> None:
     """Time every model and method on this train against its error; write study.html, study.json and study.csv.
 
     Exit status: 0 done, 2 and 3 as of `solve`.
     """
+    from torsion import commands
+
     _alone(json, {"-o": out})
+    with _refusals(file):
+        with _progress() as report_progress:
+            findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
+        if json:
+            from torsion.output.pages.comparison_pages import json_text
+
+            typer.echo(json_text(findings, timings), nl=False)
+        else:
+            from torsion.output.terminal.screen import show
+
+            folder = commands.folder_of(file, out)
+            show(commands.write_study(findings, timings, folder), folder)
+
+
+@contextmanager
+def _refusals(file: Path) -> Iterator[None]:
+    """End with a message and its exit status where there is no answer."""
     try:
-        _study(file, out, as_json=json, tolerance=tolerance, quick=quick)
+        yield
     except InputError as error:
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
+    except MemoryError as error:
+        change = "request fewer speeds, orders, modes or segments"
+        _stop(
+            f"{file}: this machine has too little memory for it{f' ({error})' if str(error) else ''}; {change}", REFUSED
+        )
 
 
-def _study(file: Path, out: Path | None, *, as_json: bool, tolerance: str, quick: bool) -> None:
-    from torsion import commands
-    from torsion.report.terminal.tables import progress
+def _status(findings: "Findings") -> int:
+    """The exit status of a report that is written; what has no answer is said on the error stream, last."""
+    unanswered = findings.plan.unanswered
+    for one in unanswered:
+        typer.echo(f"no answer: {one.what}\n{one.text}", err=True)
+    if any(one.is_input for one in unanswered):
+        return BAD_INPUT
+    if any(one.is_named for one in unanswered):
+        return REFUSED
+    return FAILED_CHECK if findings.failed else SOLVED
 
-    with progress() as report_progress:
-        findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
+
+def _publish(
+    findings: "Findings", folder: Path, report: str, also: tuple[str, ...] = (), *, as_json: bool = False
+) -> None:
+    """Write the files of a report and print it; or print its results as JSON alone."""
     if as_json:
-        from torsion.report.pages.study import json_text
+        from torsion.output.reports import REPORTS
+        from torsion.output.results_json import text_pieces
 
-        typer.echo(json_text(findings, timings), nl=False)
+        for piece in text_pieces(findings, REPORTS[report].keys):
+            typer.echo(piece, nl=False)
         return
-    from torsion.report.terminal.study import show_study
+    from torsion import commands
+    from torsion.output.terminal.screen import show
 
-    folder = commands.folder_of(file, out)
-    commands.write_study(findings, timings, folder)
-    show_study(findings, timings, folder)
+    show(commands.write(findings, folder, report, also=also), folder)
+
+
+def _progress() -> "AbstractContextManager[Progress]":
+    from torsion.output.terminal.screen import progress
+
+    return progress()
 
 
 @app.command()

@@ -1,5 +1,7 @@
 """A file to its findings and its report: what the command does."""
 
+from collections.abc import Collection, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,9 +13,11 @@ from torsion.findings import Findings, Progress, silent
 from torsion.plan import Plan
 from torsion.runner import run
 from torsion.schema.read import located, read
+from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.study.rows import Timings
+    from torsion.analyses.compare.frontier import Timings
+    from torsion.output.document import Document
 
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
@@ -27,6 +31,7 @@ def solve(
     *,
     pdf: bool = False,
     vtu: bool = False,
+    memory: str | float | None = None,
     progress: Progress = silent,
 ) -> Findings:
     """Read, solve and judge a scene; write its report into `out` (default: reports/<scene>/ beside where you stand).
@@ -34,9 +39,19 @@ def solve(
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
     report stays whole then. With `vtu` the mode shapes are written too, as a surface, and pictured.
     """
-    findings = run(read(file), progress=progress)
-    write(findings, folder_of(file, out), pdf=pdf, vtu=vtu)
+    findings = solved(file, memory=memory, progress=progress)
+    write(findings, folder_of(file, out), also=outputs(pdf=pdf, vtu=vtu))
     return findings
+
+
+def solved(file: str | Path, *, memory: str | float | None = None, progress: Progress = silent) -> Findings:
+    """Read, solve and judge a scene; nothing is written. memory: as of `run`."""
+    return run(read(file), memory=memory, progress=progress)
+
+
+def outputs(**asked: bool) -> tuple[str, ...]:
+    """The outputs that are asked for by their name."""
+    return tuple(name for name, is_asked in asked.items() if is_asked)
 
 
 def folder_of(file: str | Path, out: str | Path | None) -> Path:
@@ -44,21 +59,32 @@ def folder_of(file: str | Path, out: str | Path | None) -> Path:
     return Path(out) if out is not None else Path("reports") / Path(file).stem
 
 
-def write(findings: Findings, folder: Path, *, pdf: bool = False, vtu: bool = False) -> list[Path]:
-    """Write report and results; raises InputError where the folder cannot be written or `vtu` has no mode to draw."""
-    from torsion.report.write import write as write_report
+def write(findings: Findings, folder: Path, report: str = "solve", *, also: Collection[str] = ()) -> "Document":
+    """Write the files of a report, `also` those of outputs on request; the report.
 
+    Raises InputError where the folder cannot be written, or a file cannot be made of these findings.
+    """
+    from torsion.output.write import write as write_report
+
+    with _writing_report(findings, folder):
+        return write_report(findings, folder, report, also=also)
+
+
+def _writing_report(findings: Findings, folder: Path) -> AbstractContextManager[None]:
+    """As `_writing` of a report into its folder."""
+    return _writing(findings.study, f"the report cannot be written to {folder}", " (choose another folder with -o)")
+
+
+@contextmanager
+def _writing(study: Study, refusal: str, remedy: str = "") -> Iterator[None]:
+    """Raise InputError, with the `refusal`, where something cannot be written; locate other faults in the file."""
     try:
-        return write_report(findings, folder, pdf=pdf, vtu=vtu)
+        yield
     except OSError as error:
-        raise _unwritable(folder, error) from None
+        message = f"{refusal}: {error.strerror or error}"
+        raise InputError([Fault((), message)], message + remedy) from None
     except InputError as error:
-        raise located(error, findings.study) from None
-
-
-def _unwritable(folder: Path, error: OSError) -> InputError:
-    message = f"the report cannot be written to {folder}: {error.strerror or error}"
-    return InputError([Fault((), message)], f"{message} (choose another folder with -o)")
+        raise located(error, study) from None
 
 
 def joint(file: str | Path, *, turns: int | None = None) -> Findings:
@@ -84,16 +110,6 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine, *unjudged)))
 
 
-def write_joints(findings: Findings, folder: Path) -> list[Path]:
-    """Write joints.html, joints.json and joints.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.joints import write_joints as write_pages
-
-    try:
-        return write_pages(findings, folder)
-    except OSError as error:
-        raise _unwritable(folder, error) from None
-
-
 def check(file: str | Path, *, progress: Progress = silent) -> Findings:
     """Read a scene and compare the models of its shafts, whether it asks that or not; nothing is written.
 
@@ -102,16 +118,6 @@ def check(file: str | Path, *, progress: Progress = silent) -> Findings:
     findings = run(replace(read(file), rules=()), only=("check",), progress=progress)
     rest = ("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
     return replace(findings, plan=replace(findings.plan, left_out=(*findings.plan.left_out, rest)))
-
-
-def write_check(findings: Findings, folder: Path) -> list[Path]:
-    """Write check.html and check.json; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.check import write_check as write_pages
-
-    try:
-        return write_pages(findings, folder)
-    except OSError as error:
-        raise _unwritable(folder, error) from None
 
 
 def study(
@@ -126,9 +132,9 @@ def study(
     tolerance: relative, or text such as "0.1 %". Raises InputError, also where there is nothing to compare, and
     SolveError.
     """
-    from torsion.analyses.division import assembled
+    from torsion.analyses.compare.run_times import TOLERANCE, study_times
+    from torsion.analyses.discretisation import assembled
     from torsion.analyses.requests import highest_excited, no_response
-    from torsion.analyses.study.times import TOLERANCE, study_times
     from torsion.rules import needed
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
@@ -163,35 +169,40 @@ def _tolerance(given: str | float) -> float:
     return value
 
 
-def write_study(findings: Findings, timings: "Timings", folder: Path) -> list[Path]:
-    """Write study.html, study.json and study.csv; raises InputError where the folder cannot be written."""
-    from torsion.report.pages.study import write_study as write_pages
+def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":
+    """Write study.html, study.json and study.csv; the report. Raises InputError where the folder cannot be written."""
+    from torsion.output.pages.comparison_pages import write_study as write_pages
 
-    try:
+    with _writing_report(findings, folder):
         return write_pages(findings, timings, folder)
-    except OSError as error:
-        raise _unwritable(folder, error) from None
 
 
 def write_matrices(findings: Findings, file: Path) -> str:
-    """Write J, K, C and H in free coordinates as .npz, and tell in a sentence at which speed their damping is.
+    """Write J, K, C and H in free coordinates as .npz, and state in a sentence at which speed their damping is.
 
-    Raises InputError where the file cannot be written, or the damping follows from what the scene does not give.
+    The damping is that of the rated speed, else of the highest, as of the damped modes. Raises InputError where the
+    file cannot be written, the damping follows from a speed or a mean torque that the scene does not give, or the model
+    is the exact one, which has no matrices.
     """
-    from torsion.analyses.operating_matrices import operating_matrices
+    from torsion.analyses.response.solver import ground_damping
+    from torsion.analyses.steady import steady_if_known
+    from torsion.assembly.matrices import matrices
 
-    try:
-        found = operating_matrices(findings.study, findings.system)
-    except InputError as error:
-        raise located(error, findings.study) from None
-    arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(found.view).items()}
-    try:
+    study, system, speed = findings.study, findings.system.whole, findings.study.operation.speed
+    following = [damper for damper in system.dampers if damper.torque_factor or damper.speed_factor]
+    with _writing(study, f"the matrices cannot be written to {file}"):
+        if following and not speed:
+            name = system.stations[following[0].station].name
+            message = f"the damping of '{name}' follows from the speed, and so do the matrices; none is given"
+            raise InputError([Fault(("operation",), message, "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`")])
+        grid = np.array([speed or 0.0])
+        steady = steady_if_known(study, system, grid) if speed else None
+        view = matrices(system, ground_damping=ground_damping(system, grid, steady)[:, 0])
+        mean = np.full(len(system.stations), np.nan) if steady is None else steady.applied[:, 0]
+        arrays: dict[str, Any] = {key: np.asarray(value) for key, value in asdict(view).items()}
         with file.open("wb") as target:
-            np.savez(target, **arrays, speed=found.speed, mean_torque=found.mean_torque)
-    except OSError as error:
-        message = f"the matrices cannot be written to {file}: {error.strerror or error}"
-        raise InputError([Fault((), message)], message) from None
-    if np.isnan(found.speed):
+            np.savez(target, **arrays, speed=speed or np.nan, mean_torque=mean)
+    if not speed:
         return f"Matrices: {file}; no damping of theirs follows from the speed"
-    torque = "" if np.isnan(found.mean_torque).all() else " and its mean torque"
-    return f"Matrices: {file}; damping to ground at {found.speed * 30.0 / np.pi:.6g} rpm{torque}"
+    torque = "" if steady is None else " and its mean torque"
+    return f"Matrices: {file}; damping to ground at {speed * 30.0 / np.pi:.6g} rpm{torque}"

@@ -31,7 +31,11 @@ class InputError(TorsionError):
 
 
 class SolveError(TorsionError):
-    """No answer to the promised accuracy; the message says what to try."""
+    """No answer to the promised accuracy: the cause, what to try, and the place of the file that it is about."""
+
+    def __init__(self, message: str, hint: str = "", path: Path = ()) -> None:
+        self.message, self.hint, self.path = message, hint, path
+        super().__init__(f"{message}; {hint}" if hint else message)
 
 
 def _sentence(fault: Fault) -> str:

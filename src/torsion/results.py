@@ -88,7 +88,7 @@ def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Cal
 
 def words(codes: Any, kind: type[Enum]) -> np.ndarray:
     """An array of codes as the words of their kind: near-singular."""
-    table = np.array([code.name.lower().replace("_", "-") for code in kind], dtype=object)
+    table = np.array([code.name.lower().replace("_", "-") for code in kind])
     return np.asarray(table[np.asarray(codes, dtype=np.int64)])
 
 

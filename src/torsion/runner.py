@@ -1,32 +1,74 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
 from collections.abc import Collection
+from dataclasses import replace
 
 from torsion import rules
-from torsion.analyses import ANALYSES, ordered
-from torsion.errors import InputError
+from torsion.analyses import ANALYSES, Analysis, ordered
+from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Findings, Progress, Work, silent
-from torsion.rules import speeds
-from torsion.rules.check import Checks
+from torsion.plan import Unanswered
+from torsion.rules import judged_speeds
+from torsion.rules.verdict_line import Checks
 from torsion.schema.read import located
-from torsion.study import Study
+from torsion.study import Study, bytes_of
+
+ESSENTIAL = ("sections", "assembly")  # without which nothing else stands
+DEFAULT = ("modes", "response")  # analyses of a file that names none
+ANSWERS = (  # results of which one at least makes a report
+    "modes", "damped_modes", "response", "frequency_response", "joints", "lateral", "stability", "stability_map",
+    "check",
+)  # fmt: skip
 
 
-def run(study: Study, *, only: Collection[str] = (), progress: Progress = silent) -> Findings:
+def run(
+    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
+) -> Findings:
     """Compute everything that the study requests, or of it `only` those analyses and what they need.
 
-    Raises InputError (located in the study's file) and SolveError.
+    An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
+    raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
+    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB).
     """
-    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=speeds)
+    if memory is not None:
+        study = replace(study, memory=bytes_of(memory))
+    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judged_speeds)
+    errors = []
     try:
         for name in ordered({key: ANALYSES[key] for key in _with_needs(only)} if only else ANALYSES):
             analysis = ANALYSES[name]
             if name in study.analyses or name in only or analysis.wanted(study):
-                analysis.function()(work)
+                try:
+                    analysis.function()(work)
+                except (InputError, SolveError) as error:
+                    if name in work.ruled or name in ESSENTIAL:
+                        raise
+                    errors.append(error)
+                    work.log.unanswer(_unanswered(study, name, analysis, error))
+        if errors and not any(work.results.get(key) is not None for key in ANSWERS):
+            raise errors[0]
         _judge(work)
     except InputError as error:
         raise located(error, study) from None
     return Findings(study, work.results, work.log.plan())
+
+
+def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError | SolveError) -> Unanswered:
+    """The error, located in the file where it says its place or the file names the analysis."""
+    place = analysis.place or ("analyses", name)
+    by_default = name == "steady" or (not study.analyses and name in DEFAULT)
+    named = by_default or study.setting(*place) is not None
+    if isinstance(error, InputError):
+        faults = list(error.faults)
+    else:
+        faults = [Fault(error.path or (place if named and study.analyses else ()), error.message, error.hint)]
+    known = (
+        located(InputError(faults), study) if all(fault.path for fault in faults) else InputError(faults, str(error))
+    )
+    why = "; ".join(fault.message for fault in known.faults)
+    remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
+    line = next((fault.line for fault in known.faults), None)
+    return Unanswered(name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known))
 
 
 def _with_needs(only: Collection[str]) -> list[str]:

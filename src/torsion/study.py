@@ -1,5 +1,7 @@
 """What is asked: the train, how it is operated, which analyses and which rules."""
 
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, Self
@@ -8,10 +10,13 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
+from torsion.arrays import FloatArray
 from torsion.components.excitation import Table, read_table
+from torsion.errors import Fault, InputError
 from torsion.fields import Declared, Sized, given, refuse, required
-from torsion.kernels.tree import FloatArray
 from torsion.train import Train
+
+MEMORY = 2e9  # bytes that a response may need where nothing else is said
 
 
 class SpeedRange(Declared):
@@ -113,29 +118,44 @@ class Study:
     rules: tuple[tuple[str, Declared], ...] = ()  # (rule, its settings)
     file: str = ""
     text: str = ""  # the file as read
+    memory: float = MEMORY  # bytes that a response may need
 
     @property
     def has_supports(self) -> bool:
         """A shaft has a `support`: its bending is computed."""
-        return any(getattr(part.component, "support", ()) for part in self.train.parts)
+        return any(self.train.shaft(bar).support for bar in self.train.bars)
 
     @property
     def has_joints(self) -> bool:
         """A universal joint stands in the train."""
-        return any(part.component.keyword == "joint" for part in self.train.parts)
+        return any(part.joint for part in self.train.parts)
 
     @property
     def has_meshed_sections(self) -> bool:
         """A shaft has a `section` by mesh."""
         return any(bar.section is not None for bar in self.train.bars)
 
-    @property
-    def sweeps_frequency(self) -> bool:
-        """The file names frequencies of `response`."""
-        return getattr(self.analyses.get("response"), "frequencies", None) is not None
+    def setting(self, *place: str) -> Any:
+        """What the file says at a place of `operation` or `analyses`; None where it says nothing."""
+        found: Any = self
+        for key in place:
+            found = found.get(key) if isinstance(found, Mapping) else getattr(found, key, None)
+        return found
 
     @property
     def excites(self) -> bool:
         """Something in the train excites it by order, or at a frequency of its own."""
         harmonic = any(torque.order is not None or torque.frequency is not None for torque in self.train.torques)
         return harmonic or any(mesh.error for mesh in self.train.constraints)
+
+
+def bytes_of(memory: str | float) -> float:
+    """Bytes of a number of them, or of text such as "4 GB"; raises InputError."""
+    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory) if isinstance(memory, str) else None
+    if isinstance(memory, str) and found is None:
+        message = f"'{memory}' is no amount of memory"
+        raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
+    value = float(memory) if found is None else float(found[1]) * 1000.0 ** " kMGT".index(found[2][:-1] or " ")
+    if not 0.0 < value < math.inf:
+        raise InputError([Fault((), f"{memory} is no amount of memory")], f"{memory} is no amount of memory")
+    return value

@@ -1,6 +1,6 @@
 """The train: its components as placed, its stations with their speed ratios, and its primitives."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from fractions import Fraction
@@ -9,6 +9,7 @@ from torsion.components.base import Component
 from torsion.components.excitation import Excitation
 from torsion.components.lowering import Lowering, Part
 from torsion.components.material import STEEL, Material
+from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, InputError, Path
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
 
@@ -41,6 +42,16 @@ class Train:
             if part.name == name:
                 return part
         raise KeyError(name)
+
+    def of_kind(self, kind: str) -> Iterator[tuple[int, Part]]:
+        """Every component of a kind with its position in `parts`."""
+        return ((number, part) for number, part in enumerate(self.parts) if part.kind == kind)
+
+    def shaft(self, bar: Bar) -> ShaftRecord:
+        """What is known of the shaft that a bar is of; raises LookupError where a bar is of another component."""
+        if (found := self.parts[bar.part].shaft) is None:
+            raise LookupError(bar.name)
+        return found
 
     def ratio(self, name: str) -> Fraction:
         """Speed of a component / speed of the reference station."""
@@ -111,22 +122,25 @@ def _counted(part: Part, unit: Fraction) -> Part:
     return replace(part, ratio=part.ratio / unit, referred_to=referred_to)
 
 
-def name_fault(name: str, path: Path, known: Mapping[str, type[Component]], *, point: bool = True) -> Fault | None:
-    """The fault of a name that is none of the known components', or that of no point where one is needed."""
-    names = [own for own, kind in known.items() if kind.sort == "point" or not point]
+def name_fault(name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, point: bool = True) -> Fault | None:
+    """The fault of a name that is none of the known components', or that of no point where one is needed.
+
+    known: of every component its kind, and whether it is a point.
+    """
+    names = [own for own, (_, is_point) in known.items() if is_point or not point]
     if name in names:
         return None
     listed = f"points: {', '.join(names)}" if point else "the name of a component"
     if name in known:
-        return Fault(path, f"'{name}' is a {known[name].keyword}, not a point", listed)
+        return Fault(path, f"'{name}' is a {known[name][0]}, not a point", listed)
     near = get_close_matches(name, names, 1)
     return Fault(path, f"no component is called '{name}'", f"did you mean '{near[0]}'?" if near else listed)
 
 
-def _kinds(build: Lowering) -> dict[str, type[Component]]:
-    """The kind of every component by its name; of a name given twice, that of the point."""
-    ordered = sorted(build.parts, key=lambda part: part.component.sort == "point")
-    return {part.name: type(part.component) for part in ordered}
+def _kinds(build: Lowering) -> dict[str, tuple[str, bool]]:
+    """The kind of every component by its name, and whether it is a point; of a name given twice, that of the point."""
+    ordered = sorted(build.parts, key=lambda part: part.is_point)
+    return {part.name: (part.kind, part.is_point) for part in ordered}
 
 
 def _point(build: Lowering, name: str, path: Path) -> Part | None:
@@ -135,7 +149,7 @@ def _point(build: Lowering, name: str, path: Path) -> Part | None:
     if fault is not None:
         build.faults.append(fault)
         return None
-    return next(part for part in build.parts if part.name == name and part.component.sort == "point")
+    return next(part for part in build.parts if part.name == name and part.is_point)
 
 
 def _close(build: Lowering, link: Link, path: Path) -> None:
@@ -159,7 +173,7 @@ def _names(build: Lowering) -> None:
     seen: dict[str, Path] = {}
     for part in build.parts:
         if part.name in seen:
-            build.faults.append(taken(part.name, part.path, seen[part.name], given=part.component.name is not None))
+            build.faults.append(taken(part.name, part.path, seen[part.name], given=part.is_named))
         seen.setdefault(part.name, part.path)
 
 

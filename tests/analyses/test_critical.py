@@ -6,8 +6,8 @@ from fractions import Fraction
 import pytest
 
 from torsion.analyses.critical import critical_speeds
-from torsion.analyses.modes import modes
-from torsion.analyses.response.excitation import Line, lines
+from torsion.analyses.response.harmonic_components import Line, lines
+from torsion.analyses.undamped_modes import modes
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
 from torsion.components.excitation import Excitation

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from torsion.analyses.damped import damped
+from torsion.analyses.damped_modes import damped
 from torsion.analyses.steady import steady_if_known
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper

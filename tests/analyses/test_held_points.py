@@ -6,13 +6,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.modes import modes
 from torsion.analyses.motion.periodic_orbits import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.excitation import excitations, sources
+from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
-from torsion.assembly.held import held_faults
+from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
@@ -20,7 +20,7 @@ from torsion.components.excitation import Excitation
 from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.errors import InputError
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.runner import run
 from torsion.schema.read import parse
 from torsion.train import train
@@ -171,7 +171,7 @@ FAULTS = {
 
 @pytest.mark.parametrize(("line", "path", "words"), FAULTS.values(), ids=FAULTS)
 def test_two_held_points_with_nothing_elastic_between_are_a_fault_where_they_stand(line, path, words) -> None:
-    (fault,) = held_faults(train(line))
+    (fault,) = fixed_point_faults(train(line))
     assert fault.path == path
     assert words in fault.message
     with pytest.raises(InputError, match=words):

@@ -6,7 +6,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from torsion.analyses.modes import modes
+from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.disc import Disc

@@ -12,11 +12,11 @@ import pytest
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.holzer import holzer
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
-from torsion.kernels.response import Status
-from torsion.rules.check import Checks
+from torsion.analyses.undamped_modes import Modes
+from torsion.kernels.tree_response import Status
+from torsion.rules.verdict_line import Checks
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
 SHAFT = math.pi / 20.0  # kg m2, inertia of the shaft of both closed forms

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.holzer import holzer
-from torsion.analyses.modes import modes
+from torsion.analyses.undamped_modes import modes
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper

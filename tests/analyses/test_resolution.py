@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 import torsion
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.over_frequency import frequency_response
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly import lumped
 
 MODELS = {"lumped": 1e-3, "fem": 1e-6, "exact": 1e-12}  # error that each promises

@@ -7,7 +7,7 @@ import meshio
 import numpy as np
 import pytest
 
-from torsion.assembly.section.result import SectionResult, section_result
+from torsion.assembly.section.section_result import SectionResult, section_result
 from torsion.primitives import SectionMesh
 
 Drawn = tuple[np.ndarray, np.ndarray]  # points (points, 2), triangles (triangles, 3 or 6)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.assembly.element_error import element_error, phase_error, section_error
 from torsion.assembly.element_matrices import element_law
+from torsion.assembly.fem import element_error, phase_error, section_error
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError, SolveError
-from torsion.kernels.bars.element import element_bars
-from torsion.kernels.sections import polar_area_moment
+from torsion.kernels.distributed.condensed_element import condensed_elements
+from torsion.kernels.round_sections import polar_area_moment
 
 G, RHO = 80e9, 8000.0
 TRAIN = """
@@ -176,7 +176,7 @@ def test_the_law_of_elements_is_that_of_their_matrices_at_the_speed_of_each_shaf
     bars, ratio2 = whole.bars, whole.span_ratio[whole.bars.span] ** 2
     assert len({piece.bar.name for piece in bars.pieces}) == len(set(ratio2.tolist())) == 2
     law = element_law(bars, ratio2)
-    plain = element_bars(bars.stiffness * ratio2[:, None, None], bars.inertia * ratio2[:, None, None])
+    plain = condensed_elements(bars.stiffness * ratio2[:, None, None], bars.inertia * ratio2[:, None, None])
     s = np.array([0.0, 0.2, 0.6]) * (plain.limit if degree > 1 else 1e4) ** 2
     for one, other in zip(law.at(s), plain.at(s), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-13)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from torsion.analyses.modes import modes
+from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.components.branch import Branch

@@ -4,11 +4,14 @@ import math
 
 import pytest
 
+from torsion.analyses.compare.frontier import TimedRow
+from torsion.analyses.compare.timing import Effort, run
+
 
 @pytest.fixture(scope="module")
-def rows(benchmark):
+def accuracy(benchmark):
     pytest.importorskip("mpmath")
-    return benchmark("accuracy_rows")
+    return benchmark("accuracy_page")
 
 
 @pytest.fixture(scope="module")
@@ -16,28 +19,40 @@ def sweeps(benchmark):
     return benchmark("sweeps")
 
 
-def row(rows, name: str, error: float, *seconds: float):
-    return rows.Row("family", name, error, assembly=[0.0] * len(seconds), solution=list(seconds))
+def row(curve: str, size: int, error: float, *seconds: float) -> TimedRow:
+    return TimedRow(curve, f"{size} pieces", size, (error,), (0.0,) * len(seconds), seconds)
 
 
-def test_best_is_the_fastest_within_the_tolerance(rows):
-    table = [row(rows, "coarse", 1e-1, 1.0), row(rows, "fine", 1e-3, 3.0), row(rows, "finer", 1e-4, 2.0)]
-    assert rows.best(table, 1e-2).name == "finer"
-    assert rows.best(table, 1.0).name == "coarse"
-    assert rows.best(table, 1e-9) is None
+def test_page_of_accuracy_names_the_fastest_within_a_tolerance_and_what_none_beats(accuracy):
+    rows = (
+        row("lumped", 8, 1e-2, 1.0), row("exact", 3, 1e-15, 4.0), row("fem, degree 10", 2, 1e-13, 5.0),
+        row("openTorsion", 8, 1e-1, 2.0), row("openTorsion", 100, 1e-3, 300.0), row("lumped", 1, 2.0, 0.5),
+        row("fem, degree 1", 1, math.inf, 0.1),
+    )  # fmt: skip
+    stepped = [one for one in rows if one.error < 1.0]
+    text = "\n\n".join(accuracy.parts([accuracy.Study("a line", rows, rows, ("something was left out",))], stepped))
+    assert "| 0.01 | lumped, 8 pieces: 1e+03 ms | openTorsion, 100 pieces: 3e+05 ms |" in text
+    assert "| 1e-06 | exact, 3 pieces: 4e+03 ms | none |" in text
+    frontier = text[text.index("| method") : text.index("Fewer than ten modes")]
+    assert [line.split("|")[1].strip() for line in frontier.splitlines()[2:] if line] == ["lumped", "exact"]
+    assert "fem, degree 1 with 1." in text
+    assert "- something was left out" in text
+    assert "times faster: 75 by the medians, 75 by the least times, both meant >= 50: met" in text
+    assert "times more accurate: 1e+12, meant >= 1e+10: met" in text
+    assert accuracy.figure(accuracy.Study("a line", rows, rows, ())).count(">openTorsion<") == 1
 
 
-def test_time_of_a_row_is_the_median_of_assembly_and_solution_together(rows):
-    timed = rows.Row("family", "name", 0.0, assembly=[1.0, 2.0, 9.0], solution=[4.0, 1.0, 1.0])
-    assert timed.seconds == 5.0
-
-
-def test_frontier_keeps_what_none_beats_and_leaves_out_what_is_no_answer(rows):
-    table = [
-        row(rows, "slow and bad", 1e-2, 5.0), row(rows, "good", 1e-3, 2.0), row(rows, "fast", 1e-1, 1.0),
-        row(rows, "none", math.inf, 0.1), row(rows, "wrong", 2.0, 0.5), row(rows, "unknown", math.nan, 0.2),
-    ]  # fmt: skip
-    assert [one.name for one in rows.frontier(table)] == ["fast", "good"]
+@pytest.mark.parametrize("name", ["CONE", "MARINE"])
+def test_torques_at_mid_shaft_of_exact_and_high_degree_models_are_those_of_two_ports(benchmark, accuracy, name):
+    scenes, methods = benchmark("accuracy_scenes"), benchmark("accuracy_methods")
+    effort = Effort(rounds=1, segments=64, unknowns=20, degrees=(10,), modes=0, dense=0, speeds=0)
+    w = benchmark("accuracy").np.array([40.0, 333.0, 2000.0])
+    lumped, fem, exact, peers = methods.torque_curves(getattr(scenes, name), w, effort, ())
+    errors = [one.errors(run(one)[0])[0] for one in lumped]
+    assert errors[-2] / errors[-1] == pytest.approx(4.0, rel=0.1)
+    assert exact[0].errors(run(exact[0])[0])[0] < 1e-12
+    assert fem[-1].errors(run(fem[-1])[0])[0] < 1e-8
+    assert peers == []
 
 
 def test_answers_that_fail_are_kept_with_their_reason(sweeps):
@@ -61,7 +76,7 @@ def test_answers_that_fail_are_kept_with_their_reason(sweeps):
 )
 def test_useful_stretches_of_a_sweep(sweeps, errors, told):
     points = [sweeps.Point(10.0**k, error) for k, error in enumerate(errors)]
-    assert sweeps.told_ranges(points) == told
+    assert sweeps.ranges_in_words(points) == told
 
 
 def test_reading_tells_the_largest_errors_of_both_sides(sweeps):

@@ -5,8 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.modes import modes
 from torsion.analyses.response.over_speed import response
+from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling

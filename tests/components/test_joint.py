@@ -42,8 +42,8 @@ def test_cross_excites_at_order_2_tripod_at_3_and_constant_velocity_at_none(keys
 @pytest.mark.parametrize("phase", ["0 deg", "25 deg", "-70 deg"])
 def test_amplitude_is_that_of_the_exact_motion_from_the_plane(keys, phase):
     """The Fourier coefficient of the exact error, complex: exact of a cross, to (radius/arm)^2 of a tripod."""
-    joint = Joint(angle="12 deg", phase=phase, **keys)
-    (mesh,) = joints_of(joint)
+    built = train([Joint(angle="12 deg", phase=phase, **keys)])
+    (mesh,), joint = built.constraints, built.parts[0].joint
     turned = 2.0 * np.pi * np.arange(720) / 720
     error = turning(joint, turned + joint.phase).error
     coefficient = 2.0 * np.mean(error * np.exp(-1j * joint.order * turned))
@@ -64,7 +64,7 @@ def test_next_yoke_stands_90_degrees_on_behind_a_cross_alone(keys, added):
     first = Joint(angle="10 deg", phase="20 deg", **keys)
     second = Joint(angle="5 deg", phase="30 deg", plane="7 deg")
     _, behind = placed(train([first, Coupling(flexibility=0), second]))
-    assert math.degrees(behind.yoke) == pytest.approx(20.0 + added + 30.0 - 7.0, rel=1e-14)
+    assert math.degrees(behind.joint.yoke) == pytest.approx(20.0 + added + 30.0 - 7.0, rel=1e-14)
 
 
 def test_a_joint_knows_the_one_before_it_through_points_and_branches_but_not_through_a_gear():

@@ -24,7 +24,7 @@ class ExactModes:
 
 @pytest.fixture
 def random_tree() -> Callable[..., Tree]:
-    """A tree with k 1..1e12 and J 1e-6..1e4 spread evenly over the decades, held at root and leaves as asked."""
+    """A tree with k 1..1e12 and J 1e-6..1e4 spread evenly over the decades, fixed at root and leaves as requested."""
 
     def draw(seed: int, *, size: int, shape: str = "branched", held: str = "none") -> Tree:
         rng = np.random.default_rng(seed)
@@ -156,7 +156,7 @@ def _eigen(matrix, moving, mass):
 
 
 def _torques(tree: Tree, w, x):
-    """Twist over flexibility; in a rigid span what the station outward of it needs (not for a held one)."""
+    """Twist over flexibility; in a rigid span what the station at its outer end needs (not for a fixed one)."""
     torque = [-(w**2) * mp.mpf(float(j)) * a for j, a in zip(tree.inertia, x, strict=True)]
     for i in range(tree.size - 1, -1, -1):
         p, h = int(tree.parent[i]), mp.mpf(float(tree.flexibility[i]))

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.banded import banded_values
-from torsion.kernels.centre import by_layers, hung_from_the_middle
-from torsion.kernels.counts import count_below, count_bounds
+from torsion.kernels.factors import banded_values
 from torsion.kernels.layers import add_children, layers_of, of_the_rest
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.mode_shapes import shapes_at
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity
-from torsion.kernels.shapes import free_shapes
+from torsion.kernels.rerooting import by_layers, rerooted_at_middle
+from torsion.kernels.sturm import count_below, count_bounds
 from torsion.kernels.tree import Tree
 
 PARENTS = {
@@ -43,14 +43,14 @@ def test_a_layer_adds_its_children_and_gives_each_the_rest(name):
 def test_stations_out_of_order_are_in_no_layers():
     assert layers_of(np.array([-1, 0, 1, 0])) is None
     with pytest.raises(ValueError, match="layer by layer"):
-        free_shapes(Tree(np.array([-1, 0, 1, 0] + [2] * 20), np.ones(24), np.ones(24), np.zeros(24, bool)), np.ones(1))
+        shapes_at(Tree(np.array([-1, 0, 1, 0] + [2] * 20), np.ones(24), np.ones(24), np.zeros(24, bool)), np.ones(1))
 
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 @pytest.mark.parametrize("shape", ["branched", "bushy"])
 def test_a_tree_hung_from_its_middle_is_the_same_train(random_tree, shape, held):
     tree = random_tree(31, size=25, shape=shape, held=held)
-    hung = hung_from_the_middle(tree)
+    hung = rerooted_at_middle(tree)
     assert hung.tree.layers is not None
     assert len(hung.tree.layers) <= len(by_layers(tree).tree.layers)
     w = np.geomspace(1e-2, 1e9, 300)
@@ -86,13 +86,13 @@ def test_sweeps_by_layers_have_every_angle_and_torque_right_componentwise(
     np.testing.assert_allclose(modes.torque, sign * torque, rtol=1e-11, atol=1e-90)
 
 
-SPECIAL = {  # flexibility, inertia, held
+SPECIAL = {  # flexibility, inertia, `held`
     "massless": ([0, 1e-3, 2e-3, 3e-4, 1e-3, 1e-2, 1e-3], [1, 0, 2, 0, 3, 0, 0], []),
     "massless root": ([0, 1e-3, 2e-3, 3e-4, 1e-3, 1e-2, 1e-3], [0, 1, 2, 1, 3, 1, 1], []),
     "rigid": ([0, 0, 2e-3, 0, 1e-3, 0, 1e-3], [1, 4, 2, 0, 3, 0.5, 1], []),
-    "rigid, massless and held": ([0, 1e-3, 0, 2e-4, 1e-5, 0, 1e-2], [3, 0, 2, 1, 0, 5, 0], [3]),
-    "held thrice": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [3, 5, 6]),
-    "held at the root": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [0]),
+    "rigid, massless and fixed": ([0, 1e-3, 0, 2e-4, 1e-5, 0, 1e-2], [3, 0, 2, 1, 0, 5, 0], [3]),
+    "fixed thrice": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [3, 5, 6]),
+    "fixed at the root": ([0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], [0]),
 }
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.response import Status, complex_compliance, pose, residual_of, status, tree_response
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import Status, complex_compliance, pose, residual_of, status, tree_response
 
 
 def tree(parent, flexibility, inertia, held=()):
@@ -165,7 +165,7 @@ def test_compliance_of_a_lossy_viscous_span_is_the_reciprocal_of_its_stiffness()
         (tree([-1, 0], [0, 1], [1, 1]), {"force": np.ones(3)}, "force has shape"),
         (tree([-1, 0], [0, 1], [1, 1]), {"ground_damping": np.ones(3)}, "ground_damping"),
         (tree([-1, 0], [0, 1], [1, 1]), {"twist": np.ones((2, 5))}, "twist has shape"),
-        (tree([-1, 0], [0, 0], [1, 1], held=[1]), {}, "rigid span leads to a held leaf"),
+        (tree([-1, 0], [0, 0], [1, 1], held=[1]), {}, "rigid span leads to a fixed leaf"),
         (tree([-1, 0, 1], [0, 1, 1], [1, 1, 1], held=[1]), {}, "spans on both sides"),
         (tree([-1, 0], [0, 1], [1, 1]), {"compliance": np.array([[0, 0], [0, 1.0]])}, "at some frequencies only"),
     ],

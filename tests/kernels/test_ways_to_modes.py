@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.centre import hung_from_the_middle
 from torsion.kernels.enclosure import enclose, expected_width
 from torsion.kernels.factors import start_frequencies
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.mode_shapes import shapes_at
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity
-from torsion.kernels.shapes import free_shapes
+from torsion.kernels.rerooting import rerooted_at_middle
 from torsion.kernels.tree import Tree
 
 
@@ -30,8 +30,8 @@ def test_eigenvalues_of_the_square_are_only_a_start(shape, monkeypatch):
 def test_shapes_found_in_blocks_are_those_found_at_once(random_tree, monkeypatch, shape):
     tree = random_tree(27, size=20, shape=shape)
     right = tree_modes(tree)
-    monkeypatch.setattr("torsion.kernels.modes._LARGEST_BLOCK", 0)
-    monkeypatch.setattr("torsion.kernels.modes._LEAST_COLUMNS", 7)
+    monkeypatch.setattr("torsion.kernels.mode_shapes._LARGEST_BLOCK", 0)
+    monkeypatch.setattr("torsion.kernels.mode_shapes._LEAST_COLUMNS", 7)
     found = tree_modes(tree)
     np.testing.assert_allclose(found.frequency, right.frequency, rtol=1e-15)
     np.testing.assert_allclose(found.torque, right.torque, rtol=1e-14)
@@ -54,9 +54,9 @@ def test_a_chain_has_the_modes_of_the_same_train_hung_from_its_middle(random_tre
 def test_most_frequencies_are_enclosed_by_the_first_width_tried(random_tree, shape):
     tree = random_tree(29, size=60, shape=shape)
     modes = tree_modes(tree)
-    passed = free_shapes(hung_from_the_middle(tree).tree, modes.frequency).passed
+    passed = shapes_at(rerooted_at_middle(tree).tree, modes.frequency).passed
     width = expected_width(tree, modes.frequency, passed)
-    lower, upper, proven = enclose(tree, modes.frequency, 1, width)
+    lower, upper, proven = enclose(tree, modes.frequency, 1, passed)
     assert proven.all()
     assert np.mean((upper - lower) / modes.frequency < 2.1 * width) > 0.9
 

@@ -23,7 +23,9 @@ def in_space(paper, x: object, degrees: float, plane: float = PLANE, second: flo
 @pytest.mark.parametrize("degrees", EXPECTED)
 def test_extremes_and_index_of_the_scene(degrees: int, paper) -> None:
     found, expected = paper["ma_2011"].output(degrees), EXPECTED[degrees]
-    np.testing.assert_allclose([SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio], expected[:2], rtol=1e-14)
+    np.testing.assert_allclose(
+        [SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio], expected[:2], rtol=1e-14
+    )
     assert found.index == pytest.approx(expected[3], rel=1e-13)
     turned = np.degrees(found.greatest.at) - expected[2]
     assert turned - 180.0 * np.round(turned / 180.0) == pytest.approx(0.0, abs=1e-11)
@@ -48,7 +50,9 @@ def test_best_phase_is_the_angle_between_the_planes(paper) -> None:
 def test_printed_speeds_are_ours_but_for_64_64(paper) -> None:
     for degrees, printed in PRINTED.items():
         found = paper["ma_2011"].output(degrees)
-        for speed, value in zip((SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio), printed, strict=True):
+        for speed, value in zip(
+            (SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio), printed, strict=True
+        ):
             assert (abs(speed - value) < 0.005 + 1e-9) == (value != 64.64)
 
 

@@ -75,8 +75,8 @@ def spun(angle: float) -> np.ndarray:
     return np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]])
 
 
-def shafts(bend: float, swing: float) -> np.ndarray:
-    return np.array([np.sin(bend) * np.sin(swing), -np.sin(bend) * np.cos(swing), np.cos(bend)])
+def shafts(bend: float, yaw: float) -> np.ndarray:
+    return np.array([np.sin(bend) * np.sin(yaw), -np.sin(bend) * np.cos(yaw), np.cos(bend)])
 
 
 @pytest.mark.parametrize("degrees", [0.0, 1e-5, 10.0, 40.0, 60.0])
@@ -87,7 +87,7 @@ def test_every_arm_meets_its_line_in_space(degrees: float, share: float) -> None
     outgoing = shafts(angle, 0.0)
     for x in np.linspace(-3.0, 8.0, 23):
         found = tripod.exact_motion(x, angle, share, 1.0)
-        shaft = shafts(float(found.bend), float(found.swing))
+        shaft = shafts(float(found.bend), float(found.yaw))
         body = least_turn(outgoing, shaft) @ least_turn(axis, outgoing) @ spun(x + float(found.error))
         centre = outgoing - shaft
         np.testing.assert_allclose(centre[:2], found.orbit, rtol=0.0, atol=1e-15)
@@ -99,7 +99,7 @@ def test_every_arm_meets_its_line_in_space(degrees: float, share: float) -> None
 
 @pytest.mark.parametrize("degrees", [10.0, 40.0, 60.0])
 def test_exact_ratio_is_the_derivative_of_the_exact_angle(degrees: float) -> None:
-    """By the trigonometric interpolant of 96 equal steps of the turn, exact to rounding."""
+    """By the trigonometric interpolant of 96 equal steps of the revolution, exact to rounding."""
     x = 2.0 * np.pi * np.arange(96) / 96
     found = tripod.exact_motion(x, np.radians(degrees), RADIUS, ARM)
     series = np.fft.fft(found.error)
@@ -132,8 +132,8 @@ def test_third_harmonic_of_forty_degrees_beside_the_first_order() -> None:
     x, angle = 2.0 * np.pi * np.arange(48) / 48, np.radians(40.0)
     found = tripod.exact_motion(x, angle, RADIUS, ARM)
     spins = []
-    for turned, error, bend, swing in zip(x, found.error, found.bend, found.swing, strict=True):
-        outgoing, shaft = shafts(angle, 0.0), shafts(bend, swing)
+    for turned, error, bend, yaw in zip(x, found.error, found.bend, found.yaw, strict=True):
+        outgoing, shaft = shafts(angle, 0.0), shafts(bend, yaw)
         body = least_turn(outgoing, shaft) @ least_turn(np.array([0, 0, 1.0]), outgoing) @ spun(turned + error)
         square = np.cross(shaft, np.array([1.0, 0, 0]))
         square = square / np.linalg.norm(square)

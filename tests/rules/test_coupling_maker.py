@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.over_speed import Line
-from torsion.rules import coupling
+from torsion.rules import coupling_maker as coupling
 
 RPM = math.pi / 30.0
 PSI, STIFFNESS, ELASTIC, FREQUENCY = 1.15, 36000.0, 500.0, 20.0  # B20

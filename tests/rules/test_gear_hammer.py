@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from torsion.rules import gear
+from torsion.rules import gear_hammer as gear
 
 RPM = math.pi / 30.0
 

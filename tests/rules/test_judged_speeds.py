@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from torsion.analyses.response.grid import apart
-from torsion.rules import gear, m68
+from torsion.rules import gear_hammer as gear
+from torsion.rules import m68
+from torsion.rules.judged_speeds import FEWEST_JUDGED, judged_speeds
 from torsion.rules.judgement import Curve, between
-from torsion.rules.speeds import FEWEST_JUDGED, judged_speeds
 
 RPM = math.pi / 30.0
 PARTS = [

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.stability_over_speed import Stability, UnstableRange
-from torsion.analyses.motion.unstable_ranges import Zone
-from torsion.rules.stability import stability_check
+from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone
+from torsion.rules.stable_motion import stability_check
 from torsion.study import Operation
 
 OPERATED = Operation(speeds={"from": "100 rad/s", "to": "200 rad/s"})

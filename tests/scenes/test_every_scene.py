@@ -11,12 +11,12 @@ import pytest
 
 import torsion
 from torsion.analyses.joints.joint_results import Joints
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.kernels.response import Status
-from torsion.rules.check import Checks
+from torsion.kernels.tree_response import Status
+from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.source import parse_source
 
@@ -67,7 +67,7 @@ def test_scene_is_valid_against_the_json_schema(scene: str, validator) -> None:
 
 @every_scene
 def test_every_frequency_is_certified_and_inside_its_bounds(scene: str, solved) -> None:
-    modes = solved(scene).need(Modes)
+    modes = solved(scene).get(Modes)
     if modes is None:
         assert not np.any(solved(scene).system.inertia > 0), "joints alone"
         return
@@ -128,7 +128,7 @@ def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(scen
     found = solved(scene)
     part = found.study.train.part(propeller)
     lines = {line.order for line in found.need(Response).lines if propeller in line.sources}
-    assert lines == {k * part.component.blades * part.ratio for k in (1, 2)}
+    assert lines == {k * part.propeller.blades * part.ratio for k in (1, 2)}
 
 
 def test_ratios_of_the_scenes_are_those_of_their_gears(solved) -> None:
@@ -170,7 +170,7 @@ def order_two(second_joint: str) -> np.ndarray:
     answer = torsion.response(study, system, speeds=asked)
     line = [one.order for one in answer.lines].index(Fraction(2))
     assert set(answer.lines[line].sources) == {"joint-1", "joint-2"}
-    return answer.torque[answer.asked, line][:, system.flexibility > 0]
+    return answer.torque[answer.asked, line][:, answer.system.flexibility > 0]
 
 
 def test_yokes_in_line_cancel_and_crossed_yokes_add() -> None:

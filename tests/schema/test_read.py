@@ -10,7 +10,7 @@ import pytest
 
 from torsion.errors import Fault, InputError
 from torsion.fields import Amount
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 from torsion.schema.example import example
 from torsion.schema.read import located, parse, read
@@ -151,7 +151,7 @@ def test_fault_that_is_found_after_reading_is_shown_in_the_file():
 def test_example_of_the_new_command_reads_and_every_line_is_explained():
     text = example()
     study = parse(text)
-    assert {part.component.keyword for part in study.train.parts} == {"motor", "coupling", "gear", "shaft", "propeller"}
+    assert {part.kind for part in study.train.parts} == {"motor", "coupling", "gear", "shaft", "propeller"}
     assert [name for name, _ in study.rules] == ["iacs-m68", "coupling-maker", "gear-hammer"]
     assert [line for line in text.splitlines() if line.strip() and "#" not in line] == []
 
@@ -172,7 +172,7 @@ def test_example_reads_with_every_optional_key_that_it_shows():
             found += 1
     study = parse("\n".join(lines))
     assert found >= 15
-    kinds = {part.component.keyword for part in study.train.parts}
+    kinds = {part.kind for part in study.train.parts}
     assert kinds >= {"joint", "disc", "damper", "branch"}
     assert list(study.analyses) == ["modes", "response"]
 

@@ -1,4 +1,4 @@
-"""The analyses, in a registry: what each reads, when it runs, what it finds, and the chapter that reports it.
+"""The analyses, in a registry: what each reads, when it runs, what it finds, and the chapters that report it.
 
 An analysis is one module with a function `run(work)`, which puts its results under the names given here, and one entry
 here. `run` follows the order of the entries, which is that of `needs`; the module is imported when the analysis runs.
@@ -39,6 +39,7 @@ class Analysis:
     needs: tuple[str, ...] = ()  # analyses whose results it reads, where they are there
     results: Mapping[str, str] = field(default_factory=dict)  # name in every output: class, or module:class
     wanted: Callable[["Study"], bool] = named  # by a study that does not name it
+    chapters: tuple[str, ...] = ()  # of the report, in output/chapters; where none, its results as they are declared
     place: tuple[str, ...] = ()  # key of the file that is at fault where it has no answer; () for its own
 
     def function(self) -> Callable[[Any], None]:
@@ -64,58 +65,71 @@ ANALYSES: dict[str, Analysis] = {
     "sections": Analysis(
         "cross-sections", "torsion.analyses.mesh_sections", wanted=lambda study: study.has_meshed_sections
     ),
-    "assembly": Analysis("assembly", "torsion.analyses.division", "run_assembly", needs=("sections",), wanted=always),
+    "assembly": Analysis(
+        "assembly", "torsion.analyses.discretisation", "run_assembly", needs=("sections",), wanted=always
+    ),
     "modes": Analysis(
-        "natural frequencies", "torsion.analyses.division", "run_modes",
-        settings="torsion.analyses.modes:ModesSettings", needs=("assembly",),
-        results={"modes": "torsion.analyses.modes:Modes"}, wanted=always,
+        "natural frequencies", "torsion.analyses.discretisation", "run_modes",
+        settings="torsion.analyses.undamped_modes:ModesSettings", needs=("assembly",),
+        results={"modes": "torsion.analyses.undamped_modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
     ),
     "damped": Analysis(
-        "damped modes", "torsion.analyses.damped", needs=("modes",), results={"damped_modes": "DampedModes"},
-        wanted=always, place=("analyses", "modes", "damped"),
+        "damped modes", "torsion.analyses.damped_modes", needs=("modes",), results={"damped_modes": "DampedModes"},
+        wanted=always, chapters=("natural_frequencies",), place=("analyses", "modes", "damped"),
+    ),
+    "segment groups": Analysis(
+        "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
     ),
     "steady": Analysis(
-        "mean torque", "torsion.analyses.steady", needs=("modes",), results={"mean": "Steady"}, wanted=always,
-        place=("operation",),
+        "mean torque", "torsion.analyses.steady", needs=("segment groups",), results={"mean": "Steady"}, wanted=always,
+        chapters=("mean_torques",), place=("operation",),
     ),
     "response": Analysis(
         "response over speed", "torsion.analyses.response.requested_response",
-        settings="torsion.analyses.response.over_speed:ResponseSettings", needs=("damped", "steady"),
+        settings="torsion.analyses.response.over_speed:ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
+        chapters=("forced_response", "shaft_stress", "gear_meshes", "coupling_loads"),
     ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
-        results={"periodic": "torsion.analyses.motion.periodic_orbits:PeriodicResponse"}, wanted=always,
-        place=("analyses", "response", "method"),
+        results={"periodic": "torsion.analyses.motion.periodic_orbits:PeriodicResponse"},
+        wanted=lambda study: study.has_joints or study.setting("analyses", "response", "method") is not None,
+        chapters=("exact_response",), place=("analyses", "response", "method"),
     ),
     "stability": Analysis(
         "stability", "torsion.analyses.motion.requested_motion", "run_stability",
         settings="torsion.analyses.motion.stability_settings:StabilitySettings", needs=("modes",),
-        results={
-            "stability": "torsion.analyses.motion.stability_over_speed:Stability",
-            "stability_map": "torsion.analyses.motion.stability_map:StabilityMap",
-        },
+        results={"stability": "torsion.analyses.motion.stability_over_speed:Stability"}, chapters=("stability_ranges",),
+    ),
+    "stability map": Analysis(
+        "stability map", "torsion.analyses.motion.requested_motion", "run_map", needs=("modes",),
+        results={"stability_map": "torsion.analyses.motion.stability_map:StabilityMap"},
+        wanted=lambda study: study.setting("analyses", "stability", "map") is not None,
+        place=("analyses", "stability", "map"),
     ),
     "frequency response": Analysis(
-        "response over frequency", "torsion.analyses.response.over_frequency", needs=("damped", "steady"),
-        results={"frequency_response": "FrequencyResponse"}, wanted=lambda study: study.sweeps_frequency,
-        place=("analyses", "response", "frequencies"),
+        "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
+        results={"frequency_response": "FrequencyResponse"},
+        wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
+        chapters=("frequency_response",), place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(
         "critical speeds", "torsion.analyses.critical", needs=("modes",),
-        results={"critical_speeds": "CriticalSpeeds"}, wanted=always,
+        results={"critical_speeds": "CriticalSpeeds"}, wanted=always, chapters=("critical_speeds",),
     ),
     "joints": Analysis(
         "universal joints", "torsion.analyses.joints.joint_analysis", settings="JointsSettings", needs=("steady",),
-        results={"joints": "torsion.analyses.joints.joint_results:Joints"}, wanted=lambda study: study.has_joints,
+        results={"joints": "Joints"}, wanted=lambda study: study.has_joints, chapters=("joint_motion",),
     ),
     "lateral": Analysis(
         "bending of the shafts", "torsion.analyses.lateral.shaft_bending", settings="LateralSettings",
         needs=("steady",), results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
+        chapters=("shaft_bending",),
     ),
     "check": Analysis(
-        "comparison of the models", "torsion.analyses.check.models", settings="CheckSettings", needs=("modes",),
-        results={"check": "Compared"},
+        "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",
+        needs=("assembly",),
+        results={"check": "Compared"}, chapters=("model_comparison",),
     ),
 }  # fmt: skip
 

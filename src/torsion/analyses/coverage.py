@@ -6,8 +6,8 @@ import numpy as np
 
 from torsion.analyses.power import flow
 from torsion.analyses.steady import interpolated
+from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import FloatArray
 from torsion.primitives import Torque
 from torsion.study import Operation, Study
 from torsion.train import Train

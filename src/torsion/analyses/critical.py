@@ -5,9 +5,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
-from torsion.analyses.response.excitation import Line, lines
+from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.response.harmonic_components import Line, lines
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Operation

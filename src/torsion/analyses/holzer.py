@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.modes import Modes
 from torsion.analyses.shares import STANDS_STILL
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars.spans import Bars
+    from torsion.kernels.distributed.span_laws import Shafts
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     )  # fmt: skip
 
 
-def _stiffened(tree: Tree, bars: "Bars", omega: float) -> tuple[FloatArray, FloatArray]:
+def _stiffened(tree: Tree, bars: "Shafts", omega: float) -> tuple[FloatArray, FloatArray]:
     """Inertia (tree stations,) kg m2 and flexibility (tree stations,) rad/(N m) with the bars as they are at omega."""
     inertia, flexibility = tree.inertia.copy(), tree.flexibility.copy()
     across, inner, outer = bars.at(np.array([omega**2]))

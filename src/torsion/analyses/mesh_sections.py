@@ -1,6 +1,6 @@
 """The cross-sections by mesh, solved before the train is assembled with them."""
 
-from torsion.assembly.section.resolved import section_results
+from torsion.assembly.section.solved_sections import section_results
 from torsion.findings import Work
 
 

@@ -28,7 +28,7 @@ def flow(train: Train, operation: Operation) -> Flow:
     where the power leaves (enters) there already, at the other end. Raises InputError where both ends are taken, or
     only some of the motors have a power.
     """
-    motors, propellers = _parts(train, "motor"), _parts(train, "propeller")
+    motors, propellers = ([part for _, part in train.of_kind(kind)] for kind in ("motor", "propeller"))
     first, last = 0, _last(train)
     drives, loads = _driving(motors), _equally(propellers)
     driving, loading = _names(motors), _names(propellers)
@@ -36,7 +36,7 @@ def flow(train: Train, operation: Operation) -> Flow:
         end = _free_end((first, last), loads, train, operation)
         drives, driving = [(end, Fraction(1))], _at_an_end(train, end, "motor", "propeller", end == first)
     elif len(motors) > 1:
-        driving += " in equal parts" if _power(motors[0]) is None else " in proportion to their power"
+        driving += " in equal parts" if motors[0].power is None else " in proportion to their power"
     if not propellers:
         end = _free_end((last, first), drives, train, operation)
         loads, loading = [(end, Fraction(1))], _at_an_end(train, end, "propeller", "motor", end == last)
@@ -44,10 +44,6 @@ def flow(train: Train, operation: Operation) -> Flow:
         loading += " in equal parts"
     told = f"The mean torque enters at {driving} and leaves at {loading}."
     return Flow(drives, loads, told + _shares_alone(motors, operation))
-
-
-def _parts(train: Train, kind: str) -> list[Part]:
-    return [part for part in train.parts if part.component.keyword == kind]
 
 
 def _last(train: Train) -> int:
@@ -77,7 +73,7 @@ def _at_an_end(train: Train, end: int, lacking: str, other: str, usual: bool) ->
 
 def _driving(motors: list[Part]) -> Shared:
     """The motors with their shares; raises InputError where only some of them have a power."""
-    power = [_power(motor) for motor in motors]
+    power = [motor.power for motor in motors]
     given = [Fraction(value) for value in power if value is not None]
     if len(motors) == 1 or not given:
         return _equally(motors)
@@ -88,14 +84,9 @@ def _driving(motors: list[Part]) -> Shared:
     return [(part.stations[0], value / sum(given)) for part, value in zip(motors, given, strict=True)]
 
 
-def _power(motor: Part) -> float | None:
-    power: float | None = getattr(motor.component, "power", None)
-    return power
-
-
 def _shares_alone(motors: list[Part], operation: Operation) -> str:
     """What the powers of motors are not, where together they are not the rated power."""
-    given = [power for motor in motors if (power := _power(motor)) is not None]
+    given = [motor.power for motor in motors if motor.power is not None]
     rated = None if operation.rated is None else operation.rated.power
     if not given or rated is None or abs(sum(given) - rated) <= SAME_POWER * rated:
         return ""

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from torsion.analyses.modes import ModesSettings
-from torsion.analyses.response.excitation import excitations
+from torsion.analyses.response.harmonic_components import excitations
+from torsion.analyses.undamped_modes import ModesSettings
 from torsion.assembly.system import System
 from torsion.study import Study
 

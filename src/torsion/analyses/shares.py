@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
 
 STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
 LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array

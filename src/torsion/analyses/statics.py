@@ -10,9 +10,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.tree import BoolArray, FloatArray
 
 Shares = list[Fraction]
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from torsion.analyses.power import flow
 from torsion.analyses.statics import Shares, statics
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
-from torsion.kernels.tree import FloatArray
 from torsion.results import reported, result
 from torsion.study import Operation, Study
 from torsion.train import Train

@@ -4,7 +4,7 @@ import math
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from torsion.assembly.section.resolved import resolved
+from torsion.assembly.section.solved_sections import resolved
 from torsion.errors import SolveError
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 MODELS = {
     "lumped": "torsion.assembly.lumped:assemble_lumped",
     "fem": "torsion.assembly.fem:assemble_fem",
-    "exact": "torsion.assembly.exact:assemble_exact",
+    "exact": "torsion.assembly.distributed_shafts:assemble_exact",
 }
 ROUNDING = 1e-9  # relative, of a frequency that was itself computed
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import skfem
 
-from torsion.assembly.shafts import is_uniform, uniform_area
-from torsion.kernels.bars.element import ElementBars, element_bars
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
+from torsion.assembly.shafts import Piece, is_uniform, uniform_area
+from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 
 if TYPE_CHECKING:
-    from torsion.assembly.system import BarSpans, Piece
+    from torsion.assembly.distributed_spans import BarSpans
 
 DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it
 
@@ -24,7 +24,7 @@ def element(degree: int) -> Any:
     return skfem.ElementLineP2() if degree == 2 else skfem.ElementLinePp(degree)
 
 
-def element_matrices(pieces: "tuple[Piece, ...]", degree: int) -> tuple[FloatArray, FloatArray]:
+def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray, FloatArray]:
     """Stiffness N m/rad and inertia kg m2, both (pieces, degree + 1, degree + 1), at the shaft's own speed.
 
     Integrals of int G I u' v' dx and int rho I u v dx over each piece, exact to rounding. A cell of the mesh has the
@@ -38,25 +38,25 @@ def element_matrices(pieces: "tuple[Piece, ...]", degree: int) -> tuple[FloatArr
     return stiffness, inertia
 
 
-def element_law(bars: "BarSpans", ratio2: FloatArray) -> ElementBars:
+def element_law(bars: "BarSpans", ratio2: FloatArray) -> CondensedElements:
     """The elements without their unknowns inside, multiplied by `ratio2` (bars,), the squares of their speed ratios.
 
     Those of uniform shafts are one element to scale: it is condensed once for a degree.
     """
     uniform = [first for _, first in _shafts(bars.pieces) if is_uniform(first.bar)]
     number = [first.number for first in uniform]
-    end, parts = sum(number), list[ElementBars]()
+    end, parts = sum(number), list[CondensedElements]()
     if uniform:
         factors = np.repeat([_factors(first) for first in uniform], number, axis=0).T * ratio2[:end]
         parts.append(_law_of_unit(bars.degree).scaled(*factors))
     if end < len(bars.pieces):
         stiffness, inertia = element_matrices(bars.pieces[end:], bars.degree)
         rest = ratio2[end:, None, None]
-        parts.append(element_bars(stiffness * rest, inertia * rest))
-    return ElementBars.joined(parts)
+        parts.append(condensed_elements(stiffness * rest, inertia * rest))
+    return CondensedElements.joined(parts)
 
 
-def _shafts(pieces: "Sequence[Piece]") -> "Iterator[tuple[int, Piece]]":
+def _shafts(pieces: Sequence[Piece]) -> Iterator[tuple[int, Piece]]:
     """Where the pieces of each shaft begin, and its first one."""
     begin = 0
     while begin < len(pieces):
@@ -64,7 +64,7 @@ def _shafts(pieces: "Sequence[Piece]") -> "Iterator[tuple[int, Piece]]":
         begin += pieces[begin].number
 
 
-def _of_shaft(first: "Piece", degree: int) -> tuple[FloatArray, FloatArray]:
+def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
     """Matrices of all pieces of a shaft, from its first one on; of one piece that stands for all if it is uniform."""
     bar = first.bar
     if is_uniform(bar):
@@ -75,17 +75,16 @@ def _of_shaft(first: "Piece", degree: int) -> tuple[FloatArray, FloatArray]:
     return stiff * (bar.shear_modulus / first.length), heavy * (bar.density * first.length)
 
 
-def _factors(piece: "Piece") -> tuple[float, float]:
+def _factors(piece: Piece) -> tuple[float, float]:
     """G I/L in N m/rad and rho I L in kg m2 of a uniform piece."""
     area, length = uniform_area(piece.bar), piece.length
     return piece.bar.shear_modulus / length * area, piece.bar.density * length * area
 
 
 @cache
-def _law_of_unit(degree: int) -> ElementBars:
+def _law_of_unit(degree: int) -> CondensedElements:
     """The element of length 1, of stiffness and density 1, without its unknowns inside."""
-    stiff, heavy = _of_unit(degree)
-    return element_bars(stiff, heavy)
+    return condensed_elements(*_of_unit(degree))
 
 
 @cache

@@ -2,9 +2,9 @@
 
 import math
 
-from torsion.assembly.collected import Collected
 from torsion.assembly.shafts import bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
+from torsion.assembly.system_builder import Collected
 from torsion.primitives import Bar
 from torsion.train import Train
 

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.assembly.system import BarSpans, System
+from torsion.arrays import FloatArray
+from torsion.assembly.distributed_spans import BarSpans
+from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.kernels.spanning_forest import connected
 
 
 @dataclass(frozen=True)
@@ -35,13 +37,18 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     if system.bars is not None and system.bars.degree == 0:
         message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
-    group = _joined(system)
+    rigid = system.flexibility == 0
+    group = connected(len(system.stations), system.driving[rigid], system.driven[rigid])  # turn together
     fixed = np.isin(group, group[system.held])
     free = np.unique(group[~fixed])
     basis = np.where((group[:, None] == free) & ~fixed[:, None], system.speed_ratio[:, None], 0.0)
     inertia = np.where(system.held, 0.0, system.lumped_inertia)
-    ground = _constant_damping(system) if ground_damping is None else ground_damping
-    across = _twist(system, basis)
+    ground = ground_damping
+    if ground is None:
+        ground = np.zeros(len(system.stations))
+        for damper in system.dampers:
+            ground[damper.station] += damper.constant
+    across = system.twist(basis / system.speed_ratio[:, None])
     springs = (system.flexibility > 0) & np.isfinite(system.flexibility)
     if system.bars is not None:
         springs[system.bars.span] = False
@@ -80,27 +87,3 @@ def _with_elements(system: System, bars: BarSpans, view: Matrices) -> Matrices:
         names += [f"{system.spans[span].name} inner {k + 1}" for k in range(inner)]
     basis = np.hstack([view.basis, np.zeros((len(view.basis), number * inner))])
     return Matrices(inertia, stiffness, damping, loss, basis, tuple(names), view.stations)
-
-
-def _constant_damping(system: System) -> FloatArray:
-    """(stations,) N m s/rad to ground at own speed, without what follows from speed or mean torque."""
-    damping = np.zeros(len(system.stations))
-    for damper in system.dampers:
-        damping[damper.station] += damper.constant
-    return damping
-
-
-def _twist(system: System, basis: FloatArray) -> FloatArray:
-    """(spans, free) twist of each span at its driving station's speed: driving - driven angle / ratio."""
-    referred = basis / system.speed_ratio[:, None]
-    return np.asarray((referred[system.driving] - referred[system.driven]) * system.span_ratio[:, None])
-
-
-def _joined(system: System) -> IntArray:
-    """(stations,) number of the stations that turn together, in the order of the first of each."""
-    rigid: BoolArray = system.flexibility == 0
-    group = np.arange(len(system.stations))
-    for a, b in zip(system.driving[rigid].tolist(), system.driven[rigid].tolist(), strict=True):
-        low, high = sorted((int(group[a]), int(group[b])))
-        group[group == high] = low
-    return group

@@ -1,12 +1,13 @@
 """A shaft along its length: phase, static flexibility and inertia of its pieces."""
 
 import math
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from torsion.kernels.sections import polar_area_moment
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
+from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar
 
 BLOCK = 2**14  # pieces of a cone at once; 3 MB an array
@@ -27,8 +28,32 @@ def uniform_area(bar: Bar) -> float:
     return float(polar_area_moment(bar.outer[0], bar.bore[0]))
 
 
+def area_along(bar: Bar, at: FloatArray) -> FloatArray:
+    """I_p in m4 at `at`, from 0 at the driving to 1 at the driven end of a shaft."""
+    outer, bore = bar.outer, bar.bore
+    return polar_area_moment(outer[0] + (outer[1] - outer[0]) * at, bore[0] + (bore[1] - bore[0]) * at)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of a shaft: the one of the given position among so many of equal length."""
+
+    bar: Bar
+    position: int
+    number: int
+
+    @property
+    def length(self) -> float:
+        """m."""
+        return self.bar.length / self.number
+
+    def polar_area_moment(self, x: FloatArray) -> FloatArray:
+        """I_p in m4 at `x`, from 0 at the driving to 1 at the driven end of the piece."""
+        return area_along(self.bar, (self.position + x) / self.number)
+
+
 def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
-    """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a bar, by exact integrals."""
+    """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a shaft, by exact integrals."""
     length = bar.length / number
     if is_uniform(bar):
         area = uniform_area(bar)
@@ -47,9 +72,7 @@ def _means_of_cone(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     means = np.empty((2, number))
     for begin in range(0, number, BLOCK):
         part = slice(begin, begin + BLOCK)
-        at = edge[part, None] + (x + 1.0) / 2.0 / number
-        area = polar_area_moment(bar.outer[0] + (bar.outer[1] - bar.outer[0]) * at,
-                                 bar.bore[0] + (bar.bore[1] - bar.bore[0]) * at)  # fmt: skip
+        area = area_along(bar, edge[part, None] + (x + 1.0) / 2.0 / number)
         means[:, part] = (1.0 / area) @ weight / 2.0, area @ weight / 2.0
     return means[0], means[1]
 

@@ -7,7 +7,7 @@ from typing import TypeVar, overload
 
 import numpy as np
 
-from torsion.kernels.tree import IntArray
+from torsion.arrays import IntArray
 from torsion.primitives import Bar, Station
 
 T = TypeVar("T")
@@ -30,17 +30,21 @@ class Row:
     """A shaft in segments: the rule for the stations between them and for their spans."""
 
     bar: Bar
-    number: int  # of segments
+    number: int  # of segments, or of groups of them
     inside: int  # position of the first station between segments
     begin: Station  # at the driving end
+    edges: tuple[int, ...] = ()  # of a row of segment groups: the first segment of each group, and their whole number
 
     def station(self, k: int) -> Station:
-        """The station at the end of segment k."""
-        return Station(f"{self.bar.name} {k + 1}/{self.number}", self.bar.part, self.begin.ratio, self.begin.sense)
+        """The station at the end of segment, or group, k."""
+        place = f"{self.edges[k + 1]}/{self.edges[-1]}" if self.edges else f"{k + 1}/{self.number}"
+        return Station(f"{self.bar.name} {place}", self.bar.part, self.begin.ratio, self.begin.sense)
 
     def span(self, k: int) -> Span:
-        """Segment k."""
-        name = self.bar.name if self.number == 1 else f"{self.bar.name} [{k + 1}]"
+        """Segment, or group, k."""
+        first, last = (self.edges[k] + 1, self.edges[k + 1]) if self.edges else (k + 1, k + 1)
+        place = f"{first}" if first == last else f"{first}..{last}"
+        name = self.bar.name if self.number == 1 else f"{self.bar.name} [{place}]"
         driving = self.bar.driving if k == 0 else self.inside + k - 1
         return Span(name, self.bar.part, driving, self.bar.driven if k == self.number - 1 else self.inside + k)
 

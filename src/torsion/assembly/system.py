@@ -8,67 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.assembly.folding import Folded, fold
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.distributed_spans import BarSpans
+from torsion.assembly.referred_tree import Folded, fold
 from torsion.assembly.spans import Row, Span
-from torsion.kernels.sections import polar_area_moment
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
-from torsion.primitives import Bar, Damper, Station
+from torsion.primitives import Damper, Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
-    from torsion.kernels.bars.spans import Bars
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A stretch of a shaft: the one of the given position among so many of equal length."""
-
-    bar: Bar
-    position: int
-    number: int
-
-    @property
-    def length(self) -> float:
-        """m."""
-        return self.bar.length / self.number
-
-    def polar_area_moment(self, x: FloatArray) -> FloatArray:
-        """I_p in m4 at `x`, from 0 at the driving to 1 at the driven end of the piece."""
-        at = (self.position + x) / self.number
-        outer, bore = self.bar.outer, self.bar.bore
-        return polar_area_moment(outer[0] + (outer[1] - outer[0]) * at, bore[0] + (bore[1] - bore[0]) * at)
-
-
-@dataclass(frozen=True)
-class BarSpans:
-    """The spans with distributed inertia, of the models `fem` and `exact`; pieces of uniform shafts come first.
-
-    Such a span has two torques. The one told is that at its driving station; the one at the driven end of the whole
-    shaft is that of the massless rigid span `<shaft>, driven end`.
-    """
-
-    span: IntArray  # (bars,) position of the span
-    lumped: FloatArray  # (stations,) kg m2 at own speed, without the inertia of the bars
-    ends: IntArray  # (bars, 2) stations at which half the inertia of each bar is told: driving and driven
-    pieces: tuple[Piece, ...]  # (bars,)
-    degree: int = 0  # of the finite elements; 0 for the exact model
-    error: float = 0.0  # estimated, relative, of a shaft's highest frequency asked for
-
-    @property
-    def stiffness(self) -> FloatArray | None:
-        """(bars, degree + 1, degree + 1) N m/rad of finite elements at own speed: driving end, driven end, inside."""
-        return self._matrices[0] if self.degree else None
-
-    @property
-    def inertia(self) -> FloatArray | None:
-        """(bars, degree + 1, degree + 1) kg m2, likewise."""
-        return self._matrices[1] if self.degree else None
-
-    @cached_property
-    def _matrices(self) -> tuple[FloatArray, FloatArray]:
-        from torsion.assembly.element_matrices import element_matrices
-
-        return element_matrices(self.pieces, self.degree)
+    from torsion.assembly.segment_groups import SegmentGroups
+    from torsion.kernels.distributed.span_laws import Shafts
 
 
 @dataclass(frozen=True)
@@ -99,6 +48,12 @@ class System:
     rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
     requested: Discretisation = Discretisation()
     resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
+    groups: "SegmentGroups | None" = None  # of a condensed system: the segments that its spans stand for
+
+    @property
+    def whole(self) -> "System":
+        """The system of all segments, of which this one is condensed; itself where it is not."""
+        return self if self.groups is None else self.groups.system
 
     @property
     def own_stations(self) -> int:
@@ -134,6 +89,13 @@ class System:
         """(spans,) speed at which each span's torque is told / reference speed."""
         return self.speed_ratio[self.driving]
 
+    def twist(self, referred: np.ndarray) -> np.ndarray:
+        """(spans, columns) twist of every span at its driving station's speed: driving - driven angle / ratio.
+
+        referred: (stations, columns) angles referred to the reference speed.
+        """
+        return np.asarray((referred[self.driving] - referred[self.driven]) * self.span_ratio[:, None])
+
     @cached_property
     def driving(self) -> IntArray:
         """(spans,) driving station of each span."""
@@ -157,17 +119,23 @@ class System:
     @cached_property
     def lumped_inertia(self) -> FloatArray:
         """(stations,) kg m2 at own speed, without that of spans with distributed inertia; infinite where held."""
+        if self.groups is not None:
+            return self.groups.system.inertia[self.groups.stations]
         return self.inertia if self.bars is None else self.bars.lumped
 
     @cached_property
-    def folded_bars(self) -> "Bars | None":
-        """The spans with distributed inertia, on the tree; None in the lumped model."""
-        if self.bars is None:
-            return None
-        from torsion.assembly.bar_laws import folded_bars
+    def folded_bars(self) -> "Shafts | None":
+        """The spans with distributed inertia and the segment groups, on the tree; None where there are none."""
+        groups, bars, folded = self.groups, self.bars, self.folded
+        if groups is not None:
+            from torsion.kernels.distributed.span_laws import Shafts
 
-        span, folded = self.bars.span, self.folded
-        return folded_bars(self.bars, folded.span[span], self.span_ratio[span], folded.sign[span] < 0)
+            span = np.flatnonzero(groups.last_span > groups.first_span)
+            law = groups.chains(span, self.span_ratio[span])
+            return Shafts(folded.span[span], (law.turned(folded.sign[span] < 0),))
+        if bars is None:
+            return None
+        return bars.laws(folded.span[bars.span], self.span_ratio[bars.span], folded.sign[bars.span] < 0)
 
     @cached_property
     def damps(self) -> bool:

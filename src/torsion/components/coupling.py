@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from torsion import fields
 from torsion.components.base import Component
 from torsion.components.lowering import Lowering
+from torsion.components.part_records import CouplingRatings
 from torsion.fields import Quantity, given, refuse
 from torsion.primitives import Inertia, Spring
 
@@ -58,6 +59,11 @@ class Coupling(Component):
         return 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
 
     def lower(self, build: Lowering) -> None:
+        ratings = CouplingRatings(
+            self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance
+        )
+        damping = [(key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None]
+        build.record(ratings=ratings, damping=damping[0] if damping else None)
         driving, driven = build.link()
         at_driving, at_driven = self.inertia or (0.0, 0.0)
         build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))

@@ -22,6 +22,7 @@ class RingDamper(Component):
     stiffness: fields.Stiffness | None = given("stiffness between ring and housing; none in a viscous damper")
 
     def lower(self, build: Lowering) -> None:
+        build.record(damping=("damping", self.damping))
         here = build.point()
         ring = build.station(f"{build.name} ring")
         build.add(Inertia(here, build.own(self.housing)), Inertia(ring, build.own(self.ring)))

@@ -62,6 +62,7 @@ class Gear(Component):
         return self
 
     def lower(self, build: Lowering) -> None:
+        build.record(application_factor=self.application_factor)
         speed = self._speed()
         before = build.at
         driving, driven = build.link(speed, self.sense)

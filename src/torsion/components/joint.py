@@ -11,6 +11,7 @@ from torsion import fields
 from torsion.components.base import Component
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Lowering
+from torsion.components.part_records import JointRecord
 from torsion.errors import SolveError
 from torsion.fields import Quantity, given, refuse, required
 from torsion.kinematics import cross, tripod
@@ -93,6 +94,9 @@ class Joint(Component):
             self._refuse_on_a_first_joint(build)
         after = None if before is None else build.at.joint
         yoke = self.driving_yoke(before)
+        plane, phase = self.plane or 0.0, self.phase or 0.0
+        joint = JointRecord(self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm)
+        build.record(joint=joint)
         driving, driven = build.link()
         build.at = replace(build.at, yoke=self.driven_yoke(yoke), joint=build.part)
         at_driving, at_driven = self.inertia or (0.0, 0.0)

@@ -7,21 +7,33 @@ from typing import Any
 
 from torsion.components.base import Component
 from torsion.components.material import Material
+from torsion.components.part_records import CouplingRatings, JointRecord, PropellerRecord, ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.primitives import Inertia, Primitive, Spring, Station
 
 
 @dataclass(frozen=True)
 class Part:
-    """A component as placed in the train."""
+    """A component as placed in the train, and what analyses, rules and reports need to know of it."""
 
     name: str
-    component: Component
+    kind: str  # its key in the file: disc, shaft, coupling, ...
+    is_point: bool  # else a link between points, or a branch
     path: Path  # where it stands in the file
     stations: tuple[int, ...] = ()  # the stations it made or took
     ratio: Fraction = Fraction(1)  # its speed (of a gear: of the driving side) / the reference speed
     depth: int = 0  # 0 on the main line, 1 on a branch, 2 on a branch of a branch
     referred_to: Fraction | None = None  # ratio of the speed at which its figures are given; None: its own
+    is_named: bool = False  # by the file, not by its kind and number
+    note: str | None = None
+    source: str | None = None  # where its figures come from
+    damping: tuple[str, float] | None = None  # key and value of its internal damping as given in the file
+    power: float | None = None  # W, of a motor
+    application_factor: float | None = None  # K_A, of a gear
+    ratings: CouplingRatings | None = None
+    shaft: ShaftRecord | None = None
+    joint: JointRecord | None = None
+    propeller: PropellerRecord | None = None
 
 
 @dataclass(frozen=True)
@@ -74,8 +86,17 @@ class Lowering:
         number = self._numbers[component.keyword] = self._numbers.get(component.keyword, 0) + 1
         name = component.name or f"{component.keyword}-{number}"
         at = self.at
-        self.parts.append(Part(name, component, path, ratio=at.ratio, depth=at.depth, referred_to=at.referred_to))
+        part = Part(
+            name, component.keyword, component.sort == "point", path,
+            ratio=at.ratio, depth=at.depth, referred_to=at.referred_to,
+            is_named=component.name is not None, note=component.note, source=component.source,
+        )  # fmt: skip
+        self.parts.append(part)
         component.lower(self)
+
+    def record(self, **facts: Any) -> None:
+        """Leave facts on the part of the component that is being lowered, by the fields of `Part`."""
+        self.parts[-1] = replace(self.parts[-1], **facts)
 
     def station(self, name: str, *, is_ground: bool = False, part: int | None = None) -> int:
         """A new station at the speed of where the train has arrived."""

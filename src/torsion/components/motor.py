@@ -30,6 +30,7 @@ class Motor(Rotor):
         return self
 
     def lower(self, build: Lowering) -> None:
+        build.record(power=self.power)
         here = self.place(build)
         path = (*build.parts[-1].path, "ripple")
         build.add(*(line.at(here, build.name, (*path, place)) for place, line in enumerate(self.ripple)))

@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from torsion import fields
 from torsion.components.base import Component
 from torsion.components.lowering import Lowering
+from torsion.components.part_records import PropellerRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Damper, Inertia, Torque
 
@@ -96,6 +97,9 @@ class Propeller(Component):
         return float(self.inertia * given_as.of_mean + given_as.torque)
 
     def lower(self, build: Lowering) -> None:
+        model, factor = ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
+        water = None if self.entrained is None else self.water
+        build.record(propeller=PropellerRecord(self.inertia, water, self.blades, self.diameter, model, factor))
         here = build.point()
         build.add(Inertia(here, build.own(self.inertia + self.water)))
         if self.damping is not None:

@@ -8,6 +8,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from torsion import fields
 from torsion.components.base import Component
 from torsion.components.lowering import Lowering
+from torsion.components.part_records import ShaftRecord
 from torsion.components.section import MeshedSection
 from torsion.components.support import Support
 from torsion.fields import OneOrMany, Quantity, given, refuse, required
@@ -70,6 +71,10 @@ class Shaft(Component):
         return self
 
     def lower(self, build: Lowering) -> None:
+        build.record(
+            shaft=ShaftRecord(self.material, self.role, self.features, self.support),
+            damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
+        )
         driving, driven = build.link()
         material = build.material(self.material)
         if material is None:

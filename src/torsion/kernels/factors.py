@@ -1,17 +1,17 @@
 """Factors G of J^-1/2 K J^-1/2 = G G^T whose singular values are the natural frequencies, and those values.
 
 The stiffness matrix is never assembled: rounding its diagonal would already spoil the low frequencies of a stiff train.
-On a tree G has one column a spring; on any other graph the star-mesh elimination gives a triangular factor whose
-entries are sums, products and quotients of positive numbers.
+On a tree G has one column a spring, for a chain it is bidiagonal; on any other graph the star-mesh elimination gives a
+triangular factor whose entries are sums, products and quotients of positive numbers.
 """
 
 import numpy as np
 
-from torsion.kernels.banded import banded_values
-from torsion.kernels.chain import bidiagonal_factor
-from torsion.kernels.lapack import bidiagonal_singular_values, jacobi_svd
+from torsion.arrays import FloatArray
+from torsion.kernels.lapack import bidiagonal_singular_values, call, jacobi_svd
 from torsion.kernels.reduction import ReducedTrain
-from torsion.kernels.tree import FloatArray
+from torsion.kernels.rerooting import rerooted_at_middle
+from torsion.kernels.tree import Tree
 
 _BODIES_FOR_JACOBI = 30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
 _BODIES_FOR_SQUARE = 150  # above, the eigenvalues of the square take a third of the time of a decomposition (measured)
@@ -20,6 +20,7 @@ _SPREAD = 1e6  # of singular values that a plain decomposition leaves right to a
 _SPREAD_OF_COLUMNS = 1e3  # beyond which that of the singular values is not worth finding first
 _SPREAD_OF_SQUARE = 1e5  # whose squares are right to about 1e-5
 _BODIES_FOR_DENSE = 2000  # above, a dense decomposition is slower than counting
+_WIDEST_BAND = 0.04  # of the bodies; a wider band is reduced sooner as a full matrix (measured)
 
 
 def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
@@ -30,7 +31,9 @@ def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
     """
     ends = _chain_grounds(train)
     if ends is not None:
-        return _chain_values(train, *ends)[:elastic][::-1]
+        way = slice(None, None, -1 if ends[0] > 0.0 else 1)
+        factor = bidiagonal_factor(train.inertia[way], train.stiffness[way], ends[0] if ends[0] > 0.0 else ends[1])
+        return bidiagonal_singular_values(*factor)[:elastic][::-1]
     values = banded_values(train) if len(train.inertia) > _BODIES_FOR_BAND else None
     if values is not None or len(train.inertia) > _BODIES_FOR_DENSE:
         return values
@@ -115,7 +118,48 @@ def _chain_grounds(train: ReducedTrain) -> tuple[float, float] | None:
     return (0.0, ground[0]) if bodies == 1 else (ground[0], ground[-1])
 
 
-def _chain_values(train: ReducedTrain, first: float, last: float) -> FloatArray:
-    if first > 0.0:
-        return bidiagonal_singular_values(*bidiagonal_factor(train.inertia[::-1], train.stiffness[::-1], first))
-    return bidiagonal_singular_values(*bidiagonal_factor(train.inertia, train.stiffness, last))
+def bidiagonal_factor(inertia: FloatArray, stiffness: FloatArray, ground: float) -> tuple[FloatArray, FloatArray]:
+    """Diagonal (n,) and superdiagonal (n - 1,) of diag(k)^1/2 B diag(J)^-1/2, last row for the tie to ground."""
+    diagonal = np.empty(len(inertia))
+    diagonal[:-1] = np.sqrt(stiffness / inertia[:-1])
+    diagonal[-1] = np.sqrt(ground / inertia[-1])
+    return diagonal, -np.sqrt(stiffness / inertia[1:])
+
+
+def banded_values(train: ReducedTrain) -> FloatArray | None:
+    """Singular values (springs,), ascending, of J^-1/2 B' k^1/2 of a free tree, right to about eps times the largest.
+
+    By a banded factor. None for any other train, where joined bodies cannot be numbered close to each other, or
+    without scipy's dgbbrd.
+    """
+    bodies, order = len(train.inertia), np.argsort(train.outer)
+    if train.ground.any() or not np.array_equal(train.outer[order], np.arange(1, bodies)):
+        return None
+    parent, soft = np.append(-1, train.inner[order]), np.append(0.0, 1.0 / train.stiffness[order])
+    if not (train.acyclic and (parent[1:] < train.outer[order]).all()):
+        return None
+    tree = rerooted_at_middle(Tree(parent, soft, train.inertia, np.zeros(bodies, dtype=np.bool_))).tree
+    above = np.arange(bodies - 1) - tree.parent[1:]
+    if above.max() > _WIDEST_BAND * bodies:
+        return None
+    root, strength = 1.0 / np.sqrt(tree.inertia), 1.0 / np.sqrt(tree.flexibility[1:])
+    band = np.zeros((int(above.max()) + 2, bodies - 1), order="F")  # the main diagonal is the last row but one
+    band[-1] = -strength * root[1:]
+    band[-2 - above, np.arange(bodies - 1)] = strength * root[tree.parent[1:]]
+    two = _two_diagonals(band)
+    return None if two is None else bidiagonal_singular_values(*two)[::-1]
+
+
+def _two_diagonals(band: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    """Sizes of the main and the upper diagonal of a matrix with the same singular values and one row more than columns.
+
+    `band` (diagonals, columns) holds its diagonals from the uppermost to the first below the main one; it is given up.
+    Rotations within the band: dgbbrd.
+    """
+    rows, columns = band.shape
+    diagonal, off, work, none = np.empty(columns), np.empty(columns), np.empty(2 * columns + 2), np.empty(1)
+    found = call(
+        "dgbbrd", "v ciiiiididddidididi", b"N", columns + 1, columns, 0, 1, rows - 2,
+        band, rows, diagonal, off, none, 1, none, 1, none, 1, work, 0,
+    )  # fmt: skip
+    return None if found is None or found[-1] != 0 else (np.abs(diagonal), np.abs(off[:-1]))

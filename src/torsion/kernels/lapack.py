@@ -1,28 +1,54 @@
-"""Singular values of high relative accuracy: two LAPACK routines that scipy ships but does not wrap.
+"""Routines of LAPACK that scipy ships but does not wrap, and singular values of high relative accuracy by them.
 
-scipy publishes every LAPACK routine as a capsule for compiled code; ctypes can call the same pointer. A capsule tells
-its signature, and one that does not use 32-bit `int *` is not called: slower public routines then do the same.
+scipy publishes every routine as a capsule for compiled code; ctypes can call the same pointer. A capsule states its
+signature, and one that is not the expected one, with 32-bit integers, is not called: slower public routines then do the
+same.
 """
 
 import ctypes
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.tree import FloatArray
 
 # Smallest tolerance that dstebz accepts; its own default is relative to the largest value and loses the small ones.
 _STEBZ_TOLERANCE = 4.5e-308
 _DGEJSV_FULL_ACCURACY = 2  # joba='F': columns are scaled, rows may be badly scaled too
+_AS_THEY_ARE = (bytes, ctypes.Array)
+_KINDS: dict[str, Any] = {"i": ctypes.c_int, "d": ctypes.c_double}
+
+
+def call(name: str, kinds: str, *arguments: Any) -> list[Any] | None:
+    """Call the routine `name`; None where scipy has none of that signature.
+
+    kinds: of the answer (v: void, i: int), a space, and of each argument: c char *, i int *, d double *. Numbers are
+    handed over by reference, arrays by their memory. Returns the answer and then each number as it is afterwards.
+    """
+    function = routine(name, kinds)
+    if function is None:
+        return None
+    numbers: list[Any] = []
+    handed: list[Any] = []
+    for kind, argument in zip(kinds[2:], arguments, strict=True):
+        if isinstance(argument, np.ndarray):
+            handed.append(_at(argument))
+        elif isinstance(argument, _AS_THEY_ARE):
+            handed.append(argument)
+        else:
+            numbers.append(_KINDS[kind](argument))
+            handed.append(ctypes.byref(numbers[-1]))
+    return [function(*handed), *(number.value for number in numbers)]
 
 
 @cache
-def routine(name: str) -> Callable[..., None] | None:
-    """LAPACK subroutine `name` of scipy's own library, or None where its capsule is absent or not `int *`.
+def routine(name: str, kinds: str) -> Callable[..., Any] | None:
+    """LAPACK's `name` of scipy's own library, or None where its capsule is absent or not of these `kinds` (see `call`).
 
-    >>> routine("not_a_routine") is None
+    >>> routine("not_a_routine", "v i") is None
     True
     """
     from scipy.linalg import cython_lapack
@@ -35,11 +61,23 @@ def routine(name: str) -> Callable[..., None] | None:
         ("PyCapsule_GetPointer", ctypes.pythonapi)
     )
     signature: bytes = name_of(capsule)
-    if not signature.startswith(b"void (") or not signature.endswith(b"int *)"):
+    if not is_expected(signature.decode("ascii"), kinds):
         return None
-    arguments = signature.count(b",") + 1
-    prototype = ctypes.CFUNCTYPE(None, *([ctypes.c_void_p] * arguments))
+    prototype = ctypes.CFUNCTYPE(_KINDS.get(kinds[0]), *([ctypes.c_void_p] * (len(kinds) - 2)))
     return prototype(address_of(capsule, signature))
+
+
+def is_expected(signature: str, kinds: str) -> bool:
+    """Whether a capsule's signature is of these `kinds` (see `call`).
+
+    >>> is_expected("int (int *, double *)", "i id"), is_expected("int (long *, double *)", "i id")
+    (True, False)
+    """
+    head, _, rest = signature.partition(" (")
+    letters = {"void": "v", "int": "i", "char *": "c", "int *": "i", "double *": "d"}
+    given = [kind.strip() for kind in rest.rstrip(")").split(",")]
+    found = [letters.get(head, "?"), " ", *("d" if kind.endswith("_d *") else letters.get(kind, "?") for kind in given)]
+    return "".join(found) == kinds
 
 
 def bidiagonal_singular_values(diagonal: FloatArray, off_diagonal: FloatArray) -> FloatArray:
@@ -48,19 +86,11 @@ def bidiagonal_singular_values(diagonal: FloatArray, off_diagonal: FloatArray) -
     `diagonal` (n,), `off_diagonal` (n - 1,). dlasq1 (Fernando and Parlett 1994); without it, bisection on the
     Golub-Kahan matrix.
     """
-    dlasq1 = routine("dlasq1")
     size = len(diagonal)
-    if dlasq1 is None:
-        return golub_kahan_singular_values(diagonal, off_diagonal)
-    values = np.array(diagonal, dtype=np.float64)
-    off = np.zeros(size)
+    values, off, work = np.array(diagonal, dtype=np.float64), np.zeros(size), np.empty(4 * size)
     off[: size - 1] = off_diagonal
-    work = np.empty(4 * size)
-    order, info = ctypes.c_int(size), ctypes.c_int(0)
-    dlasq1(ctypes.byref(order), _at(values), _at(off), _at(work), ctypes.byref(info))
-    if info.value != 0:
-        return golub_kahan_singular_values(diagonal, off_diagonal)
-    return values
+    found = call("dlasq1", "v idddi", size, values, off, work, 0)
+    return golub_kahan_singular_values(diagonal, off_diagonal) if found is None or found[-1] != 0 else values
 
 
 def golub_kahan_singular_values(diagonal: FloatArray, off_diagonal: FloatArray) -> FloatArray:
@@ -75,51 +105,46 @@ def golub_kahan_singular_values(diagonal: FloatArray, off_diagonal: FloatArray) 
     return np.maximum(np.asarray(values, dtype=np.float64)[size:][::-1], 0.0)
 
 
-def jacobi_svd(matrix: FloatArray, *, vectors: bool = False) -> tuple[FloatArray, FloatArray]:
-    """Left singular vectors (rows, columns; empty unless `vectors`) and singular values (columns,), descending.
+def jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Left singular vectors (rows, columns), singular values (columns,), descending, right ones (columns, columns).
 
-    One-sided Jacobi rotations, dgesvj (Drmac and Veselic 2008): relative accuracy wherever the columns are well
-    conditioned once scaled. Needs at least as many rows as columns.
+    `vectors` holds "U" and "V" where those are wanted. One-sided Jacobi rotations, dgesvj (Drmac and Veselic 2008):
+    relative accuracy wherever the columns are well conditioned once scaled. Needs at least as many rows as columns.
     """
     rows, columns = matrix.shape
     if rows < columns:
         raise ValueError(f"jacobi_svd needs rows >= columns, got {rows} x {columns}")
-    dgesvj = routine("dgesvj")
-    if dgesvj is None or columns == 0:
-        return preconditioned_jacobi_svd(matrix, vectors=vectors)
     left = np.array(matrix, dtype=np.float64, order="F")
-    values, right = np.empty(columns), np.empty((1, 1), order="F")
-    work = np.zeros(max(6, rows + columns))
-    m, n, none, one = ctypes.c_int(rows), ctypes.c_int(columns), ctypes.c_int(0), ctypes.c_int(1)
-    length, info = ctypes.c_int(len(work)), ctypes.c_int(0)
-    wanted = b"U" if vectors else b"N"
-    dgesvj(
-        *(b"G", wanted, b"N"),
-        *(ctypes.byref(m), ctypes.byref(n), _at(left), ctypes.byref(m), _at(values)),
-        *(ctypes.byref(none), _at(right), ctypes.byref(one), _at(work), ctypes.byref(length), ctypes.byref(info)),
-    )
-    if info.value != 0:
-        return preconditioned_jacobi_svd(matrix, vectors=vectors)
-    return (left if vectors else left[:, :0]), values * work[0]
+    values, right = np.empty(columns), np.empty((columns, columns) if "V" in vectors else (1, 1), order="F")
+    work, jobs = np.zeros(max(6, rows + columns)), (b"U" if "U" in vectors else b"N", b"V" if "V" in vectors else b"N")
+    found = columns and call(
+        "dgesvj", "v ccciididididii", b"G", *jobs, rows, columns,
+        left, rows, values, 0, right, max(len(right), 1), work, len(work), 0,
+    )  # fmt: skip
+    if not found or found[-1] != 0:
+        return preconditioned_jacobi_svd(matrix, vectors)
+    return left, values * work[0], right
 
 
-def preconditioned_jacobi_svd(matrix: FloatArray, *, vectors: bool = False) -> tuple[FloatArray, FloatArray]:
+def preconditioned_jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, FloatArray, FloatArray]:
     """Like `jacobi_svd`, through the public dgejsv (joba=2: its default loses the small values)."""
     from scipy.linalg import lapack
 
-    if matrix.shape[1] == 0:
-        return np.empty((matrix.shape[0], 0)), np.empty(0)
-    values, left, _, work, _, info = lapack.dgejsv(
-        matrix, joba=_DGEJSV_FULL_ACCURACY, jobu=0 if vectors else 3, jobv=3, jobr=1, jobt=0, jobp=0
+    columns = matrix.shape[1]
+    if columns == 0:
+        return np.empty((matrix.shape[0], 0)), np.empty(0), np.empty((0, 0))
+    jobs = {"jobu": 0 if "U" in vectors else 3, "jobv": 0 if "V" in vectors else 3}
+    values, left, right, work, _, info = lapack.dgejsv(
+        matrix, joba=_DGEJSV_FULL_ACCURACY, jobr=1, jobt=0, jobp=0, **jobs
     )
     if info != 0:
         raise SolveError(f"dgejsv did not converge (info {info}); check the train for spans of 0 or infinite stiffness")
-    columns = len(values)
-    return (left[:, :columns] if vectors else left[:, :0]), values * (work[0] / work[1])
+    return left[:, :columns], values * (work[0] / work[1]), right
 
 
 def _at(array: FloatArray) -> int:
     """Address of an array that LAPACK may write to."""
     if array.dtype != np.float64 or not (array.flags.c_contiguous or array.flags.f_contiguous):
         raise ValueError("LAPACK needs contiguous float64")
-    return array.ctypes.data
+    address: int = array.__array_interface__["data"][0]  # a quarter of the time of `array.ctypes.data`
+    return address

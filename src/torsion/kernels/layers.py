@@ -1,20 +1,19 @@
 """Stations in layers of equal distance from their root, so that one numpy call sweeps a whole layer."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from torsion.arrays import FloatArray, IntArray
 
 _MOST_AT_ONCE = 4  # children in a family up to which they are added one rank after another
 
 
 class Layer(NamedTuple):
-    """Stations one span farther out than those of the layer `above`; brothers stand side by side.
+    """Stations one span farther from the root than those of the layer `above`; siblings stand side by side.
 
-    Arrays that are swept have one row of zeros after the last station, for children and brothers that do not exist.
+    Arrays that are swept have one row of zeros after the last station, for children and siblings that do not exist.
     """
 
     stations: slice
@@ -22,7 +21,7 @@ class Layer(NamedTuple):
     is_in_line: bool  # each of those above has one child, in the same order; then the rest is not needed
     parent: IntArray  # (stations,) position among those above
     children: IntArray  # (ranks, above) station of each child; no ranks in large families
-    brothers: IntArray  # (distances, stations) station at each distance round the family; none in large ones
+    siblings: IntArray  # (distances, stations) station at each distance round the family; none in large ones
     families: tuple[slice, ...]  # stations with one parent, in large families
 
 
@@ -31,7 +30,7 @@ _NOWHERE = np.empty(0, dtype=np.int64)
 
 
 def layers_of(parent: IntArray) -> tuple[Layer, ...] | None:
-    """The layers outward of the roots, nearest first; None where stations are not numbered layer by layer.
+    """The layers from the roots to the leaves, nearest first; None where stations are not numbered layer by layer.
 
     `parent` (stations,) never falls in a tree numbered so, and is -1 at a root.
     """
@@ -49,7 +48,7 @@ def layers_of(parent: IntArray) -> tuple[Layer, ...] | None:
     widest = np.maximum.reduceat(number, edges[:-1]).tolist()
     ranks = np.arange(min(max(widest), _MOST_AT_ONCE))[:, None]
     children = np.where(number > ranks, (end - number) + ranks, size)
-    brothers = _round_families(parent, number, end, ranks[1:])
+    siblings = _round_families(parent, number, end, ranks[1:])
     layers = []
     for begin, middle, stop, most in zip(edges, edges[1:], edges[2:], widest, strict=False):
         above, stations = slice(begin, middle), slice(middle, stop)
@@ -57,7 +56,7 @@ def layers_of(parent: IntArray) -> tuple[Layer, ...] | None:
             layers.append(Layer(stations, above, True, _NOWHERE, _NOBODY, _NOBODY, ()))
         else:
             few = most if most <= _MOST_AT_ONCE else 0
-            near = brothers[: max(few - 1, 0), stations]
+            near = siblings[: max(few - 1, 0), stations]
             families = () if few else tuple(slice(e - n, e) for e, n in zip(sums[above], number[above], strict=True))
             parents = parent[stations] - begin
             layers.append(Layer(stations, above, False, parents, children[:few, above], near, families))
@@ -65,10 +64,34 @@ def layers_of(parent: IntArray) -> tuple[Layer, ...] | None:
 
 
 def _round_families(parent: IntArray, number: IntArray, end: IntArray, distance: IntArray) -> IntArray:
-    """The brothers (distances, stations) that stand `distance` (distances, 1) on, beginning anew after the last."""
+    """The siblings (distances, stations) that stand `distance` (distances, 1) on, beginning anew after the last."""
     there, size = np.arange(len(parent)) + distance, number[parent]
     there -= np.where(there >= end[parent], size, 0)
     return np.asarray(np.where(size > distance, there, len(parent)))
+
+
+def sweep_to_roots(
+    layers: tuple[Layer, ...],
+    total: FloatArray,
+    passed: FloatArray,
+    inverse: FloatArray,
+    after: Callable[[FloatArray, FloatArray], None] | None = None,
+) -> None:
+    """Dynamic stiffness of all branches, layer by layer from the leaves: zz = 1/(h + 1/z), added at the parent.
+
+    `total` (stations, m): of each station by itself, then with all beyond it. `passed` (stations + 1, m): the
+    flexibility of each span, then what it passes on. `inverse` (stations, m) becomes 1/z; `after` may change what
+    is passed on and use it as room.
+    """
+    reciprocal, add = np.reciprocal, np.add
+    for layer in reversed(layers):
+        through, turned = passed[layer.stations], inverse[layer.stations]
+        reciprocal(total[layer.stations], turned)
+        add(through, turned, through)
+        reciprocal(through, through)
+        if after is not None:
+            after(through, turned)
+        add_children(layer, passed, total[layer.above])
 
 
 def add_children(layer: Layer, passed: FloatArray, total: FloatArray) -> None:
@@ -86,11 +109,11 @@ def add_children(layer: Layer, passed: FloatArray, total: FloatArray) -> None:
 
 
 def of_the_rest(layer: Layer, above: FloatArray, passed: FloatArray, out: FloatArray) -> None:
-    """Put `above` (above, m) plus what all brothers pass on into `out` (stations, m), not as a total minus its own."""
+    """Put `above` (above, m) plus what all siblings pass on into `out` (stations, m), not as a total minus its own."""
     above.take(layer.parent, 0, out, "clip")
-    if len(layer.brothers):
-        for brother in passed.take(layer.brothers, 0):
-            np.add(out, brother, out)
+    if len(layer.siblings):
+        for sibling in passed.take(layer.siblings, 0):
+            np.add(out, sibling, out)
     for family in layer.families:
         own, rows = passed[family], out[family.start - layer.stations.start : family.stop - layer.stations.start]
         rows[1:] += np.add.accumulate(own[:-1], axis=0)

@@ -4,11 +4,13 @@ Adding inertias merges a rigid span; the star-mesh rule k_ij += k_i k_j / sum(k)
 only add, multiply and divide positive numbers, so that every frequency keeps its relative accuracy.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.tree import Tree
 
 
 @dataclass(frozen=True)
@@ -16,9 +18,9 @@ class Rigidity:
     """What the graph alone says: which stations move as one, and which parts are free to turn."""
 
     body: IntArray  # (stations,) the first station of the rigid body that each one belongs to
-    fixed: BoolArray  # (stations,) joined rigidly to a held station, or held
+    fixed: BoolArray  # (stations,) `held`, or joined rigidly to such a station
     component: IntArray  # (stations,) root of the part each one belongs to
-    free_roots: IntArray  # (rigid motions,) root of every part with inertia and no held station
+    free_roots: IntArray  # (rigid motions,) root of every part with inertia and no fixed station
     elastic: int  # number of natural frequencies other than 0
 
 
@@ -58,6 +60,15 @@ def rigidity(tree: Tree) -> Rigidity:
         free_roots=np.array(free_roots, dtype=np.int64),
         elastic=len(heavy) - len(free_roots),
     )
+
+
+def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
+    """Angles (stations, rigid motions) rad, constant over each free part and mass-normalised."""
+    if tree.is_plain:
+        return np.full((tree.size, 1), 1.0 / math.sqrt(tree.inertia.sum()))
+    part = known.component[:, None] == known.free_roots
+    scaled: FloatArray = part / np.sqrt(tree.moving_inertia @ part)
+    return scaled
 
 
 def reduce_tree(

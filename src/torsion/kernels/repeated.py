@@ -1,11 +1,18 @@
-"""Shapes of repeated frequencies, and the last digits of orthogonality between close ones."""
+"""Shapes of repeated frequencies, and the last digits of orthogonality between close ones.
 
+At two squares s_i and s_j of frequencies, shapes are orthogonal in the mean of -dD/ds between both, D being the dynamic
+stiffness: the inertia of the stations, and of each distributed shaft what the slopes of its law say.
+"""
+
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from torsion.kernels.passes import forced, forced_angles, sources, stiffness_passes
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray, Tree
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.mode_shapes import Shapes
+from torsion.kernels.tree import Tree
+from torsion.kernels.two_sides import TwoSides, forced, two_sides
 
 REPEATED = 1e-13  # relative distance below which frequencies count as one: their shapes are then any orthogonal set
 _SHIFTS = (1e-6, 5e-2)  # first near, to leave all other modes behind, then far, where the response has no rounding
@@ -13,9 +20,47 @@ _STEPS = (2, 5)  # of inverse iteration, and one at the end; a step keeps that m
 _EVEN = 1e3 * REPEATED  # relative distance from which the modes of a group respond alike
 _ROUNDING_OF_PRODUCT = 4e-15  # inner products below are as orthogonal as the arithmetic allows
 _CLOSE = 1e-2  # relative distance of frequencies beyond which shapes are orthogonal to about 1e-14 by themselves
+_CLOSE_OF_SHAFTS = 1e-3  # to 1e-13, which is what laws of shafts allow
 _SHAPES_AT_ONCE = 256  # up to which one product is faster than one a run of close frequencies (measured)
 _NOTHING = 1e-140  # beside the largest, about 1; products of smaller ones would be subnormal, which are slow
 _SWEEPS = 8  # each squares the inner products
+_GAUSS = 5  # points for the mean of a slope; over a twentieth of s it is right to rounding
+
+
+@dataclass(frozen=True)
+class _Inertia:
+    """-dD/ds, or its mean between two squares of frequencies (m,): of the stations, and of every shaft (shafts, m)."""
+
+    tree: Tree
+    across: FloatArray  # kg m2, between the ends
+    inner: FloatArray  # kg m2, at each end
+    outer: FloatArray
+
+    def load(self, angle: FloatArray, twist: FloatArray) -> FloatArray:
+        """The whole train's times shapes (stations, m), the twists (shafts, m) of the shafts among them."""
+        tree = self.tree
+        load: FloatArray = tree.moving_inertia[:, None] * angle
+        if tree.shafts is not None:
+            across = self.across * twist
+            inner = self.inner * angle[tree.shaft_parent] + across
+            tree.add_ends(load, inner, self.outer * angle[tree.shafts.node] - across)
+            load[tree.held] = 0.0
+        return load
+
+
+def _inertia(tree: Tree, begin: FloatArray, end: FloatArray) -> _Inertia:
+    """Mean of -dD/ds between the squares `begin` and `end` (m,)."""
+    total = np.zeros((3, len(tree.shaft_parent), len(begin)))
+    if tree.shafts is None:
+        return _Inertia(tree, *total)
+    from numpy.polynomial import legendre
+
+    for place, weight in zip(*(part.tolist() for part in legendre.leggauss(_GAUSS)), strict=True):
+        at = tree.shafts.slopes(begin + (0.5 + 0.5 * place) * (end - begin))
+        total[0] += 0.5 * weight * (at.flexibility_slope / (at.flexibility * at.flexibility))
+        total[1] += 0.5 * weight * (at.inner + at.square * at.inner_slope)
+        total[2] += 0.5 * weight * (at.outer + at.square * at.outer_slope)
+    return _Inertia(tree, *total)
 
 
 def repeated_groups(frequency: FloatArray, undetermined: BoolArray) -> list[IntArray]:
@@ -27,40 +72,79 @@ def repeated_groups(frequency: FloatArray, undetermined: BoolArray) -> list[IntA
     return [np.arange(a, b) for a, b in pairwise(edges) if b - a > 1 or undetermined[a]]
 
 
-def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -> tuple[FloatArray, FloatArray]:
-    """Angles and span torques (stations, columns), mass-normalised, of the modes in `groups`, one group after another.
+def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -> Shapes:
+    """The shapes of the modes in `groups`, one group after another, of generalised inertia 1.
 
-    Inverse iteration with the responses to torques, at a frequency beside each group. In each group every further
-    shape is zero where one before it is largest, so that parts of a train that do not touch are told apart.
+    Inverse iteration with the responses to torques, at a frequency beside each group: D(s) x = 0 is D(s') x =
+    (s - s') M x, M being the mean slope. In each group every further shape is zero where one before it is largest, so
+    that parts of a train that do not touch are separated.
     """
     columns = np.concatenate(groups)
     parts = np.split(np.arange(len(columns)), np.cumsum([len(group) for group in groups])[:-1])
-    gap = np.concatenate([np.full(len(group), relative_gap(frequency, group)) for group in groups])
-    inertia = tree.moving_inertia[:, None]
-    root = np.sqrt(inertia)
+    gap = np.concatenate([np.full(len(group), _relative_gap(frequency, group)) for group in groups])
+    at, root = frequency[columns], np.sqrt(tree.static.moving_inertia)[:, None]
+    square = at * at
+    here = _inertia(tree, square, square)
     load = root * np.random.default_rng(len(columns)).standard_normal((tree.size, len(columns)))
     for shift, steps in zip(_SHIFTS, _STEPS, strict=True):
-        passes = stiffness_passes(tree, frequency[columns] * (1.0 - shift * gap))
+        beside = at * (1.0 - shift * gap)
+        sides, mean = two_sides(tree, beside), _inertia(tree, beside * beside, square)
         uneven = [part for part in parts if shift * gap[part[0]] < _EVEN]
         for step in range(steps):
-            angle = forced_angles(tree, passes, sources(tree, passes, load))
-            angle /= np.max(np.abs(root * angle), axis=0)
-            for part in parts if step == 0 else uneven:
-                angle[:, part] = angle[:, part] @ orthonormal(root * angle[:, part])
-            load = inertia * angle
-    angle, torque = forced(tree, passes, load)
+            shapes = _response(tree, sides, beside * beside, load)
+            shapes /= np.max(np.abs(root * shapes[: tree.size]), axis=0)
+            _normalise(here, shapes, parts if step == 0 or tree.shafts is not None else uneven)
+            load = mean.load(shapes[: tree.size], shapes[2 * tree.size :])
+    shapes = _response(tree, sides, beside * beside, load)
+    _normalise(here, shapes, parts)
     for part in parts:
-        mix(angle, torque, part, orthonormal(root * angle[:, part]))
-        mix(angle, torque, part, telling_apart(root * angle[:, part]))
-    return angle, torque
+        shapes[:, part] = shapes[:, part] @ _separating(root * shapes[: tree.size, part])
+    return _with_ends(tree, square, shapes)
 
 
-def orthogonalise(tree: Tree, frequency: FloatArray, angle: FloatArray, torque: FloatArray) -> None:
+def _response(tree: Tree, sides: TwoSides, square: FloatArray, load: FloatArray) -> FloatArray:
+    """Angles and torques (2 stations, m) under `load` (stations, m) N m, and the twists (shafts, m) of shafts."""
+    angle, torque = forced(tree, sides, load)
+    if tree.shafts is None:
+        return np.concatenate((angle, torque))
+    return np.concatenate((angle, torque, tree.shafts.at(square)[0] * torque[tree.shafts.node]))
+
+
+def _normalise(here: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> None:
+    """Make the shapes of each part orthonormal, in place; those of shafts twice, for their products are less exact."""
+    tree, size = here.tree, here.tree.size
+    for _ in range(1 if tree.shafts is None else 2):
+        load = here.load(shapes[:size], shapes[2 * size :]) if tree.shafts is not None else None
+        for part in parts:
+            angle = shapes[:size, part]
+            if load is None:
+                matrix = orthonormal(np.sqrt(tree.moving_inertia)[:, None] * angle)
+            else:
+                matrix = _from_products(angle.T @ load[:, part])
+            shapes[:, part] = shapes[:, part] @ matrix
+
+
+def _with_ends(tree: Tree, square: FloatArray, shapes: FloatArray) -> Shapes:
+    """Shapes at `square` (m,) from their angles, torques and twists of shafts."""
+    angle, torque, twist = np.split(shapes, (tree.size, 2 * tree.size))
+    near, far, none = twist, twist, np.zeros(len(square))
+    if tree.shafts is not None:
+        flexibility, inner, outer = tree.shafts.at(square)
+        node = tree.shafts.node
+        torque[node] = middle = twist / flexibility
+        near, far = middle - square * inner * angle[tree.shaft_parent], middle + square * outer * angle[node]
+    return Shapes(angle, torque, near, far, none, none)
+
+
+def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
     """Make the shapes (stations, m) of close ascending frequencies (m,) orthogonal, in place.
 
     Close shapes are wrong by rounding over the distance of their frequencies, in each other's direction; half of that
     is taken from each of the two (Loewdin 1950). Shapes that are orthogonal to rounding are not touched.
     """
+    if tree.shafts is not None:
+        _orthogonalise_with_shafts(tree, frequency, shapes)
+        return
     apart = frequency[1:] - frequency[:-1] > _CLOSE * frequency[1:]
     if apart.all():
         return
@@ -72,25 +156,48 @@ def orthogonalise(tree: Tree, frequency: FloatArray, angle: FloatArray, torque: 
         part = slice(begin, end)
         is_apart = run[part, None] != run[part]
         for _ in range(_SWEEPS if end - begin > 1 else 0):
-            weighted = root * angle[:, part]
+            weighted = root * shapes.angle[:, part]
             weighted[np.abs(weighted) < _NOTHING] = 0.0
             product = weighted.T @ weighted
             product.flat[:: end - begin + 1] -= 1.0
             product[is_apart | (np.abs(product) < _ROUNDING_OF_PRODUCT)] = 0.0
             if not product.any():
                 break
-            angle[:, part] -= angle[:, part] @ (0.5 * product)
-            torque[:, part] -= torque[:, part] @ (0.5 * product)
+            shapes.correct(part, 0.5 * product)
             if np.max(np.abs(product)) ** 2 < _ROUNDING_OF_PRODUCT:
                 break
 
 
-def mix(angle: FloatArray, torque: FloatArray, columns: IntArray, matrix: FloatArray) -> None:
-    """Replace the shapes in `columns` by their combinations, in place."""
-    angle[:, columns], torque[:, columns] = angle[:, columns] @ matrix, torque[:, columns] @ matrix
+def _orthogonalise_with_shafts(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
+    """The same pair by pair, for the inertia of the shafts is another for every pair."""
+    first, second = _close_pairs(frequency)
+    if tree.shafts is None or not len(first):
+        return
+    square = frequency * frequency
+    flexibility, node = tree.shafts.at(square)[0], tree.shafts.node
+    inertia = _inertia(tree, square[first], square[second])
+    for _ in range(_SWEEPS):
+        twist, angle = flexibility * shapes.torque[node], shapes.angle
+        load = inertia.load(angle[:, first], twist[:, first])
+        values = np.einsum("ip,ip->p", load, angle[:, second])
+        values[np.abs(values) < _ROUNDING_OF_PRODUCT] = 0.0
+        if not values.any():
+            return
+        product = np.zeros((len(frequency), len(frequency)))
+        product[first, second] = product[second, first] = values
+        shapes.correct(slice(None), 0.5 * product)
 
 
-def relative_gap(frequency: FloatArray, group: IntArray) -> float:
+def _close_pairs(frequency: FloatArray) -> tuple[IntArray, IntArray]:
+    """Pairs of modes nearer to each other than `_CLOSE_OF_SHAFTS`, relative."""
+    last = np.searchsorted(frequency, frequency * (1.0 + _CLOSE_OF_SHAFTS), side="right")
+    number = last - np.arange(len(frequency)) - 1
+    first = np.repeat(np.arange(len(frequency)), number)
+    begins = np.repeat(np.cumsum(number) - number, number)
+    return first, first + 1 + np.arange(len(first)) - begins
+
+
+def _relative_gap(frequency: FloatArray, group: IntArray) -> float:
     """Relative distance from the group's frequency to the nearest other one, at most 1."""
     here = frequency[group[0]]
     others = np.delete(frequency, group)
@@ -107,7 +214,16 @@ def orthonormal(weighted: FloatArray) -> FloatArray:
     return matrix
 
 
-def telling_apart(basis: FloatArray) -> FloatArray:
+def _from_products(products: FloatArray) -> FloatArray:
+    """Matrix that makes shapes with these inner products orthonormal."""
+    scale = 1.0 / np.sqrt(np.diag(products))
+    even = scale[:, None] * (0.5 * (products + products.T)) * scale
+    values, vectors = np.linalg.eigh(even)
+    matrix: FloatArray = scale[:, None] * (vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny)))
+    return matrix
+
+
+def _separating(basis: FloatArray) -> FloatArray:
     """Rotation after which each column of `basis` is zero in the rows where those before it are largest."""
     if basis.shape[1] == 1:
         return np.ones((1, 1))

@@ -2,24 +2,13 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from torsion.kernels.outward import Equations
-from torsion.kernels.sweeps import Layout
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.sweeps import Equations, Layout
 
 BLOCK_VALUES = 2**14  # stations times columns treated at once: 256 KiB of each array
-
-
-@dataclass(frozen=True)
-class Run:
-    """Spans numbered in a row whose parents are numbered in a row as well; a chain is one run."""
-
-    child: int
-    parent: int
-    count: int
 
 
 @dataclass(frozen=True)
@@ -32,38 +21,8 @@ class Amplitudes:
     torque_size: FloatArray
 
 
-@dataclass(frozen=True)
-class Scratch:
-    """Memory for the equations of one block, (stations of block, columns) each, used again and again."""
-
-    error: ComplexArray
-    scale: FloatArray  # sum of the magnitudes of the terms
-    size: FloatArray
-
-    @classmethod
-    def of(cls, height: int, columns: int) -> "Scratch":
-        """Scratch for blocks of `height` stations."""
-        shape = height, columns
-        return cls(np.empty(shape, dtype=np.complex128), np.empty(shape), np.empty(shape))
-
-    def part(self, height: int) -> "Scratch":
-        """The first lines."""
-        return Scratch(self.error[:height], self.scale[:height], self.size[:height])
-
-
-def runs(spans: Iterable[tuple[int, int]]) -> list[Run]:
-    """Spans, (child, parent) each, in as few runs as they form in the order given."""
-    found: list[list[int]] = []
-    for child, parent in spans:
-        if found and found[-1][0] + found[-1][2] == child and found[-1][1] + found[-1][2] == parent:
-            found[-1][2] += 1
-        else:
-            found.append([child, parent, 1])
-    return [Run(*run) for run in found]
-
-
 def equilibrium_residual(plan: Layout, given: Equations, answer: Amplitudes) -> FloatArray:
-    """Worst relative residual, (columns,), over every station that is not held and every span.
+    """Worst relative residual, (columns,), over every station that is not fixed and every span.
 
     Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
     all zero is satisfied.
@@ -71,65 +30,65 @@ def equilibrium_residual(plan: Layout, given: Equations, answer: Amplitudes) -> 
     size, columns = answer.angle.shape
     worst = np.zeros(columns)
     height = min(size, max(1, BLOCK_VALUES // max(columns, 1)))
-    scratch = Scratch.of(height, columns)
+    errors, (scales, sizes) = np.empty((height, columns), dtype=np.complex128), np.empty((2, height, columns))
     for start in range(0, size, height):
         block = slice(start, min(start + height, size))
-        room = scratch.part(block.stop - start)
-        for equations in (_of_stations, _of_spans):
-            np.fmax(worst, np.fmax.reduce(equations(plan, given, answer, block, room), axis=0), out=worst)
+        error, scale, relative = (part[: block.stop - start] for part in (errors, scales, sizes))
+        stations = _of_stations, given.force, plan.held
+        spans = _of_spans, given.twist, [parent < 0 for parent in plan.parent]
+        for equations, acting, without in (stations, spans):
+            equations(plan, given, answer, block, error, scale)
+            for line, row in enumerate(acting[block]):
+                if row is not None:
+                    error[line] -= row
+                    scale[line] += np.abs(row)
+            np.abs(error, out=relative)
+            np.divide(relative, scale, out=relative)
+            relative[without[block]] = 0
+            np.fmax(worst, np.fmax.reduce(relative, axis=0), out=worst)
     return worst
 
 
-def _of_stations(plan: Layout, given: Equations, answer: Amplitudes, block: slice, room: Scratch) -> FloatArray:
-    """Equilibrium of the torques on each station, (stations of block, columns)."""
-    error = np.multiply(given.own[block], answer.angle[block], out=room.error)
-    scale = np.abs(error, out=room.scale)
+def _of_stations(
+    plan: Layout, given: Equations, answer: Amplitudes, block: slice, error: ComplexArray, scale: FloatArray
+) -> None:
+    """Equilibrium of the torques on each station, and the magnitudes in it, (stations of block, columns) each."""
+    np.multiply(given.own[block], answer.angle[block], out=error)
+    np.abs(error, out=scale)
     error -= answer.torque[block]
     scale += answer.torque_size[block]
-    for run in runs((child, i) for i in range(block.start, block.stop) for child in plan.children[i]):
-        here, there = _rows(run.parent - block.start, run.count), _rows(run.child, run.count)
-        error[here] += answer.torque[there]
-        scale[here] += answer.torque_size[there]
-    _take_in(room, given.force, block)
-    return _relative(room, plan.held[block])
+    for there, here in _runs((child, i) for i in range(block.start, block.stop) for child in plan.children[i]):
+        mine = slice(here.start - block.start, here.stop - block.start)
+        error[mine] += answer.torque[there]
+        scale[mine] += answer.torque_size[there]
 
 
-def _of_spans(plan: Layout, given: Equations, answer: Amplitudes, block: slice, room: Scratch) -> FloatArray:
-    """Angles at both ends of each span and its own, (spans of block, columns)."""
+def _of_spans(
+    plan: Layout, given: Equations, answer: Amplitudes, block: slice, error: ComplexArray, scale: FloatArray
+) -> None:
+    """Angles at both ends of each span and its own, and the magnitudes in them, (spans of block, columns) each."""
     hc = given.compliance[block]
     hc = hc[:, None] if hc.ndim == 1 else hc
-    error, scale = np.multiply(hc, answer.torque[block], out=room.error), room.scale
+    np.multiply(hc, answer.torque[block], out=error)
     if hc.shape[1] == 1:
         np.multiply(np.abs(hc), answer.torque_size[block], out=scale)
     else:
         np.abs(error, out=scale)
     error += answer.angle[block]
     scale += answer.angle_size[block]
-    parents = plan.parent[block]
-    for run in runs((i, parent) for i, parent in enumerate(parents, block.start) if parent >= 0):
-        here, there = _rows(run.child - block.start, run.count), _rows(run.parent, run.count)
-        error[here] -= answer.angle[there]
-        scale[here] += answer.angle_size[there]
-    _take_in(room, given.twist, block)
-    return _relative(room, [parent < 0 for parent in parents])
+    inner = plan.parent[block]
+    for here, there in _runs((i, parent) for i, parent in enumerate(inner, block.start) if parent >= 0):
+        mine = slice(here.start - block.start, here.stop - block.start)
+        error[mine] -= answer.angle[there]
+        scale[mine] += answer.angle_size[there]
 
 
-def _rows(first: int, count: int) -> slice:
-    return slice(first, first + count)
-
-
-def _take_in(room: Scratch, given: Any, block: slice) -> None:
-    """Subtract what is given of forces or twists."""
-    for line, row in enumerate(given[block]):
-        if row is not None:
-            room.error[line] -= row
-            room.scale[line] += np.abs(row)
-
-
-def _relative(room: Scratch, without: list[bool]) -> FloatArray:
-    """|error|/scale, 0 in the lines `without` an equation."""
-    np.abs(room.error, out=room.size)
-    np.divide(room.size, room.scale, out=room.size)
-    if any(without):
-        room.size[without] = 0
-    return room.size
+def _runs(spans: Iterable[tuple[int, int]]) -> list[tuple[slice, slice]]:
+    """Spans, (child, parent) each, in as few runs of both as they form in the order given; a chain is one run."""
+    found: list[list[int]] = []
+    for child, parent in spans:
+        if found and found[-1][0] + found[-1][2] == child and found[-1][1] + found[-1][2] == parent:
+            found[-1][2] += 1
+        else:
+            found.append([child, parent, 1])
+    return [(slice(child, child + count), slice(parent, parent + count)) for child, parent, count in found]

@@ -1,18 +1,15 @@
-"""The tree that every sweep runs over: stations numbered from the root outward, one span to each parent."""
+"""The tree that every sweep runs over: stations numbered from the root to the leaves, one span to each parent."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.layers import Layer, layers_of
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-ComplexArray = NDArray[np.complex128]
-
 
 _STATIONS_WITHOUT_LAYERS = 16  # (measured)
 
@@ -22,13 +19,15 @@ class Tree:
     """A forest of stations; span i joins station i to `parent[i]`, and `parent[i] < i`.
 
     Everything is referred to one speed, so gear ratios are no longer seen. A spring to ground is a span to a
-    held leaf. A held station does not move; it is a root or a leaf.
+    fixed leaf. A fixed station does not move; it is a root or a leaf. The law of a span is a constant flexibility, or
+    that of a distributed shaft.
     """
 
     parent: IntArray  # (stations,), -1 at a root
-    flexibility: FloatArray  # (stations,) rad/(N m) of span i; 0 is rigid; 0 and unused at a root
-    inertia: FloatArray  # (stations,) kg m2; 0 is massless; unused where held
-    held: BoolArray  # (stations,)
+    flexibility: FloatArray  # (stations,) rad/(N m) of span i; 0 is rigid; unused at a root and of distributed shafts
+    inertia: FloatArray  # (stations,) kg m2; 0 is massless; unused where fixed
+    held: BoolArray  # (stations,) fixed
+    shafts: Shafts | None = None  # the spans with distributed inertia
 
     @property
     def size(self) -> int:
@@ -55,11 +54,6 @@ class Tree:
         return [station for station, parent in enumerate(self.parents) if parent < 0]
 
     @cached_property
-    def flexibilities(self) -> list[FloatArray]:
-        """`flexibility` as arrays of one value without axes, which numpy adds to a row faster than a float."""
-        return [self.flexibility[station, ...] for station in range(self.size)]
-
-    @cached_property
     def layers(self) -> tuple[Layer, ...] | None:
         """Stations of equal distance from their root; None where they are not numbered layer by layer."""
         return layers_of(self.parent)
@@ -76,23 +70,23 @@ class Tree:
 
     @cached_property
     def most_children(self) -> int:
-        """The largest number of spans outward of one station."""
+        """The largest number of spans from one station toward the leaves."""
         return int(np.bincount(self.parent + 1)[1:].max(initial=0))
 
     @cached_property
     def moving_inertia(self) -> FloatArray:
-        """Inertia (stations,) kg m2, 0 where held."""
+        """Inertia (stations,) kg m2, 0 where fixed."""
         return np.where(self.held, 0.0, self.inertia) if self.holds else self.inertia
 
     @cached_property
     def holds(self) -> bool:
-        """Any station is held."""
+        """Any station is fixed."""
         return bool(self.held.any())
 
     def own_stiffness(self, square: FloatArray) -> FloatArray:
-        """Dynamic stiffness (stations, m) N m/rad of each station alone at `square` (m,) of the angular frequency.
+        """Dynamic stiffness (stations, m) N m/rad of each station by itself at `square` (m,) of the angular frequency.
 
-        Infinite where held; written as a difference, so that a zero is positive.
+        Infinite where fixed; written as a difference, so that a zero is positive.
         """
         own: FloatArray = np.multiply.outer(self.moving_inertia, square)
         np.subtract(0.0, own, out=own)
@@ -107,6 +101,65 @@ class Tree:
 
     @cached_property
     def is_plain(self) -> bool:
-        """One root, no rigid span, and every station moves and has inertia."""
+        """One root, no rigid span, no distributed shaft, and every station moves and has inertia."""
         rigid, roots = self.size - int(np.count_nonzero(self.flexibility[1:])), self.parents.count(-1)
-        return rigid == roots == 1 and not self.holds and bool(self.inertia.min() > 0.0)
+        return rigid == roots == 1 and not self.holds and self.shafts is None and bool(self.inertia.min() > 0.0)
+
+    @cached_property
+    def shaft_of(self) -> list[int]:
+        """Distributed shaft that each station's span is; -1 for a spring or a root."""
+        shaft = [-1] * self.size
+        for number, node in enumerate([] if self.shafts is None else self.shafts.node.tolist()):
+            shaft[node] = number
+        return shaft
+
+    @cached_property
+    def springs(self) -> IntArray:
+        """Stations whose span is no distributed shaft, roots among them."""
+        return np.flatnonzero(np.array(self.shaft_of) < 0)
+
+    @cached_property
+    def shaft_parent(self) -> IntArray:
+        """Station (shafts,) at the root end of each distributed shaft."""
+        return np.empty(0, dtype=np.int64) if self.shafts is None else self.parent[self.shafts.node]
+
+    @cached_property
+    def static(self) -> "Tree":
+        """The tree at frequency 0, each shaft a flexibility between two inertias: its rigid motions are right."""
+        if self.shafts is None:
+            return self
+        flexibility, inner, outer = (values[:, 0] for values in self.shafts.at(np.zeros(1)))
+        whole, inertia = self.flexibility.copy(), self.inertia.copy()
+        whole[self.shafts.node] = flexibility
+        self.add_ends(inertia, inner, outer)
+        return replace(self, flexibility=whole, inertia=inertia, shafts=None)
+
+    @cached_property
+    def _rounds(self) -> tuple[IntArray, ...]:
+        """The shafts in groups within which no two begin at one station."""
+        if len(set(self.shaft_parent.tolist())) == len(self.shaft_parent):
+            return (np.arange(len(self.shaft_parent)),)
+        order = np.argsort(self.shaft_parent, kind="stable")
+        _, first, length = np.unique(self.shaft_parent[order], return_index=True, return_counts=True)
+        rank = np.arange(len(order)) - np.repeat(first, length)
+        return tuple(order[rank == k] for k in range(int(length.max(initial=0))))
+
+    def add_ends(self, total: NDArray[Any], inner: NDArray[Any], outer: NDArray[Any]) -> None:
+        """Add what the ends of every shaft bring, (shafts, ...) each, to that of the stations (stations, ...)."""
+        if self.shafts is not None:
+            total[self.shafts.node] += outer
+            for part in self._rounds:
+                total[self.shaft_parent[part]] += inner[part]
+
+    def flexibilities(self, of_shafts: FloatArray | None = None) -> list[FloatArray]:
+        """A row a span: of `of_shafts` (shafts, m) for a shaft, one value without axes, which is fast, for a spring."""
+        if self.shafts is None or of_shafts is None:
+            return self._of_springs
+        rows = list(self._of_springs)
+        for node, row in zip(self.shafts.node.tolist(), of_shafts, strict=True):
+            rows[node] = row
+        return rows
+
+    @cached_property
+    def _of_springs(self) -> list[FloatArray]:
+        return [self.flexibility[station, ...] for station in range(self.size)]

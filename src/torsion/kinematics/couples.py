@@ -3,18 +3,18 @@
 A joint without friction carries a couple along the normal of its cross; what each shaft does not pass on as torque
 bends it. Fixed axes of a shaft of direction d at a joint of plane normal n = d_driving x d_driven/sin(angle):
 `normal` about n, `inplane` about d x n. A couple is what the joint puts on that shaft. With T the constant torque, x
-the angle of the shaft that carries it and s, t = sin, tan(angle), the couples hold a mean and twice a turn only.
+the angle of the shaft that carries it and s, t = sin, tan(angle), the couples have a mean and order 2 only.
 """
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from torsion.kinematics.cross import Array, Convention, transfer
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kinematics.cross import Convention, transfer
 
-ComplexArray = NDArray[np.complex128]
 Carrier = Literal["driving", "driven"]  # the shaft whose torque is constant
 
 
@@ -22,11 +22,11 @@ Carrier = Literal["driving", "driven"]  # the shaft whose torque is constant
 class Couple:
     """Couple on one shaft in fixed axes, N m."""
 
-    normal: Array
-    inplane: Array
+    normal: FloatArray
+    inplane: FloatArray
 
     @property
-    def size(self) -> Array:
+    def size(self) -> FloatArray:
         """Magnitude, N m."""
         return np.hypot(self.normal, self.inplane)
 
@@ -38,19 +38,19 @@ class Couples:
     At driving angle 0 the driving pin points along n (convention N) or d x n (P), the driven pin along d x n or -n.
     """
 
-    driving_torque: Array
-    driven_torque: Array
+    driving_torque: FloatArray
+    driven_torque: FloatArray
     driving: Couple
     driven: Couple
-    driving_yoke: Array  # on the driving shaft, about d x pin turning with its yoke; none about the pin itself
-    driven_yoke: Array  # on the driven shaft, likewise
+    driving_yoke: FloatArray  # on the driving shaft, about d x pin turning with its yoke; none about the pin itself
+    driven_yoke: FloatArray  # on the driven shaft, likewise
 
 
 @dataclass(frozen=True, slots=True)
 class Harmonic:
     """mean + Re(second exp(2 i x)) over the angle x of the shaft with the constant torque; N m."""
 
-    mean: Array
+    mean: FloatArray
     second: ComplexArray
 
 

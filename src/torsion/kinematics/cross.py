@@ -12,54 +12,55 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from torsion.arrays import FloatArray
 
 Convention = Literal["P", "N"]
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
     """What a joint does to an angle: driven minus driving angle and the derivatives of the driven angle."""
 
-    error: Array  # rad
-    ratio: Array  # first derivative: driven speed / driving speed
-    curvature: Array  # second derivative, 1/rad: driven acceleration / driving speed^2 at constant driving speed
+    error: FloatArray  # rad
+    ratio: FloatArray  # first derivative: driven speed / driving speed
+    curvature: FloatArray  # second derivative, 1/rad: driven acceleration / driving speed^2 at constant driving speed
 
 
 @dataclass(frozen=True, slots=True)
 class Extremes:
-    """Extremes over a turn and the driving angle x, 0 <= x < pi, at which each first occurs; rad.
+    """Extremes over a revolution and the driving angle x, 0 <= x < pi, at which each first occurs; rad.
 
     Greatest error and curvature: the least are their negatives, at the driving angle mirrored, pi - x.
     """
 
-    error: Array
-    error_at: Array
-    ratio_greatest: Array
-    ratio_greatest_at: Array
-    ratio_least: Array
-    ratio_least_at: Array
-    curvature: Array
-    curvature_at: Array
+    error: FloatArray
+    error_at: FloatArray
+    ratio_greatest: FloatArray
+    ratio_greatest_at: FloatArray
+    ratio_least: FloatArray
+    ratio_least_at: FloatArray
+    curvature: FloatArray
+    curvature_at: FloatArray
 
 
-def unevenness(angle: ArrayLike) -> Array:
+def unevenness(angle: ArrayLike) -> FloatArray:
     """q = tan(angle/2)^2: order-2 amplitude of the transmission error, rad."""
-    half: Array = np.tan(np.asarray(angle, dtype=float) / 2.0)
+    half: FloatArray = np.tan(np.asarray(angle, dtype=float) / 2.0)
     return half * half
 
 
-def rapidity(angle: ArrayLike) -> Array:
+def rapidity(angle: ArrayLike) -> FloatArray:
     """ln(1/cos(angle)), the logarithm of the greatest speed ratio; q = tanh(rapidity/2)."""
-    slope: Array = np.tan(np.asarray(angle, dtype=float))
+    slope: FloatArray = np.tan(np.asarray(angle, dtype=float))
     return 0.5 * np.log1p(slope * slope)
 
 
-def fluctuation(angle: ArrayLike) -> Array:
+def fluctuation(angle: ArrayLike) -> FloatArray:
     """(greatest - least)/mean driven speed at constant driving speed: 1/cos(angle) - cos(angle)."""
     bend = np.asarray(angle, dtype=float)
-    result: Array = np.sin(bend) * np.tan(bend)
+    result: FloatArray = np.sin(bend) * np.tan(bend)
     return result
 
 
@@ -82,7 +83,7 @@ def behind(before: Transfer, joint: Transfer) -> Transfer:
     return Transfer(before.error + joint.error, joint.ratio * rate, gain)
 
 
-def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Array:
+def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
     """Driven speed / driving speed: c/(1 - (s cos x)^2) in convention P, c/(1 - (s sin x)^2) in N."""
     return transfer(driving, angle, convention).ratio
 

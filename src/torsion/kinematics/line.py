@@ -10,23 +10,22 @@ shaft a rotation; their product is again one such map: every line turns as a sin
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from torsion.kinematics.cross import Array, Transfer, behind, rapidity, transfer
-
-ComplexArray = NDArray[np.complex128]
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kinematics.cross import Transfer, behind, rapidity, transfer
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
     """Joints in the direction of power flow; arrays (..., joints), rad; leading axes are lines side by side."""
 
-    angle: Array
-    plane: Array  # 0 of the first joint
-    phase: Array
+    angle: FloatArray
+    plane: FloatArray  # 0 of the first joint
+    phase: FloatArray
 
     @property
-    def offset(self) -> Array:
+    def offset(self) -> FloatArray:
         """Added to an angle on its way from joint to joint, to count it in convention P; (..., joints), rad."""
         shift = self.phase - self.plane
         shift[..., 1:] += np.pi / 2.0
@@ -37,10 +36,10 @@ class Line:
 class Motion:
     """Motion of the shaft behind each joint; arrays of shape (joints, *driving.shape)."""
 
-    error: Array  # shaft's angle minus driving angle, rad
-    speed: Array  # rad/s, or a ratio if the driving speed was 1
-    acceleration: Array  # rad/s^2
-    yoke: Array  # rad: this joint's driving yoke from this joint's plane (x of convention P)
+    error: FloatArray  # shaft's angle minus driving angle, rad
+    speed: FloatArray  # rad/s, or a ratio if the driving speed was 1
+    acceleration: FloatArray  # rad/s^2
+    yoke: FloatArray  # rad: this joint's driving yoke from this joint's plane (x of convention P)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,37 +49,37 @@ class Resultant:
     The shaft behind runs at cosh/sinh of `rapidity`: greatest ratio exp(rapidity), least exp(-rapidity).
     """
 
-    rapidity: Array
-    phase: Array  # rad, convention P: the greatest speed stands at driving angle -phase (modulo pi)
-    lead: Array  # rad: mean over the driving angle of the shaft's angle minus the driving angle
+    rapidity: FloatArray
+    phase: FloatArray  # rad, convention P: the greatest speed stands at driving angle -phase (modulo pi)
+    lead: FloatArray  # rad: mean over the driving angle of the shaft's angle minus the driving angle
 
     @property
-    def unevenness(self) -> Array:
+    def unevenness(self) -> FloatArray:
         """q of the equivalent joint: order-2 amplitude of the line's transmission error, rad."""
         return np.tanh(self.rapidity / 2.0)
 
     @property
-    def angle(self) -> Array:
+    def angle(self) -> FloatArray:
         """Angle of the equivalent joint, rad."""
         return 2.0 * np.arctan(np.sqrt(self.unevenness))
 
     @property
-    def greatest(self) -> Array:
+    def greatest(self) -> FloatArray:
         """Greatest speed ratio."""
         return np.exp(self.rapidity)
 
     @property
-    def least(self) -> Array:
+    def least(self) -> FloatArray:
         """Least speed ratio."""
         return np.exp(-self.rapidity)
 
     @property
-    def index(self) -> Array:
+    def index(self) -> FloatArray:
         """Index of fluctuation, (greatest - least)/mean speed at constant driving speed (Ma 2011, eq. 6)."""
         return 2.0 * np.sinh(self.rapidity)
 
     @property
-    def greatest_at(self) -> Array:
+    def greatest_at(self) -> FloatArray:
         """Driving angle of the greatest speed, rad, 0 <= angle < pi; the least stands 90 degrees from it."""
         return np.mod(-self.phase, np.pi)
 
@@ -127,7 +126,7 @@ def residue(line: Line) -> ComplexArray:
     return _products(line)[1][..., -1]
 
 
-def _products(line: Line) -> tuple[ComplexArray, ComplexArray, Array]:
+def _products(line: Line) -> tuple[ComplexArray, ComplexArray, FloatArray]:
     """A, B of the disk maps (A z + B)/(B* z + A*), |A|^2 - |B|^2 = 1, up to each joint, and their mean lead, rad.
 
     The lead of a joint is the mean of its error over the line's own driving angle: the value at z = 0, for the error
@@ -149,15 +148,15 @@ def _products(line: Line) -> tuple[ComplexArray, ComplexArray, Array]:
     return first, second, np.cumsum(shift, axis=-1)
 
 
-def classical_angle(line: Line) -> Array:
+def classical_angle(line: Line) -> FloatArray:
     """Resulting joint angle of the handbooks, sqrt|sum angle^2 exp(2 i gamma)| for small angles, rad, shape (...)."""
     gamma = np.cumsum(line.offset, axis=-1)
-    total: Array = np.abs(np.sum(line.angle**2 * np.exp(2j * gamma), axis=-1))
+    total: FloatArray = np.abs(np.sum(line.angle**2 * np.exp(2j * gamma), axis=-1))
     return np.sqrt(total)
 
 
-def rapidity_bound(line: Line) -> Array:
+def rapidity_bound(line: Line) -> FloatArray:
     """Least rapidity that phases or planes alone can reach, shape (...): that of the polygon that does not close."""
     sizes = rapidity(line.angle)
-    excess: Array = 2.0 * sizes.max(axis=-1) - sizes.sum(axis=-1)
+    excess: FloatArray = 2.0 * sizes.max(axis=-1) - sizes.sum(axis=-1)
     return np.maximum(0.0, excess)

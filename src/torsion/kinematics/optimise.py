@@ -11,11 +11,12 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.kinematics.cross import Array, rapidity
+from torsion.arrays import FloatArray
+from torsion.kinematics.cross import rapidity
 from torsion.kinematics.line import Line, Resultant, rapidity_bound, residue, resultant
 
 Variable = Literal["phase", "plane", "angle"]
-_STARTS = 8  # spread starts besides the line as it is; folded polygons are saddles, which a spread start leaves
+_STARTS = 8  # spread starts besides the line as it is; polygons bent back on themselves are saddles
 _LIMIT = np.radians(89.99)  # of a joint's angle
 
 
@@ -26,7 +27,7 @@ class Optimum:
     line: Line
     before: Resultant
     after: Resultant
-    sensitivity: Array  # index of fluctuation if that joint is `assembly_error` off, the worse of both senses; (free,)
+    sensitivity: FloatArray  # (free,) index of fluctuation if that joint is `assembly_error` off, worse of both senses
 
 
 def optimise(
@@ -47,7 +48,7 @@ def optimise(
     return Optimum(best, resultant(line), resultant(best), _sensitivity(best, variable, free, assembly_error))
 
 
-def index_over(line: Line, variable: Variable, joint: int, values: Array) -> Array:
+def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -> FloatArray:
     """Index of fluctuation of the line, shape (values,), as one joint's phase, plane or angle takes the values, rad."""
     many = Line(*(np.tile(each, (values.size, 1)) for each in (line.angle, line.plane, line.phase)))
     getattr(many, variable)[:, joint] = values
@@ -70,18 +71,18 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
     """Least squares of (Re B, Im B) from the line as it is and from spread starts; the first of the least wins."""
     from scipy.optimize import least_squares
 
-    def lack(values: Array) -> Array:
+    def lack(values: FloatArray) -> FloatArray:
         closing = residue(_with(line, variable, free, values))
         return np.array([closing.real, closing.imag])
 
-    def slope(values: Array) -> Array:  # B holds exp(+-i phase) only: its derivative is B a quarter turn on
+    def slope(values: FloatArray) -> FloatArray:  # B holds exp(+-i phase) only: its derivative is B at pi/2 more
         return np.stack([lack(values + quarter) for quarter in np.pi / 2.0 * np.eye(len(free))], axis=1)
 
     bounds = (0.0, _LIMIT) if variable == "angle" else (-np.inf, np.inf)
     bound = float(np.sinh(rapidity_bound(line) / 2.0)) if variable != "angle" else 0.0
     rounding = 4.0 * np.finfo(float).eps * line.angle.size * float(np.exp(rapidity(line.angle).sum() / 2.0))
     spread = np.random.default_rng(0).uniform(0.0, np.pi / 2.0, (_STARTS, len(free)))
-    found: list[tuple[float, Array]] = []
+    found: list[tuple[float, FloatArray]] = []
     for start in (getattr(line, variable)[list(free)], *spread):
         answer = least_squares(
             lack, start, "3-point" if variable == "angle" else slope, bounds, xtol=1e-15, ftol=1e-15, gtol=None
@@ -92,7 +93,7 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
     return _with(line, variable, free, min(found, key=lambda pair: pair[0])[1])
 
 
-def _sensitivity(line: Line, variable: Variable, free: tuple[int, ...], error: float) -> Array:
+def _sensitivity(line: Line, variable: Variable, free: tuple[int, ...], error: float) -> FloatArray:
     """Index with one free joint off by +-error, the worse sense; (free,)."""
     worst = []
     for joint in free:
@@ -102,7 +103,7 @@ def _sensitivity(line: Line, variable: Variable, free: tuple[int, ...], error: f
     return np.array(worst)
 
 
-def _with(line: Line, variable: Variable, joints: tuple[int, ...], values: Array) -> Line:
+def _with(line: Line, variable: Variable, joints: tuple[int, ...], values: FloatArray) -> Line:
     """The line with other values at some joints."""
     changed = np.array(getattr(line, variable))
     changed[list(joints)] = values

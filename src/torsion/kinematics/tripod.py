@@ -2,7 +2,7 @@
 
 The driving shaft carries three lines parallel to itself at `radius` (lambda of Chang and Li), the driven shaft three
 arms square to itself; each arm meets its line. With a single bearing the driven shaft pivots about a point at `arm`
-(L) from the joint and its end runs around three times a turn; with twin bearings the joint is of constant velocity.
+(L) from the joint and its end runs around three times a revolution; a joint of twin bearings is of constant velocity.
 The driving angle counts from the plane's normal n = d_driving x d_driven/sin(angle): arm 0 stands along n at 0.
 Fixed axes as of cross joints: `normal` about n, `inplane` about d x n; couples are what the joint puts on that shaft.
 """
@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kinematics.cross import Array
 
 _STEPS = 30  # Newton doubles the digits: any joint that can turn is solved in fewer than ten
 
@@ -22,33 +22,35 @@ _STEPS = 30  # Newton doubles the digits: any joint that can turn is solved in f
 class TripodMotion:
     """Motion of a single-bearing joint over its driving angle."""
 
-    error: Array  # driven minus driving angle, rad
-    ratio: Array  # driven speed / driving speed
-    bend: Array  # angle between the shafts as they stand, rad
-    swing: Array  # of their plane about the driving shaft, rad
-    orbit: tuple[Array, Array]  # of the spider's centre from the driving axis, m: along n, along d_driving x n
+    error: FloatArray  # driven minus driving angle, rad
+    ratio: FloatArray  # driven speed / driving speed
+    bend: FloatArray  # angle between the shafts as they stand, rad
+    yaw: FloatArray  # of their plane about the driving shaft, rad
+    orbit: tuple[FloatArray, FloatArray]  # m, of the spider's centre off the driving axis: along n, d_driving x n
 
 
 @dataclass(frozen=True, slots=True)
 class TripodStatics:
     """Torque and couples at a constant driving torque, N m; force of the joint across the driving shaft, N."""
 
-    torque: Array  # driven
-    driving_normal: Array  # U1 of Chang and Li
-    driving_inplane: Array  # V1
-    driven_inplane: Array  # V2
-    force: tuple[Array, Array]  # on the driving shaft: along n, along d_driving x n
+    torque: FloatArray  # driven
+    driving_normal: FloatArray  # U1 of Chang and Li
+    driving_inplane: FloatArray  # V1
+    driven_inplane: FloatArray  # V2
+    force: tuple[FloatArray, FloatArray]  # on the driving shaft: along n, along d_driving x n
 
     @property
-    def couple(self) -> Array:
+    def couple(self) -> FloatArray:
         """Magnitude of the couple on the driving shaft (M1), N m."""
         return np.hypot(self.driving_normal, self.driving_inplane)
 
 
-def error_size(angle: ArrayLike, radius: ArrayLike, arm: ArrayLike) -> Array:
+def error_size(angle: ArrayLike, radius: ArrayLike, arm: ArrayLike) -> FloatArray:
     """Amplitude, rad, of cos 3 x in the transmission error, to first order in radius/arm (Chang and Li, eq. 1)."""
     bend = np.asarray(angle, dtype=float)
-    size: Array = np.asarray(radius, dtype=float) / (2.0 * np.asarray(arm)) * np.tan(bend / 2.0) ** 2 * np.tan(bend)
+    size: FloatArray = (
+        np.asarray(radius, dtype=float) / (2.0 * np.asarray(arm)) * np.tan(bend / 2.0) ** 2 * np.tan(bend)
+    )
     return size
 
 
@@ -62,25 +64,25 @@ def exact_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: A
 
     A spider on a shaft of free end turns as the driving shaft does, and its centre runs on the orbit
     radius/2 ((sec b - 1) cos 3(x - w), (1 - cos b) sin 3(x - w)) in the axes of the plane as it stands, b the bend
-    and w the swing; the pivot ties both to the centre. The error is the spherical excess that the swing sweeps.
+    and w the yaw; the pivot ties both to the centre. The error is the spherical excess that the yaw sweeps.
     Raises SolveError if the end of the shaft cannot run around (radius tan(angle) not small against arm).
     """
     given = np.broadcast_arrays(driving, angle, radius, arm)
     turned, nominal, offset, length = (np.asarray(each, dtype=float) for each in given)
     sine, share = np.sin(nominal), offset / (2.0 * length)
-    stretch, swing = _standing(turned, sine, share)
-    bend = np.arcsin(stretch * sine)
-    stretching, swinging = _rates(turned, sine, share, stretch, swing)
+    gain, yaw = _standing(turned, sine, share)
+    bend = np.arcsin(gain * sine)
+    gaining, yawing = _rates(turned, sine, share, gain, yaw)
     half, rest = np.tan(bend / 2.0), np.tan(nominal / 2.0)
-    above, below = half * rest * np.sin(swing), 1.0 + half * rest * np.cos(swing)
-    opening = sine * stretching / (np.cos(bend) * (1.0 + np.cos(bend)))  # derivative of `half`
-    rising = rest * (opening * np.sin(swing) + half * np.cos(swing) * swinging)
-    falling = rest * (opening * np.cos(swing) - half * np.sin(swing) * swinging)
+    above, below = half * rest * np.sin(yaw), 1.0 + half * rest * np.cos(yaw)
+    opening = sine * gaining / (np.cos(bend) * (1.0 + np.cos(bend)))  # derivative of `half`
+    rising = rest * (opening * np.sin(yaw) + half * np.cos(yaw) * yawing)
+    falling = rest * (opening * np.cos(yaw) - half * np.sin(yaw) * yawing)
     slope = -2.0 * (below * rising - above * falling) / (above**2 + below**2)
-    local = 3.0 * (turned - swing)
-    centre = np.exp(1j * swing) * (np.tan(bend) * np.cos(local) + 1j * np.sin(bend) * np.sin(local))
+    local = 3.0 * (turned - yaw)
+    centre = np.exp(1j * yaw) * (np.tan(bend) * np.cos(local) + 1j * np.sin(bend) * np.sin(local))
     centre = offset / 2.0 * half * centre
-    return TripodMotion(-2.0 * np.arctan2(above, below), 1.0 + slope, bend, swing, (centre.real, centre.imag))
+    return TripodMotion(-2.0 * np.arctan2(above, below), 1.0 + slope, bend, yaw, (centre.real, centre.imag))
 
 
 def exact_statics(
@@ -90,8 +92,8 @@ def exact_statics(
     place = exact_motion(driving, angle, radius, arm)
     given = np.broadcast_arrays(driving, angle, radius, arm, torque, place.bend)
     turned, nominal, offset, length, carried = (np.asarray(each, dtype=float) for each in given[:-1])
-    shaft, outgoing = _direction(place.bend, place.swing), _direction(nominal, np.zeros_like(nominal))
-    contact, push = _contacts(turned, offset, length[..., None] * (outgoing - shaft), shaft, place.swing)
+    shaft, outgoing = _direction(place.bend, place.yaw), _direction(nominal, np.zeros_like(nominal))
+    contact, push = _contacts(turned, offset, length[..., None] * (outgoing - shaft), shaft, place.yaw)
     about = np.cross(contact - (length[..., None] * outgoing)[..., None, :], push)
     passed = (shaft + outgoing) / (1.0 + np.sum(shaft * outgoing, axis=-1, keepdims=True))
     size = np.linalg.solve(np.swapaxes(about, -1, -2), passed[..., None])[..., 0]
@@ -108,66 +110,77 @@ def exact_statics(
     )
 
 
-def constant_velocity_couple(angle: ArrayLike, torque: ArrayLike) -> Array:
+def constant_velocity_couple(angle: ArrayLike, torque: ArrayLike) -> FloatArray:
     """T tan(angle/2), N m: steady couple in the plane on either shaft of a twin tripod or another cv joint."""
-    slope: Array = np.tan(np.asarray(angle, dtype=float) / 2.0)
+    slope: FloatArray = np.tan(np.asarray(angle, dtype=float) / 2.0)
     return np.asarray(torque, dtype=float) * slope
 
 
-def _standing(turned: Array, sine: Array, share: Array) -> tuple[Array, Array]:
-    """(sin b/sin(angle), swing), by Newton on the two conditions that the pivot sets."""
-    stretch, swing = np.ones_like(turned), np.zeros_like(turned)
+def _standing(turned: FloatArray, sine: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(sin b/sin(angle), yaw), by Newton on the two conditions that the pivot sets."""
+    gain, yaw = np.ones_like(turned), np.zeros_like(turned)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         for _ in range(_STEPS):
-            first, second, _, _ = _pivot(turned, sine, share, stretch, swing)
-            steps = _solve(turned, sine, share, stretch, swing, (first, second))
-            stretch, swing = stretch - steps[0], swing - steps[1]
-            if not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps) and np.all(np.isfinite(stretch)):
-                return stretch, swing
+            first, second, _, _ = _pivot(turned, sine, share, gain, yaw)
+            steps = _solve(turned, sine, share, gain, yaw, (first, second))
+            gain, yaw = gain - steps[0], yaw - steps[1]
+            if not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps) and np.all(np.isfinite(gain)):
+                return gain, yaw
     raise SolveError("a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer")
 
 
-def _rates(turned: Array, sine: Array, share: Array, stretch: Array, swing: Array) -> tuple[Array, Array]:
-    """Derivatives of (sin b/sin(angle), swing) by the driving angle."""
-    _, _, near, far = _pivot(turned, sine, share, stretch, swing)
-    local = 3.0 * (turned - swing)
-    return _solve(turned, sine, share, stretch, swing, (3.0 * near * np.cos(local), 3.0 * far * np.sin(local)))
+def _rates(
+    turned: FloatArray, sine: FloatArray, share: FloatArray, gain: FloatArray, yaw: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Derivatives of (sin b/sin(angle), yaw) by the driving angle."""
+    _, _, near, far = _pivot(turned, sine, share, gain, yaw)
+    local = 3.0 * (turned - yaw)
+    return _solve(turned, sine, share, gain, yaw, (3.0 * near * np.cos(local), 3.0 * far * np.sin(local)))
 
 
-def _pivot(turned: Array, sine: Array, share: Array, stretch: Array, swing: Array) -> tuple[Array, Array, Array, Array]:
+def _pivot(
+    turned: FloatArray, sine: FloatArray, share: FloatArray, gain: FloatArray, yaw: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """What the pivot's two conditions lack, over sin(angle), and the orbit's half axes across and along n, likewise."""
-    cosine, local = np.sqrt(1.0 - (stretch * sine) ** 2), 3.0 * (turned - swing)
-    near = share * stretch**2 * sine / (1.0 + cosine)
+    cosine, local = np.sqrt(1.0 - (gain * sine) ** 2), 3.0 * (turned - yaw)
+    near = share * gain**2 * sine / (1.0 + cosine)
     far = near / cosine
-    return stretch - np.cos(swing) - near * np.sin(local), np.sin(swing) + far * np.cos(local), near, far
+    return gain - np.cos(yaw) - near * np.sin(local), np.sin(yaw) + far * np.cos(local), near, far
 
 
 def _solve(
-    turned: Array, sine: Array, share: Array, stretch: Array, swing: Array, right: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Solution of the pivot's conditions, made linear in (stretch, swing), for a right side."""
-    _, _, near, far = _pivot(turned, sine, share, stretch, swing)
-    cosine, local = np.sqrt(1.0 - (stretch * sine) ** 2), 3.0 * (turned - swing)
-    bending = stretch * sine**2 / cosine  # minus the derivative of cosine by stretch
-    growth = 2.0 * near / stretch + near * bending / (1.0 + cosine)
+    turned: FloatArray,
+    sine: FloatArray,
+    share: FloatArray,
+    gain: FloatArray,
+    yaw: FloatArray,
+    right: tuple[FloatArray, FloatArray],
+) -> tuple[FloatArray, FloatArray]:
+    """Solution of the pivot's conditions, made linear in (gain, yaw), for a right side."""
+    _, _, near, far = _pivot(turned, sine, share, gain, yaw)
+    cosine, local = np.sqrt(1.0 - (gain * sine) ** 2), 3.0 * (turned - yaw)
+    bending = gain * sine**2 / cosine  # minus the derivative of cosine by gain
+    growth = 2.0 * near / gain + near * bending / (1.0 + cosine)
     spread = growth / cosine + near * bending / cosine**2
-    corner = 1.0 - growth * np.sin(local), np.sin(swing) + 3.0 * near * np.cos(local)
-    other = spread * np.cos(local), np.cos(swing) + 3.0 * far * np.sin(local)
+    corner = 1.0 - growth * np.sin(local), np.sin(yaw) + 3.0 * near * np.cos(local)
+    other = spread * np.cos(local), np.cos(yaw) + 3.0 * far * np.sin(local)
     whole = corner[0] * other[1] - corner[1] * other[0]
     return (right[0] * other[1] - right[1] * corner[1]) / whole, (right[1] * corner[0] - right[0] * other[0]) / whole
 
 
-def _direction(bend: Array, swing: Array) -> Array:
+def _direction(bend: FloatArray, yaw: FloatArray) -> FloatArray:
     """Unit vector (..., 3) of the driven shaft in the axes n, d_driving x n, d_driving."""
     sine = np.sin(bend)
-    return np.stack((sine * np.sin(swing), -sine * np.cos(swing), np.cos(bend)), axis=-1)
+    return np.stack((sine * np.sin(yaw), -sine * np.cos(yaw), np.cos(bend)), axis=-1)
 
 
-def _contacts(turned: Array, radius: Array, centre: Array, shaft: Array, swing: Array) -> tuple[Array, Array]:
+def _contacts(
+    turned: FloatArray, radius: FloatArray, centre: FloatArray, shaft: FloatArray, yaw: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Where the three arms meet the three lines and the directions of their forces on the arms; each (..., 3, 3)."""
-    node = np.stack((np.cos(swing), np.sin(swing), np.zeros_like(swing)), axis=-1)
+    node = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
     place = turned[..., None] + 2.0 * np.pi / 3.0 * np.arange(3)
-    local = (place - swing[..., None])[..., None]
+    local = (place - yaw[..., None])[..., None]
     spoke = np.cos(local) * node[..., None, :] + np.sin(local) * np.cross(shaft, node)[..., None, :]
     flat = radius[..., None, None] * np.stack((np.cos(place), np.sin(place)), axis=-1) - centre[..., None, :2]
     square = np.sum(spoke[..., :2] ** 2, axis=-1)

@@ -1,4 +1,4 @@
-"""Declared results as plain data: dicts, lists, texts and numbers that are finite or None."""
+"""Declared results as plain data: dicts, lists, texts, arrays of real numbers, and numbers that are finite or None."""
 
 import math
 from enum import Enum
@@ -42,17 +42,12 @@ def finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def numbers(values: Any) -> Any:
-    """An array as nested lists, complex values as pairs; what is not finite is None."""
-    array: Any = np.asarray(values)
+def numbers(array: np.ndarray) -> np.ndarray:
+    """An array of real numbers: complex ones as pairs, both NaN where one part is not known."""
     if array.dtype.kind == "c":
         array = np.where(np.isnan(array), complex(np.nan, np.nan), array)
-        array = np.stack([array.real, array.imag], axis=-1)
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        known = np.isfinite(array)
-        array = array.astype(object)
-        array[~known] = None
-    return array.tolist()
+        return np.stack([array.real, array.imag], axis=-1)
+    return array
 
 
 def _result(value: Any, selection: Selection) -> Any:
@@ -76,6 +71,11 @@ def _result(value: Any, selection: Selection) -> Any:
     printed = {axis for one in declared for axis in one.printed}
     positions = {axis: selection.positions(axis) for axis in LISTED if axis in printed}
     return found[""] if "" in found else {**{LISTED[axis]: at for axis, at in positions.items()}, **found}
+
+
+def shown(value: Any, one: Quantity, selection: Selection) -> Any:
+    """A quantity of a result as every output shows it: reduced to what is reported, NaN where it is not known."""
+    return _reduced(_known(value, one), one, one.axes, selection)
 
 
 def _known(value: Any, one: Quantity) -> Any:

@@ -4,31 +4,37 @@ Format 1 may gain keys; a key that is there keeps its meaning. Complex amplitude
 and ratios are texts "a/b".
 """
 
-import json
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import torsion
 from torsion.analyses import ANALYSES
+from torsion.assembly.segment_groups import MOST_GROUPS
 from torsion.findings import Findings
+from torsion.output.document import Document
+from torsion.output.json_text import MOST_NUMBERS, SERIES, lines, listed, write_json
 from torsion.output.keys import Key, keys
 from torsion.output.plain import plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
-from torsion.output.selection import MOST_SEGMENTS, Selection
+from torsion.output.selection import Selection
 from torsion.plan import Plan
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 FORMAT = 1
-HEAD = ("scene", "plan")  # keys that every file of results has
-JOINTS, MODELS = ("joints", "checks"), ("check",)  # keys of the files of the joints, and of the models, alone
+HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has
 LEGEND = {
     "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
     "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
-    "own_speed": "angles, torques and inertias are told at the station's own speed, a span's at its driving station",
+    "own_speed": "angles, torques and inertias are those at the station's own speed, a span's at its driving station",
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
     "reference": "orders and speeds count from the component `scene.reference`",
     "status": "ok, near-singular or singular: how far a line can be trusted; where not ok, amplitudes are null",
-    "long_shafts": f"of a shaft of more than {MOST_SEGMENTS} segments stretches are told, as `name [first..last]`: "
+    "long_shafts": f"of a shaft of more than {MOST_GROUPS} segments groups are reported, as `name [first..last]`: "
     "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
+    "series": f"an array of more than {MOST_NUMBERS} numbers stands in {SERIES} beside this file, and here instead "
+    "{file, array, shape}: the file, the name of the array in it and its shape; null is NaN there, words are texts",
     "null": "no value, not a number, or infinite (a held station's inertia)",
 }
 
@@ -41,21 +47,42 @@ FIXED = (
 )
 
 
-def results(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Everything that was found; what was not requested is null or an empty list. `only`: those keys, and the head."""
-    chosen = Selection(findings.system)
-    head = {"scene": scene(findings.study), "stations": station_rows(chosen), "spans": span_rows(chosen)}
-    names = [name for analysis in ANALYSES.values() for name in analysis.results]
-    found = head | {name: findings.results.get(name) for name in (*names, "checks")} | {"plan": findings.plan}
-    kept = {name: plain(value, chosen) for name, value in found.items() if not only or name in (*HEAD, *only)}
-    program = {"name": "torsion", "version": torsion.__version__}
-    return {"format": FORMAT, "program": program, "legend": LEGEND} | kept
+def results(findings: Findings) -> dict[str, Any]:
+    """Everything that was found, in nested lists; what was not requested is null or an empty list."""
+    return {key: listed(make()) for key, make in _made(findings).items()}
 
 
 def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
-    """The results as JSON text, one line for each top-level key."""
-    rows = [f"{json.dumps(k)}: {json.dumps(v, allow_nan=False)}" for k, v in results(findings, only).items()]
-    return "{\n" + ",\n".join(rows) + "\n}\n"
+    """The results as JSON text, one line for each top-level key; `only`: of those keys, and the head."""
+    return "".join(text_pieces(findings, only))
+
+
+def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]:
+    """The same text, piece by piece, as it is made."""
+    return lines({key: make for key, make in _made(findings).items() if not only or key in (*HEAD, *only)})
+
+
+def rendered(document: Document) -> Callable[[Path], list[Path]]:
+    """What writes the results that a report is of into a file, and very long arrays into another beside it."""
+    only = document.report.keys
+    made = {key: make for key, make in _made(document.source).items() if not only or key in (*HEAD, *only)}
+    return partial(write_json, made)
+
+
+def _made(findings: Findings) -> dict[str, Callable[[], Any]]:
+    """What makes the value of every top-level key, with arrays in it."""
+    chosen = Selection(findings.system)
+    names = [name for analysis in ANALYSES.values() for name in analysis.results]
+    found: dict[str, Callable[[], Any]] = {
+        "format": lambda: FORMAT,
+        "program": lambda: {"name": "torsion", "version": torsion.__version__},
+        "legend": lambda: LEGEND,
+        "scene": lambda: plain(scene(findings.study), chosen),
+        "stations": lambda: plain(station_rows(chosen), chosen),
+        "spans": lambda: plain(span_rows(chosen), chosen),
+    }
+    found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
+    return found | {"plan": lambda: plain(findings.plan, chosen)}
 
 
 def documented() -> tuple[Key, ...]:

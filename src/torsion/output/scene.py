@@ -94,7 +94,7 @@ def station_rows(selection: Selection) -> tuple[StationRow, ...]:
         StationRow(
             name=station.name,
             component=parts[station.part].name,
-            kind=parts[station.part].component.keyword,
+            kind=parts[station.part].kind,
             speed_ratio=station.ratio,
             sense=station.sense,
             is_ground=station.is_ground,
@@ -115,7 +115,7 @@ def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
         SpanRow(
             name=names[place],
             component=parts[span.part].name,
-            kind=parts[span.part].component.keyword,
+            kind=parts[span.part].kind,
             driving_station=ends[place][0],
             driven_station=ends[place][1],
             ratio=span.ratio,

@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from torsion.assembly.segment_groups import MOST_GROUPS, SegmentGroups, segment_groups
 from torsion.assembly.system import System
-from torsion.report.elements import Element, elements
-from torsion.report.told import Told, told
+from torsion.output.elastic_elements import Element, elements
 from torsion.results import Quantity
 
-MOST_SEGMENTS = 2000  # of a shaft that are reported each by itself; of more, groups of them
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}
 
 
@@ -27,9 +26,9 @@ class Selection:
         self.system = system
 
     @cached_property
-    def groups(self) -> Told:
+    def groups(self) -> SegmentGroups:
         """Every station and span, or the groups of segments that stand for them."""
-        return told(self.system, MOST_SEGMENTS)
+        return segment_groups(self.system, MOST_GROUPS)
 
     @cached_property
     def elements(self) -> tuple[Element, ...]:

@@ -9,19 +9,18 @@ from torsion.fields import Declared
 if TYPE_CHECKING:
     from torsion.errors import Fault
     from torsion.findings import Results
-    from torsion.rules.base_rule import Rule
-    from torsion.rules.check import Check
+    from torsion.rules.verdict_line import Check, Rule
     from torsion.study import Study
 
 RULES = {  # name in the file: class
     "iacs-m68": "torsion.rules.m68:M68",
-    "coupling-maker": "torsion.rules.coupling:CouplingMaker",
-    "gear-hammer": "torsion.rules.gear:GearHammer",
+    "coupling-maker": "torsion.rules.coupling_maker:CouplingMaker",
+    "gear-hammer": "torsion.rules.gear_hammer:GearHammer",
     "universal-joints": "torsion.rules.universal_joints:UniversalJoints",
 }
 STANDING = {  # result that a rule judges which needs no name in the file: class
-    "stability": "torsion.rules.stability:StableMotion",
-    "lateral": "torsion.rules.bending:StableBending",
+    "stability": "torsion.rules.stable_motion:StableMotion",
+    "lateral": "torsion.rules.stable_bending:StableBending",
 }
 
 

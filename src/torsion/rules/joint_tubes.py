@@ -44,10 +44,10 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
         return None
     names = ", ".join(bar.name for bar in bars)
     ratio, bar, parts = train.stations[bars[0].driving].ratio, bars[0], tuple(bar.part for bar in bars)
-    if any(getattr(train.parts[part].component, "support", ()) for part in parts):
+    if any(train.shaft(bar).support for bar in bars):
         return Tube(names, parts, ratio, math.nan, _cannot_bend(train, parts), has_support=True)
     lacks, critical = "", math.nan
-    material = train.materials[getattr(train.parts[bar.part].component, "material", "steel")]
+    material = train.materials[train.shaft(bar).material]
     if len(bars) > 1 or any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces):
         lacks = "it is not one tube from joint to joint"
     elif bar.section is not None:

@@ -1,22 +1,29 @@
-"""The verdict on a value that is computed over speed: the worst point against its limit."""
+"""A rule over speed: what it reads, its clauses, and the worst point of each against its limit."""
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
+from pydantic import model_validator
 
+from torsion import fields
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.grid import missed_peaks
-from torsion.kernels.response import Status
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
-from torsion.rules.check import Check, Standing, verdict_of
-from torsion.rules.evidence import in_rpm
-
-if TYPE_CHECKING:
-    from torsion.analyses.response.over_speed import Line, Response
+from torsion.analyses.steady import SAME_SPEED, Steady
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import Fault, Path
+from torsion.fields import Declared, refuse, required
+from torsion.findings import Results
+from torsion.kernels.tree_response import Status
+from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
+from torsion.study import Study
 
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
+RATED = "rated: {speed: 1500 rpm, power: 100 kW}"  # what to write into the file
+MOSTLY = "mostly"  # note that stands for the harmonic component of the greatest torque
 
 
 @dataclass(frozen=True)
@@ -26,7 +33,7 @@ class Curve:
     speed: FloatArray  # (speeds,) rad/s of the reference station
     value: FloatArray  # (speeds,)
     limit: FloatArray  # (speeds,) NaN where the rule has no limit
-    status: IntArray  # (speeds,) kernels.response.Status of the worst line
+    status: IntArray  # (speeds,) kernels.tree_response.Status of the worst line
 
     def utilisation(self) -> FloatArray:
         """(speeds,) value / limit; infinite where the response is not ok, 0 where both are nothing."""
@@ -42,34 +49,68 @@ class Curve:
 
 @dataclass(frozen=True)
 class Clause:
-    """What a verdict is about."""
+    """What a verdict is about: a value over speed, its limit, and where it is judged."""
 
     rule: str
     clause: str
     where: str
     what: str
-    unit: str
     standing: Standing  # of its limit
+    curve: Curve
+    within: BoolArray  # (speeds,) speeds that are judged
+    unit: str = "N m"
+    notes: tuple[str, ...] = ()  # empty ones are left out
+    spans: IntArray | None = None  # (spans,) whose vibration it is; None for the mean torque
 
 
-def worst_status(response: "Response") -> IntArray:
-    """(speeds,) the worst status of any line at each speed."""
-    return np.asarray(np.max(response.status, axis=1, initial=Status.OK), dtype=np.int64)
+class RuleOverSpeed(Rule):
+    """Base of the rules whose clauses each judge the worst point of a value over speed."""
+
+    needs = ("steady", "response")
+
+    def clauses(self, evidence: Results, asked: Any) -> Iterator[Clause]:
+        """What it judges."""
+        return iter(())
+
+    def check(self, evidence: Results, asked: Any) -> tuple[Check, ...]:
+        """A verdict for every clause that has a speed."""
+        found = (judge(clause, evidence) for clause in self.clauses(evidence, asked))
+        return tuple(line for line in found if line is not None)
+
+    def speeds(self, study: Study, asked: Any) -> tuple[float, ...]:
+        """rad/s: the rated speed and the ends of continuous use."""
+        rated, use = study.operation.rated, asked.continuous
+        return (*(() if rated is None else (rated.speed,)), *(() if use is None else (use.first, use.last)))
+
+    def speeds_between(self, evidence: Results, asked: Any) -> FloatArray:
+        """(speeds,) rad/s between those computed at which a vibration may be worse."""
+        every = self.clauses(evidence, asked)
+        return between((clause.curve, clause.within) for clause in every if clause.spans is not None)
 
 
-def judge(clause: Clause, curve: Curve, within: BoolArray) -> Check | None:
-    """The check at the worst of the speeds `within`; None where there is no speed."""
-    if not np.any(within):
+def curve_of(speed: FloatArray, value: FloatArray, limit: float | FloatArray, of: Response | None = None) -> Curve:
+    """The values (speeds,) against a limit, with the worst status of any harmonic component `of` the response."""
+    status = np.zeros(len(speed), dtype=np.int64)
+    if of is not None:
+        status = np.asarray(np.max(of.status, axis=1, initial=Status.OK), dtype=np.int64)
+    return Curve(speed, value, np.broadcast_to(limit, value.shape), status)
+
+
+def judge(clause: Clause, evidence: Results) -> Check | None:
+    """The check at the worst of the speeds that are judged; None where there is no speed."""
+    curve = clause.curve
+    if not np.any(clause.within):
         return None
-    share = np.where(within, curve.utilisation(), -np.inf)
+    share = np.where(clause.within, curve.utilisation(), -np.inf)
     at = worst_of(share, curve.value)
-    unknown = status_words(curve, at)  # never a pass, whatever the limit
-    value = stated(curve.value[at]) if curve.status[at] == Status.OK else math.inf
+    is_known = curve.status[at] == Status.OK and np.isfinite(curve.value[at])
+    notes = [_largest_component(evidence, at, clause.spans) if note == MOSTLY else note for note in clause.notes]
     return Check(
         clause.rule, clause.clause, clause.where, clause.what,
-        value=value, limit=float(curve.limit[at]), unit=clause.unit,
-        verdict="fail" if unknown else verdict_of(bool(share[at] <= 1.0), clause.standing),
-        standing=clause.standing, speed=float(curve.speed[at]), note=unknown,
+        value=float(curve.value[at]) if is_known else math.inf, limit=float(curve.limit[at]), unit=clause.unit,
+        verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known else "fail",  # whatever the limit
+        standing=clause.standing, speed=float(curve.speed[at]),
+        note="; ".join(note for note in (_status_words(curve, at), *notes) if note),
     )  # fmt: skip
 
 
@@ -88,23 +129,13 @@ def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
     return missed_peaks(speed, share, np.ones((len(speed), 1), dtype=bool))[0]
 
 
-def noted(check: Check, *notes: str) -> Check:
-    """The check with further notes; empty ones are left out."""
-    return replace(check, note="; ".join(text for text in (check.note, *notes) if text))
-
-
 def worst_of(share: FloatArray, value: FloatArray) -> int:
     """The place of the greatest share; among infinite ones that of the greatest value."""
     top = np.flatnonzero(share == np.max(share))
     return int(top[np.argmax(np.where(np.isfinite(value[top]), value[top], np.inf))])
 
 
-def stated(value: float) -> float:
-    """A value as printed; infinite where there is none."""
-    return float(value) if np.isfinite(value) else float("inf")
-
-
-def status_words(curve: Curve, at: int) -> str:
+def _status_words(curve: Curve, at: int) -> str:
     """Why a number is not one to pass on; empty where the response is ok."""
     if curve.status[at] == Status.OK:
         return "" if np.isfinite(curve.value[at]) else f"no value at {in_rpm(curve.speed[at])}"
@@ -112,14 +143,114 @@ def status_words(curve: Curve, at: int) -> str:
     return f"the response is {word} at {in_rpm(curve.speed[at])}, which is never a pass"
 
 
-def largest_line(response: "Response", check: Check, spans: IntArray) -> str:
-    """Words for the line with the greatest torque in the spans at the speed of a check."""
-    if not response.lines or check.speed is None:
-        return ""
-    at = int(np.argmin(np.abs(response.speed - check.speed)))
-    size = np.abs(response.torque[at][:, spans]).max(axis=1)
+def _largest_component(evidence: Results, at: int, spans: IntArray | None) -> str:
+    """Words for the harmonic component with the greatest torque in the spans at a speed."""
+    response = evidence.need(Response)
+    size = np.abs(response.torque[at][:, slice(None) if spans is None else spans]).max(axis=1, initial=0.0)
     if not np.all(np.isfinite(size)) or not np.any(size > 0):
         return ""
-    line: Line = response.lines[int(np.argmax(size))]
+    line = response.lines[int(np.argmax(size))]
     name = f"order {line.order}" if line.order is not None else f"{line.frequency:.5g} Hz"
     return f"mostly {name} ({', '.join(line.sources)})"
+
+
+class Continuous(Declared):
+    """Speeds of the component `operation.at` at which the train is run for long."""
+
+    first: fields.Speed = required("lowest speed", alias="from")
+    last: fields.Speed = required("highest speed", alias="to")
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.first >= self.last:
+            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
+        return self
+
+
+def within(use: Continuous | None, speed: FloatArray) -> BoolArray:
+    """(speeds,) which speeds are of continuous use."""
+    if use is None:
+        return np.ones(len(speed), dtype=bool)
+    return (speed >= use.first * (1 - SAME_SPEED)) & (speed <= use.last * (1 + SAME_SPEED))
+
+
+def continuous_words(use: Continuous | None) -> str:
+    """Which speeds were judged; empty for the whole range."""
+    return "" if use is None else f"in continuous use, {in_rpm(use.first)} to {in_rpm(use.last)}"
+
+
+def continuous_faults(study: Study, asked: Declared, rule: str, use: Continuous | None) -> list[Fault]:
+    """A range of continuous use that was not wholly computed cannot be judged."""
+    speeds = study.operation.speeds
+    if use is None or speeds is None:
+        return []
+    if speeds.first * (1 - SAME_SPEED) <= use.first and use.last <= speeds.last * (1 + SAME_SPEED):
+        return []
+    path = (*rule_path(study, asked), rule, "continuous")
+    computed = f"{in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
+    return [Fault(path, "the speeds of continuous use leave operation.speeds", f"computed: {computed}")]
+
+
+def vibration(evidence: Results) -> tuple[Response, Synthesis]:
+    """The response over speed and its synthesis; raises LookupError where they were not computed."""
+    return evidence.need(Response), evidence.need(Synthesis)
+
+
+def spans_of(system: System, part: int) -> IntArray:
+    """(spans of the part,) positions of the spans that a component was made into, from driving to driven."""
+    return np.flatnonzero(system.span_part == part)
+
+
+def rated_torque(evidence: Results, spans: IntArray) -> FloatArray | None:
+    """(spans,) N m: magnitude of the mean torque at the rated speed; None where it is not known.
+
+    Between computed speeds the torque is taken linear in the squared speed for the propeller law, which is exact.
+    """
+    steady, rated = evidence.get(Steady), evidence.study.operation.rated
+    if steady is None or rated is None:
+        return None
+    first, last = steady.speed[0], steady.speed[-1]
+    if not first * (1 - SAME_SPEED) <= rated.speed <= last * (1 + SAME_SPEED):
+        return None
+    power = 2 if evidence.study.operation.load == "propeller" else 1
+    rows = [np.interp(rated.speed**power, steady.speed**power, steady.torque[span]) for span in spans]
+    return np.asarray(np.abs(np.array(rows)))
+
+
+def rule_path(study: Study, asked: Declared) -> Path:
+    """Where the rule with these settings stands in the file."""
+    for position, (_, settings) in enumerate(study.rules):
+        if settings is asked:
+            return ("rules", position)
+    return ("rules",)
+
+
+def rated_speed(study: Study) -> float:
+    """rad/s of the reference station; raises ValueError where the study has none."""
+    if study.operation.rated is None:
+        raise ValueError("the rule needs the rated speed")
+    return study.operation.rated.speed
+
+
+def vibration_faults(study: Study, asked: Declared, rule: str) -> list[Fault]:
+    """What the file lacks for any rule that reads the response over speed."""
+    found = []
+    if study.operation.speeds is None:
+        hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
+        found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule} judges a speed range", hint))
+    if not study.excites:
+        hint = "give an excitation, or leave the rule out"
+        found.append(Fault(rule_path(study, asked), f"nothing excites the train, so {rule} has nothing to judge", hint))
+    return found
+
+
+def coverage(last: float, rated: float, needed: float = 1.0) -> str:
+    """That the speeds end below a share of the rated speed up to which is judged; empty where they do not; rad/s."""
+    if last >= needed * rated * (1 - SAME_SPEED):
+        return ""
+    return f"judged up to {in_rpm(last)} only, {last / rated:.3g} of the rated speed"
+
+
+def in_rpm(speed: float) -> str:
+    """A speed in words, per minute."""
+    return f"{speed * 30.0 / math.pi:.5g} rpm"

@@ -1,46 +1,40 @@
 """Rule `iacs-m68`: torsional vibration stresses and least diameters of shafts, IACS UR M68 (Rev. 3, 2021)."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from torsion.analyses.steady import SAME_SPEED
+from torsion.arrays import BoolArray, FloatArray
 from torsion.components.material import STEEL
-from torsion.components.shaft import Shaft
+from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.findings import Results
-from torsion.kernels.tree import BoolArray, FloatArray
 from torsion.rules import m68_formulas as formulas
-from torsion.rules.base_rule import Rule
-from torsion.rules.check import TO_BE_VERIFIED, BarredRange, Check, Verdict, verdict_of
-from torsion.rules.evidence import (
+from torsion.rules.judgement import (
+    MOSTLY,
+    RATED,
+    Clause,
+    Curve,
+    between,
     coverage,
+    curve_of,
     in_rpm,
-    parts_of_kind,
+    judge,
+    rated_speed,
     rated_torque,
     rule_path,
     spans_of,
     vibration,
     vibration_faults,
 )
-from torsion.rules.judgement import (
-    Clause,
-    Curve,
-    between,
-    judge,
-    largest_line,
-    noted,
-    stated,
-    status_words,
-    worst_of,
-    worst_status,
-)
 from torsion.rules.m68_barred import Barring, barring
 from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS
-from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, is_classed, stress_modulus
+from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, judged, stress_modulus
+from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Rule, verdict_of
 from torsion.study import Study
 
 RULE = "iacs-m68"
@@ -65,33 +59,30 @@ class M68(Rule):
 
     def faults(self, study: Study, asked: M68Settings) -> list[Fault]:
         """What the file lacks for this rule."""
-        classed = [part for _, part in parts_of_kind(study, "shaft") if is_classed(cast(Shaft, part.component))]
-        where = rule_path(study, asked)
+        classed, where = judged(study.train), rule_path(study, asked)
         if not classed:
             hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
             return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
         found = vibration_faults(study, asked, RULE)
         if study.operation.rated is None:
-            hint = "rated: {speed: 1500 rpm, power: 100 kW}"
-            found.append(Fault(("operation", "rated"), f"`rated` is missing; the limits of {RULE} count from it", hint))
-        for part in classed:
-            material = cast(Shaft, part.component).material
-            made_of = study.train.materials[material]
+            message = f"`rated` is missing; the limits of {RULE} count from it"
+            found.append(Fault(("operation", "rated"), message, RATED))
+        for bar, shaft in classed:
+            made_of = study.train.materials[shaft.material]
             if made_of.tensile_strength is None and made_of != STEEL:
-                message = f"`tensile_strength` of '{material}' is not given, and {RULE} needs it for '{part.name}'"
-                hint = f"materials: {{{material}: {{..., tensile_strength: 600 MPa}}}}"
-                found.append(Fault((*part.path, "material"), message, hint))
-        return found + _settings_faults(asked, {part.name: cast(Shaft, part.component) for part in classed}, where)
+                message = f"`tensile_strength` of '{shaft.material}' is not given, and {RULE} needs it for '{bar.name}'"
+                hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
+                found.append(Fault((*study.train.parts[bar.part].path, "material"), message, hint))
+        return found + _settings_faults(asked, {bar.name: shaft for bar, shaft in classed}, where)
 
     def left_out(self, study: Study, asked: M68Settings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         found = []
-        for _, part in parts_of_kind(study, "shaft"):
-            shaft = cast(Shaft, part.component)
-            if shaft.role is None:
-                found.append((f"{RULE} for {part.name}", "the shaft has no `role`"))
-            elif not is_classed(shaft):
-                found.append((f"{RULE} for {part.name}", NOT_ROUND))
+        for bar in study.train.bars:
+            if study.train.shaft(bar).role is None:
+                found.append((f"{RULE} for {bar.name}", "the shaft has no `role`"))
+            elif bar.section is not None:
+                found.append((f"{RULE} for {bar.name}", NOT_ROUND))
         if not study.operation.has_mean_torque:
             found.append((f"{RULE}: least diameters", "the rated power is not given"))
         speeds, rated = study.operation.speeds, study.operation.rated
@@ -102,7 +93,7 @@ class M68(Rule):
 
     def speeds(self, study: Study, asked: M68Settings) -> tuple[float, ...]:
         """rad/s: the rated speed, and those at which the limits bend or end."""
-        return tuple(share * _rated_speed(study) for share in (BARRED_BELOW, FLAT_FROM, 1.0, LAST_CONTINUOUS))
+        return tuple(share * rated_speed(study) for share in (BARRED_BELOW, FLAT_FROM, 1.0, LAST_CONTINUOUS))
 
     def speeds_between(self, evidence: Results, asked: M68Settings) -> FloatArray:
         """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
@@ -121,7 +112,7 @@ class M68(Rule):
         return tuple(line for line in found if line is not None)
 
 
-def _settings_faults(asked: M68Settings, shafts: Mapping[str, Shaft], where: Path) -> list[Fault]:
+def _settings_faults(asked: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path) -> list[Fault]:
     """Settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
     found, names = [], f"there is {', '.join(shafts)}"
     for position, name in enumerate(asked.alloy):
@@ -150,48 +141,48 @@ def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:
     response, synthesis = vibration(evidence)
     spans, modulus = stress_modulus(evidence.system, shaft)
     tau = np.max(synthesis.half_range[:, spans] / modulus * PA, axis=1)
-    ratio = response.speed / _rated_speed(evidence.study)
+    ratio = response.speed / rated_speed(evidence.study)
     return Limits(response.speed, shaft.tau_c(ratio), shaft.tau_t(ratio), tau)
-
-
-def _rated_speed(study: Study) -> float:
-    """rad/s of the reference station; raises ValueError where the study has none."""
-    if study.operation.rated is None:
-        raise ValueError(f"{RULE} needs the rated speed")
-    return study.operation.rated.speed
-
-
-def _stresses(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> list[Check | None]:
-    """The three clauses about the stress amplitude."""
-    curve, barred, ruled = _judged(evidence, shaft, asked)
-    passing = replace(curve, limit=_limits(evidence, shaft).tau_t)
-    return [
-        _continuous(evidence, shaft, curve, ruled & ~barred.passed, barred),
-        _passing(evidence, shaft, passing, barred, asked),
-        _outside(shaft, curve, ~ruled),
-    ]
 
 
 def _judged(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> tuple[Curve, Barring, BoolArray]:
     """Stress against tau_C, what is barred, and (speeds,) which speeds are not above 1.05."""
     speed, tau_c, _, tau = _limits(evidence, shaft)
-    rated = _rated_speed(evidence.study)
-    curve = Curve(speed, tau, tau_c, worst_status(vibration(evidence)[0]))
+    rated = rated_speed(evidence.study)
+    curve = curve_of(speed, tau, tau_c, vibration(evidence)[0])
     barred = barring(curve, rated, shaft.name, asked.tachometer)
     return curve, barred, speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
 
 
-def _continuous(
-    evidence: Results, shaft: ClassedShaft, curve: Curve, within: BoolArray, barred: Barring
-) -> Check | None:
-    """tau <= tau_C outside the permitted barred ranges, up to 1.05."""
-    line = judge(_clause(shaft, "tau_C", "synthesis stress amplitude"), curve, within)
-    if line is None:
-        return None
-    mostly = largest_line(vibration(evidence)[0], line, spans_of(evidence.system, shaft.part))
+def _stresses(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Iterator[Check | None]:
+    """The three clauses about the stress amplitude.
+
+    tau <= tau_C outside the permitted barred ranges, up to 1.05; tau <= tau_T in them, which no keyway allows; and the
+    greatest stress above 1.05 of the rated speed, for which the rule has no limit.
+    """
+    curve, barred, ruled = _judged(evidence, shaft, asked)
+
+    def judged(clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str) -> Check | None:
+        about, spans = replace(curve, limit=limit), spans_of(evidence.system, shaft.part)
+        return judge(
+            Clause(RULE, clause, shaft.name, what, shaft.standing, about, within, "N/mm2", notes, spans), evidence
+        )
+
     rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
-    reach = coverage(float(curve.speed[-1]), _rated_speed(evidence.study), LAST_CONTINUOUS)
-    return noted(line, mostly, _refusal(barred), rest, *shaft.notes, reach)
+    reach = coverage(float(curve.speed[-1]), rated_speed(evidence.study), LAST_CONTINUOUS)
+    notes = (MOSTLY, _refusal(barred), rest, *shaft.notes, reach)
+    yield judged("tau_C", "synthesis stress amplitude", curve.limit, ruled & ~barred.passed, *notes)
+    reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
+    passed = f"barred range {_words(barred.permitted)}, to be passed rapidly"
+    tachometer = f"tachometer tolerance {100 * asked.tachometer:.3g} % " + ("added" if asked.tachometer else "assumed")
+    notes, tau_t = (*reasons, passed, tachometer, MOSTLY), _limits(evidence, shaft).tau_t
+    line = judged("tau_T", "stress amplitude in the barred range", tau_t, barred.passed, *notes)
+    if line is not None:
+        yield replace(line, verdict="fail" if reasons else line.verdict, barred=barred.permitted)
+    what, note = "stress amplitude above 1.05 of the rated speed", "outside the rule: it has no limit above 1.05"
+    line = judged("tau_C", what, np.ones(len(curve.speed)), ~ruled, f"{note} of the rated speed")
+    if line is not None:
+        yield replace(line, limit=math.nan, verdict="outside", standing="rule text")
 
 
 def _refusal(barred: Barring) -> str:
@@ -203,32 +194,6 @@ def _refusal(barred: Barring) -> str:
         f"the stress exceeds tau_C about {critical}: no barred range is permitted there (lambda >= "
         f"{BARRED_BELOW:g}): detune; it would run from {_words(barred.refused)}"
     )
-
-
-def _passing(evidence: Results, shaft: ClassedShaft, curve: Curve, barred: Barring, asked: M68Settings) -> Check | None:
-    """tau <= tau_T in the barred ranges, which no keyway allows."""
-    line = judge(_clause(shaft, "tau_T", "stress amplitude in the barred range"), curve, barred.passed)
-    if line is None:
-        return None
-    reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
-    verdict: Verdict = "fail" if reasons else line.verdict
-    tachometer = f"tachometer tolerance {100 * asked.tachometer:.3g} % " + ("added" if asked.tachometer else "assumed")
-    mostly = largest_line(vibration(evidence)[0], line, spans_of(evidence.system, shaft.part))
-    found = noted(line, *reasons, f"barred range {_words(barred.permitted)}, to be passed rapidly", tachometer, mostly)
-    return replace(found, verdict=verdict, barred=barred.permitted)
-
-
-def _outside(shaft: ClassedShaft, curve: Curve, within: BoolArray) -> Check | None:
-    """The greatest stress above 1.05 of the rated speed, for which the rule has no limit."""
-    if not np.any(within):
-        return None
-    blank = np.where(within, np.where(np.isfinite(curve.value) & (curve.status == 0), curve.value, np.inf), -np.inf)
-    at = worst_of(blank, curve.value)
-    line = Check(
-        RULE, "tau_C", shaft.name, "stress amplitude above 1.05 of the rated speed", stated(curve.value[at]),
-        math.nan, "N/mm2", "outside", "rule text", float(curve.speed[at]),
-    )  # fmt: skip
-    return noted(line, status_words(curve, at), "outside the rule: it has no limit above 1.05 of the rated speed")
 
 
 def _diameter(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Check | None:
@@ -246,13 +211,9 @@ def _diameter(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Che
     used = f"F {factor:g} (drive: {asked.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
     return Check(
         RULE, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm",
-        verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, _rated_speed(evidence.study), note=used,
+        verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
         at_least=True,
     )  # fmt: skip
-
-
-def _clause(shaft: ClassedShaft, clause: str, what: str) -> Clause:
-    return Clause(RULE, clause, shaft.name, what, "N/mm2", shaft.standing)
 
 
 def _words(barred: tuple[BarredRange, ...]) -> str:

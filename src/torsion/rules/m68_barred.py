@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.tree import BoolArray
-from torsion.rules.check import BarredRange
+from torsion.arrays import BoolArray
 from torsion.rules.judgement import Curve, worst_of
 from torsion.rules.m68_formulas import barred_range, may_be_barred
+from torsion.rules.verdict_line import BarredRange
 
 
 @dataclass(frozen=True)

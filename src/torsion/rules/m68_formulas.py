@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsion.kernels.tree import BoolArray, FloatArray
+from torsion.arrays import BoolArray, FloatArray
 
 Mark = Literal["rule text", "to be verified"]
 Role = Literal["intermediate", "thrust", "propeller"]

@@ -8,16 +8,16 @@ import numpy as np
 from pydantic import model_validator
 
 from torsion import fields
-from torsion.components.lowering import Part
-from torsion.components.shaft import Shaft
+from torsion.arrays import FloatArray, IntArray
+from torsion.components.part_records import ShaftRecord
 from torsion.fields import Declared, OneOrMany, given, refuse, required
-from torsion.kernels.sections import section_modulus
-from torsion.kernels.tree import FloatArray, IntArray
+from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Bar
 from torsion.rules import m68_formulas as formulas
-from torsion.rules.evidence import parts_of_kind, spans_of
+from torsion.rules.judgement import spans_of
 from torsion.rules.m68_formulas import ASSUMED, DETAILS, Detail, Mark, Role
 from torsion.study import Study
+from torsion.train import Train
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System
@@ -96,16 +96,15 @@ class ClassedShaft:
         return formulas.tau_t(self.strength, self.diameter, self.c_k, speed_ratio)
 
 
-def is_classed(shaft: Shaft) -> bool:
-    """Whether the rule judges a shaft: it has a role, and the diameters that the rule's formulas are about."""
-    return shaft.role is not None and shaft.section is None
+def judged(train: Train) -> list[tuple[Bar, ShaftRecord]]:
+    """The shafts that the rule judges: those with a role, and the diameters that the rule's formulas are about."""
+    every = [(bar, train.shaft(bar)) for bar in train.bars]
+    return [(bar, shaft) for bar, shaft in every if shaft.role is not None and bar.section is None]
 
 
 def classed_shafts(study: Study, asked: M68Settings) -> Iterator[ClassedShaft]:
     """Every round shaft of the train that has a role."""
-    for number, part in parts_of_kind(study, "shaft"):
-        if is_classed(cast(Shaft, part.component)):
-            yield _classed(study, asked, number, part)
+    return (_classed(study, asked, bar, shaft) for bar, shaft in judged(study.train))
 
 
 def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, FloatArray]:
@@ -123,34 +122,33 @@ def _modulus(bar: Bar, at: FloatArray) -> FloatArray:
     return section_modulus(outer, bore)
 
 
-def _classed(study: Study, asked: M68Settings, number: int, part: Part) -> ClassedShaft:
-    component = cast(Shaft, part.component)
-    role = _ruled_as(component)
-    stated = study.train.materials[component.material].tensile_strength
+def _classed(study: Study, asked: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
+    role = _ruled_as(record)
+    stated = study.train.materials[record.material].tensile_strength
     steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
-    strength = formulas.used_strength(steel, role, alloy=part.name in asked.alloy)
-    outer, bore = component.diameter, component.bore
-    ends = ((outer[0] * MM, bore[0] * MM), (outer[-1] * MM, bore[-1] * MM))
+    strength = formulas.used_strength(steel, role, alloy=bar.name in asked.alloy)
+    outer, bore = bar.outer, bar.bore
+    ends = ((outer[0] * MM, bore[0] * MM), (outer[1] * MM, bore[1] * MM))
     shaft = ClassedShaft(
-        number, part.name, role, strength, _details(component, role, part.name, ends, asked),
+        bar.part, bar.name, role, strength, _details(record, role, bar.name, ends, asked),
         diameter=max(outer) * MM, ends=ends, is_stated=stated is not None, notes=(),
     )  # fmt: skip
     return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
 
 
-def _ruled_as(shaft: Shaft) -> Role:
+def _ruled_as(shaft: ShaftRecord) -> Role:
     """The role that the rule gives a shaft: a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)."""
     return "propeller" if "tube shaft" in shaft.features else cast(Role, shaft.role)
 
 
 def _details(
-    component: Shaft, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: M68Settings
+    shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: M68Settings
 ) -> tuple[tuple[str, Detail], ...]:
     """The shaft's features with their factors; the role's usual one where none is given."""
-    if not component.features:
+    if not shaft.features:
         return (("no feature given", ASSUMED[role]),)
     found: list[tuple[str, Detail]] = []
-    for feature in component.features:
+    for feature in shaft.features:
         detail = DETAILS[feature]
         if feature == "slot" and name in asked.slots:
             detail = replace(detail, c_k=_slot(asked.slots[name], ends), c_k_mark="to be verified")

@@ -10,17 +10,22 @@ from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
-from torsion.rules.base_rule import Rule
-from torsion.rules.check import TO_BE_VERIFIED, Check, Standing, verdict_of
-from torsion.rules.evidence import parts_of_kind, rule_path
 from torsion.rules.joint_tubes import Tube, tubes
+from torsion.rules.judgement import rule_path
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
 from torsion.study import Study
 
 RULE = "universal-joints"
 ELBE = 0.0027  # tan b sin b of 3 degrees, the usual limit of the resulting angle (Elbe)
 SPICER_TORSIONAL, SPICER_INERTIAL = 300.0, 1000.0  # rad/s2 (Spicer)
 SHARE_OF_CRITICAL = 0.65  # usual 0.65 to 0.8
+PUBLISHED = {  # setting: its limit by makers, in words
+    "unevenness": (ELBE, "limit after Elbe, 3 deg in round figures"),
+    "torsional": (SPICER_TORSIONAL, "limit after Spicer"),
+    "inertial": (SPICER_INERTIAL, "limit after Spicer"),
+}
 RPM = 30.0 / math.pi
+Limit = tuple[float, Standing, str]  # with its origin in words
 Acceleration = Annotated[float, Quantity("rad/s**2", above=0)]
 
 
@@ -50,7 +55,7 @@ class UniversalJoints(Rule):
 
     def faults(self, study: Study, asked: JointRuleSettings) -> list[Fault]:
         """What the file lacks for this rule."""
-        if not any(parts_of_kind(study, "joint")):
+        if not study.has_joints:
             return [Fault(rule_path(study, asked), f"{RULE} finds no joint in the train", "leave the rule out")]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
@@ -65,71 +70,58 @@ class UniversalJoints(Rule):
         return tuple(found)
 
     def check(self, evidence: Results, asked: JointRuleSettings) -> tuple[Check, ...]:
-        """Every line of joints, every shaft between joints and, where asked, every joint, at the highest speed."""
+        """Every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
         found, speed = evidence.get(Joints), _speed(evidence.study)
         if found is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        checks = [line for one in found.lines for line in _line(found, one, asked, speed)]
-        checks += _between(found, asked, speed)
+        rows = [row for line in found.lines for row in _of_line(found, line, asked, speed)]
+        rows += _between(found, asked, speed).values()
         if asked.speed_angle is not None:
-            checks += [_speed_angle(joint, asked.speed_angle, speed) for joint in found.joints]
+            limit: Limit = asked.speed_angle, "setting", "setting `speed_angle`"
+            for joint in found.joints:
+                value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
+                rows.append(_verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed))
         every = [_critical(tube, evidence.get(Lateral)) for tube in tubes(evidence.study.train) if not tube.lacks]
-        checks += [_bending(one, asked.critical_share, speed) for one in every if one is not None]
-        return tuple(checks)
+        return (*rows, *(_bending(one, asked.critical_share, speed) for one in every if one is not None))
 
 
-def _line(found: Joints, line: LineFound, asked: JointRuleSettings, speed: float) -> Iterator[Check]:
+def _of_line(found: Joints, line: LineFound, asked: JointRuleSettings, speed: float) -> Iterator[Check]:
     """Non-uniformity of the whole line, and what it does to the driven inertia."""
     joints = [found.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit = "limit after Elbe, 3 deg in round figures" if asked.unevenness == ELBE else "setting `unevenness`"
-    standing = _published(asked.unevenness, ELBE)
-    yield _verdict(
-        "U", where, "non-uniformity tan b sin b", line.index, asked.unevenness, "1", standing, None, bend, limit
-    )
-    value = joints[-1].steepest * (speed * float(joints[0].ratio)) ** 2
-    limit = "limit after Spicer" if asked.torsional == SPICER_TORSIONAL else "setting `torsional`"
-    what = "acceleration of the driven side by all joints"
-    standing = _published(asked.torsional, SPICER_TORSIONAL)
-    yield _verdict("torsional", where, what, value, asked.torsional, "rad/s2", standing, speed, limit)
+    limit = _published(asked, "unevenness")
+    yield _verdict("U", where, "non-uniformity tan b sin b", line.index, "1", limit, None, before=bend)
+    what, value = "acceleration of the driven side by all joints", _steepest(joints[-1], joints[0], speed)
+    yield _verdict("torsional", where, what, value, "rad/s2", _published(asked, "torsional"), speed)
 
 
-def _between(found: Joints, asked: JointRuleSettings, speed: float) -> list[Check]:
+def _between(found: Joints, asked: JointRuleSettings, speed: float) -> dict[int, Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
-    limit = "limit after Spicer" if asked.inertial == SPICER_INERTIAL else "setting `inertial`"
-    standing = _published(asked.inertial, SPICER_INERTIAL)
-    checks: dict[int, Check] = {}
+    checks, limit, what = dict[int, Check](), _published(asked, "inertial"), "acceleration of the shaft behind it"
     for line in found.lines:
-        first = speed * float(found.joints[line.joints[0]].ratio)
         for position in line.joints[:-1]:
             joint = found.joints[position]
-            what, value = "acceleration of the shaft behind it", joint.steepest * first**2
-            checks[position] = _verdict(
-                "inertial", joint.name, what, value, asked.inertial, "rad/s2", standing, speed, limit,
-                "driven from its first end",
-            )  # fmt: skip
-    return list(checks.values())
+            value = _steepest(joint, found.joints[line.joints[0]], speed)
+            driven = "driven from its first end"
+            checks[position] = _verdict("inertial", joint.name, what, value, "rad/s2", limit, speed, after=driven)
+    return checks
 
 
-def _speed_angle(joint: JointFound, limit: float, speed: float) -> Check:
-    """Speed times angle of one joint, as its maker counts it."""
-    value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
-    return _verdict(
-        "n b", joint.name, "speed times angle", value, limit, "deg/min", "setting", speed, "setting `speed_angle`"
-    )
+def _steepest(joint: JointFound, first: JointFound, speed: float) -> float:
+    """rad/s2: greatest acceleration behind a joint of the line that begins with `first`."""
+    return joint.steepest * (speed * float(first.ratio)) ** 2
 
 
 def _bending(one: "_CriticalSpeed", share: float, speed: float) -> Check:
     """Speed of a tube against a share of its critical bending speed."""
     own, critical = speed * float(one.tube.ratio) * RPM, one.first * RPM
     twice = "passes it within the speeds" if own >= one.second * RPM else "stays below it"
-    return _verdict(
-        "n_crit", one.tube.name, "speed of the tube", own, share * critical, "rpm",
-        TO_BE_VERIFIED if share == SHARE_OF_CRITICAL else "setting", speed,
-        f"{share:.3g} x critical bending speed {critical:.5g} rpm ({one.origin})",
-        f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}",
-    )  # fmt: skip
+    standing: Standing = TO_BE_VERIFIED if share == SHARE_OF_CRITICAL else "setting"
+    words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({one.origin})"
+    couple = f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}"
+    limit = share * critical, standing, words
+    return _verdict("n_crit", one.tube.name, "speed of the tube", own, "rpm", limit, speed, after=couple)
 
 
 @dataclass(frozen=True)
@@ -154,17 +146,20 @@ def _critical(tube: Tube, bent: "Lateral | None") -> _CriticalSpeed | None:
 
 
 def _verdict(
-    clause: str, where: str, what: str, value: float, limit: float, unit: str, standing: Standing,
-    speed: float | None, *notes: str,
+    clause: str, where: str, what: str, value: float, unit: str, limit: Limit, speed: float | None, *,
+    before: str = "", after: str = "",
 ) -> Check:  # fmt: skip
-    words = "; ".join(note for note in notes if note)
-    verdict = verdict_of(value <= limit, standing)
-    return Check(RULE, clause, where, what, value, limit, unit, verdict, standing, speed=speed, note=words)
+    """A verdict whose note is that of the limit, with what stands `before` and `after` it."""
+    most, standing, words = limit
+    note = "; ".join(text for text in (before, words, after) if text)
+    verdict = verdict_of(value <= most, standing)
+    return Check(RULE, clause, where, what, value, most, unit, verdict, standing, speed=speed, note=note)
 
 
-def _published(limit: float, by_maker: float) -> Standing:
-    """Of a limit that makers publish and the file may set."""
-    return "maker" if limit == by_maker else "setting"
+def _published(asked: JointRuleSettings, key: str) -> Limit:
+    """A limit that makers publish and the file may set."""
+    limit, (by_maker, words) = float(getattr(asked, key)), PUBLISHED[key]
+    return (limit, "maker", words) if limit == by_maker else (limit, "setting", f"setting `{key}`")
 
 
 def _speed(study: Study) -> float | None:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator
 
-from torsion.assembly.held import held_faults
+from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.errors import Fault
 from torsion.rules import lacking, needed
 from torsion.study import Study
@@ -30,14 +30,14 @@ def _model_faults(study: Study) -> Iterator[Fault]:
 
 def _held_faults(study: Study) -> list[Fault]:
     """Held points that nothing elastic keeps apart."""
-    return held_faults(study.train)
+    return fixed_point_faults(study.train)
 
 
 def _check_faults(study: Study) -> list[Fault]:
     """Trains of which there is no exact model to compare the others with."""
     if "check" not in study.analyses:
         return []
-    from torsion.analyses.check.models import loop_faults
+    from torsion.analyses.compare.candidates import loop_faults
 
     return loop_faults(study, ("analyses", "check"))
 

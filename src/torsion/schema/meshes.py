@@ -12,7 +12,7 @@ def with_meshes(study: Study, faults: list[Fault]) -> Study:
     """The study with every mesh found from the folder of its file; faulty meshes are noted."""
     if all(bar.section is None for bar in study.train.bars):
         return study
-    from torsion.assembly.section.resolved import mesh_faults
+    from torsion.assembly.section.solved_sections import mesh_faults
 
     folder = Path(study.file).parent
     train = replace(study.train, bars=tuple(_placed(bar, folder) for bar in study.train.bars))

@@ -37,16 +37,16 @@ def _names(body: object, path: Path) -> Iterator[tuple[str, Path]]:
             yield from _names(item, (*path, step))
 
 
-def kinds_by_name(entries: object) -> dict[str, type[Component]] | None:
-    """The kind of every component by the name it goes by, of a train that is too faulty to be lowered.
+def kinds_by_name(entries: object) -> dict[str, tuple[str, bool]] | None:
+    """The kind of every component by the name it goes by, and whether it is a point, of a train too faulty to lower.
 
     None where that cannot be told: a kind is unknown, and so what the others are numbered.
     """
-    found: dict[str, type[Component]] = {}
+    found: dict[str, tuple[str, bool]] = {}
     return found if _named(entries, found, Counter()) else None
 
 
-def _named(entries: object, found: dict[str, type[Component]], numbers: Counter[str]) -> bool:
+def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter[str]) -> bool:
     for entry in entries if isinstance(entries, list) else [None]:
         kind, body = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else (None, None)
         if kind not in KINDS or not isinstance(body, dict | None):
@@ -54,8 +54,9 @@ def _named(entries: object, found: dict[str, type[Component]], numbers: Counter[
         numbers[kind] += 1
         given = (body or {}).get("name")
         name = given if isinstance(given, str) else f"{kind}-{numbers[kind]}"
-        if name not in found or component(kind).sort == "point":
-            found[name] = component(kind)
+        is_point = component(kind).sort == "point"
+        if name not in found or is_point:
+            found[name] = kind, is_point
         branches = (body or {}).get("branches")
         inner = [body, *(branches if isinstance(branches, list) else [])]
         trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]

@@ -9,8 +9,8 @@ import torsion
 from torsion.analyses.joints.joint_analysis import JointsSettings, joints
 from torsion.analyses.joints.joint_lines import placed
 from torsion.analyses.joints.joint_results import Joints
-from torsion.analyses.modes import Modes
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
 from torsion.assembly import assemble
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling

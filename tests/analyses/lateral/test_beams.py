@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from torsion.analyses.lateral.beam_matrices import LONGEST_PHASE, Beam, Point, Segment, assemble_lateral, places
+from torsion.analyses.lateral.beam_elements import Segment
+from torsion.analyses.lateral.beam_matrices import LONGEST_PHASE, Beam, Point, assemble_lateral, places
 
 E, RHO, G, LENGTH = 210e9, 7850.0, 80e9, 1.5
 OUTER, BORE = 0.120, 0.108

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.lateral.beam_matrices import Beam, Point, Segment, assemble_lateral, places
+from torsion.analyses.lateral.beam_elements import Segment
+from torsion.analyses.lateral.beam_matrices import Beam, Point, assemble_lateral, places
 from torsion.analyses.lateral.bending_modes import planes
 from torsion.analyses.lateral.couple_response import answer, speeds_for
 from torsion.analyses.lateral.whirl import criticals, lowest, refined, roots_among, whirl
 from torsion.errors import SolveError
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.rules.joint_tubes import critical_speed
 
 E, RHO, G, LENGTH, OUTER, BORE = 210e9, 7850.0, 80e9, 1.5, 0.12, 0.108

@@ -18,7 +18,7 @@ from torsion.components.material import Material
 from torsion.components.shaft import Shaft
 from torsion.components.support import Support
 from torsion.errors import InputError
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.kinematics.couples import couple_harmonics
 from torsion.schema.read import parse
 from torsion.study import Operation, Rated, SpeedRange

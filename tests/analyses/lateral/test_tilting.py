@@ -9,7 +9,7 @@ import torsion
 from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
 from torsion.findings import Findings
-from torsion.rules.check import Checks
+from torsion.rules.verdict_line import Checks
 
 LENGTH, INERTIA, POLAR = 0.46, 4.597e-3, 3.96e-5
 RADIUS = math.sqrt(POLAR * LENGTH**2 / 3.0 / (0.5 - POLAR / 4.0))  # of a rod with that polar / transverse inertia

@@ -20,8 +20,8 @@ from torsion.components.disc import Disc
 from torsion.components.excitation import Excitation
 from torsion.components.joint import Joint
 from torsion.components.motor import Motor
-from torsion.kernels.periodic.floquet import monodromy, steps_for
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
+from torsion.kernels.periodic.monodromy import monodromy, steps_for
 from torsion.study import Operation, Study
 from torsion.train import train
 

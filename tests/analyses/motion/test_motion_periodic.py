@@ -18,7 +18,7 @@ from torsion.analyses.motion.periodic_orbits import (
     periodic_response,
     response_of,
 )
-from torsion.analyses.response.excitation import excitations, sources
+from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.statics import statics

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.excitation import Line
+from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.response.synthesis import synthesis
 
 A, B, FIXED = 1.0, 2.0, 0.5  # N m; A cos t + B cos 2t has the greatest value A + B, the least -(B + A^2/(8 B))

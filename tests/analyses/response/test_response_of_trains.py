@@ -6,14 +6,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.damped import damped
-from torsion.analyses.modes import modes
+from torsion.analyses.damped_modes import damped
 from torsion.analyses.response import grid
-from torsion.analyses.response.excitation import amplitude, excitations, sources
+from torsion.analyses.response.harmonic_components import amplitude, excitations, sources
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.response.over_speed import ResponseSettings, response
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.analyses.undamped_modes import modes
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper
@@ -23,7 +23,7 @@ from torsion.components.gear import Gear
 from torsion.components.motor import Motor
 from torsion.components.propeller import Propeller
 from torsion.errors import InputError
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 from torsion.train import Link
 
 RATED = (100.0, 50e3)  # rad/s, W: 500 N m

@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.response.over_speed import Line, Response
 from torsion.analyses.response.synthesis import common_cycle, extremes, synthesis
-from torsion.kernels.response import Status
+from torsion.kernels.tree_response import Status
 
 
 def _response(orders: list, torque: np.ndarray, mean: np.ndarray | None = None) -> Response:

@@ -177,7 +177,7 @@ def test_two_holes_side_by_side(solved, draw) -> None:
                                             ("vtk", {}), ("vtu", {}), ("xml", {"file_format": "dolfin-xml"}),
                                             ("inp", {}), ("stl", {})])  # fmt: skip
 def test_one_section_in_many_formats(tmp_path, draw, ending, how) -> None:
-    from torsion.assembly.section.result import section_result
+    from torsion.assembly.section.section_result import section_result
     from torsion.primitives import SectionMesh
 
     file = draw("write")(draw("blocks")(["#"], 3), tmp_path / f"square.{ending}", **how)

@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 import torsion
-from torsion.assembly.section.mesh import MOST, SectionFault
-from torsion.assembly.section.result import section_mesh
+from torsion.assembly.section.section_mesh import MOST, SectionFault
+from torsion.assembly.section.section_result import section_mesh
 from torsion.cli import app
 from torsion.primitives import SectionMesh
 

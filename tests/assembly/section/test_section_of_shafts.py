@@ -11,8 +11,8 @@ import pytest
 import torsion
 from torsion.assembly import MODELS, assemble
 from torsion.assembly.lumped import bar_segments
-from torsion.assembly.section.resolved import resolved, section_results, stress_modulus
-from torsion.kernels.sections import section_modulus
+from torsion.assembly.section.solved_sections import resolved, section_results, stress_modulus
+from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Section, SectionMesh
 
 SCENES = Path(__file__).parents[3] / "shafting_specs"

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.damping.modes import damped_modes
-from torsion.kernels.response import tree_response
+from torsion.kernels.damping.damped_tree_modes import damped_modes
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import tree_response
 
 DIGITS = 100
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.damping.first_order import Damping, first_order_eigenvalues, zero_roots
-from torsion.kernels.sweeps import layout
+from torsion.kernels.damping.first_order_form import DampedTree, first_order_eigenvalues, zero_roots
 from torsion.kernels.tree import Tree
 
 
@@ -13,11 +12,9 @@ def start(parent, flexibility, inertia, held=(), ground=None, viscous=None):
     fixed[list(held)] = True
     tree = Tree(np.array(parent), np.array(flexibility, dtype=float), np.array(inertia, dtype=float), fixed)
     none = np.zeros(len(parent))
-    damping = Damping(
-        *(none if values is None else np.array(values, dtype=float) for values in (ground, viscous)), none
-    )
-    plan = layout(tree, tree.flexibility)
-    return np.sort_complex(first_order_eigenvalues(tree, plan, damping)), zero_roots(tree, plan, damping)
+    damping = (none if values is None else np.array(values, dtype=float) for values in (ground, viscous))
+    train = DampedTree(tree, *damping, none)
+    return np.sort_complex(first_order_eigenvalues(train)), zero_roots(train)
 
 
 def test_a_massless_station_held_back_by_a_damper_has_its_own_root():

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.counts import count_bounds
-from torsion.kernels.long_chain import modes as driver
-from torsion.kernels.long_chain.modes import long_chain_modes
-from torsion.kernels.modes import tree_modes
+from torsion.kernels.long_chain import long_chain_modes as driver
+from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
+from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.sturm import count_bounds
 from torsion.kernels.tree import Tree
 
 LONG = 20_000
@@ -89,7 +89,7 @@ def test_rigid_spans_and_massless_stations_are_merged_without_loss(exact_modes, 
     lead = [int(np.argmax([abs(float(a)) for a in shape])) for shape in exact.angle]
     for mode, (angle, torque) in enumerate(zip(exact.angle, exact.torque, strict=True)):
         sign = np.sign(modes.angle[lead[mode], mode] * float(angle[lead[mode]]))
-        free = tree.flexibility[1:] > 0  # what a rigid span to a held station carries is told apart below
+        free = tree.flexibility[1:] > 0  # what a rigid span to a fixed station carries is compared below
         moved = np.array([float(t / largest[mode]) for t in torque[1:]])
         told = sign * modes.torque[1:, mode] / float(largest[mode])
         np.testing.assert_allclose(told[free], moved[free], atol=1e-13)

@@ -6,10 +6,11 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.long_chain.lapack import are_available, is_expected, negative_count, twisted_vector
-from torsion.kernels.long_chain.lowest import Counts, _counted, factor_of
-from torsion.kernels.long_chain.proof import Chain, quotient, running_sum
-from torsion.kernels.long_chain.reduction import running_sum_in_groups
+from torsion.kernels.lapack import is_expected
+from torsion.kernels.long_chain.lowest_modes import Counts, _counted, factor_of
+from torsion.kernels.long_chain.row_as_chain import running_sum_in_groups
+from torsion.kernels.long_chain.temple import Chain, quotient, running_sum
+from torsion.kernels.long_chain.twisted import are_available, negative_count, twisted_vector
 
 DOUBLES = "__pyx_t_5scipy_6linalg_13cython_lapack_d *"
 
@@ -124,4 +125,4 @@ def test_the_routines_of_this_scipy_are_used():
     ],
 )
 def test_a_routine_is_called_only_by_the_signature_expected(signature, fits):
-    assert is_expected(signature, "int", 2, (0,)) is fits
+    assert is_expected(signature, "i id") is fits

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
-from torsion.kernels.periodic.floquet import at_times, exponents, monodromy, radau, steps_for
 from torsion.kernels.periodic.hill import couplings_of, hill_exponents, toeplitz
+from torsion.kernels.periodic.monodromy import at_times, exponents, monodromy, radau, steps_for
 
 ONE_DEGREE = [
     (10, 0.992506888281466933, 1.00781536484546653),

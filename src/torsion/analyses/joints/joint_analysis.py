@@ -93,7 +93,7 @@ def _joint(
         pair, force = couples_found(place, behind.yoke, torque, asked.carrier, distance)
     return JointFound(
         name=place.name, part=place.part, kind=place.joint.kind,
-        angle=place.joint.angle, plane=place.joint.plane or 0.0, phase=place.joint.phase or 0.0, yoke=place.yoke,
+        angle=place.joint.angle, plane=place.joint.plane, phase=place.joint.phase, yoke=place.joint.yoke,
         ratio=place.ratio, order=place.joint.order, amplitude=place.error[0][1] if place.error else 0j,
         unevenness=_unevenness(place), speed=None if speed is None else speed * float(place.ratio), torque=torque,
         error=moved.error, speed_ratio=moved.ratio, acceleration=moved.curvature,

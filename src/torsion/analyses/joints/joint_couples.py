@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.analyses.joints.joint_lines import Placed
 from torsion.analyses.joints.joint_results import CoupleFound
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.kinematics.couples import Couple, Harmonic, couple_harmonics, couples
 from torsion.kinematics.cross import transfer
 from torsion.kinematics.tripod import constant_velocity_couple, exact_motion, exact_statics
@@ -45,9 +45,9 @@ def couples_found(
 
 def _of_cross(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> Pair:
     """Mean and second harmonic in closed form, counted over the carrier's own angle."""
-    angle = place.joint.angle
+    angle, yoke_at_zero = place.joint.angle, place.joint.yoke
     found, parts = couples(yoke, angle, torque, carrier), couple_harmonics(angle, torque, carrier)
-    start = place.yoke if carrier == "driving" else place.yoke + float(transfer(place.yoke, angle).error)
+    start = yoke_at_zero if carrier == "driving" else yoke_at_zero + float(transfer(yoke_at_zero, angle).error)
     turn, sine = np.exp(2j * start), math.sin(angle)
     # on the shaft without the constant torque: the peak of tan u sqrt(1 - sin^2 u^2)
     lesser = sine if 2.0 * sine * sine <= 1.0 else 0.5 / math.cos(angle)
@@ -76,7 +76,7 @@ def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair
 
 def _of_tripod(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> tuple[Pair, float]:
     """Exact couples of a single bearing; mean and third harmonic over the carrier's own angle from one revolution."""
-    joint, start = place.joint, place.yoke + math.pi / 2
+    joint, start = place.joint, place.joint.yoke + math.pi / 2
     arms = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
     data = joint.angle, joint.radius or 0.0, joint.arm or 1.0
     x, share = arms - start, np.ones_like(arms)  # the carrier's angle from where it starts, its speed / driving speed

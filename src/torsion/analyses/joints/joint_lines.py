@@ -4,14 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import cast
 
 import numpy as np
 from scipy.optimize import brentq
 
 from torsion.analyses.joints.joint_results import Extreme, LineFound, OptimumFound
-from torsion.components.joint import Joint
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
+from torsion.components.part_records import JointRecord
 from torsion.kinematics.cross import Transfer, behind, extremes, transfer
 from torsion.kinematics.line import Line, classical_angle, resultant
 from torsion.kinematics.optimise import Variable, index_over, optimise
@@ -27,10 +26,9 @@ class Placed:
 
     name: str
     part: int
-    joint: Joint
+    joint: JointRecord
     ratio: Fraction  # speed of its driving shaft / reference speed
     before: int | None  # position of the joint before it on its shaft line
-    yoke: float  # rad from its plane to its driving yoke at angle zero, every shaft before it standing undisturbed
     error: tuple[tuple[int, complex], ...]  # (order, rad) to first order, as the response takes it
     span: int  # position of its span in every assembly
 
@@ -50,15 +48,12 @@ def placed(train: Train) -> tuple[Placed, ...]:
     at: dict[int, int] = {}  # part -> position in the list
     for number, mesh in enumerate(train.constraints):
         part = train.parts[mesh.part]
-        if part.component.keyword != "joint":
+        if part.joint is None:
             continue
-        joint = cast(Joint, part.component)
         before = None if mesh.after is None else at[mesh.after]
-        previous = None if before is None else found[before]
-        yoke = joint.driving_yoke(None if previous is None else previous.joint.driven_yoke(previous.yoke))
         at[mesh.part] = len(found)
         span = len(train.springs) + number
-        found.append(Placed(mesh.name, mesh.part, joint, part.ratio, before, yoke, mesh.error, span))
+        found.append(Placed(mesh.name, mesh.part, part.joint, part.ratio, before, mesh.error, span))
     return tuple(found)
 
 
@@ -81,13 +76,13 @@ def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
     none, found = np.zeros(turned.size), list[Behind]()
     for joint in joints:
         before = Transfer(none, none + 1.0, none) if joint.before is None else found[joint.before].transfer
-        yoke = turned + (before.error + joint.yoke)
+        yoke = turned + (before.error + joint.joint.yoke)
         own = turning(joint.joint, yoke)
         found.append(Behind(behind(before, own), yoke, own.ratio))
     return tuple(found)
 
 
-def turning(joint: Joint, yoke: FloatArray) -> Transfer:
+def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
     """Error, ratio and second derivative of one joint, its driving yoke at angles from its plane, rad."""
     if joint.order == 2:
         return transfer(yoke, joint.angle)
@@ -121,7 +116,7 @@ def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, .
     carried = 0.0
     for position in path:
         joint = joints[position].joint
-        own, leaning = joint.phase or 0.0, joint.plane or 0.0
+        own, leaning = joint.phase, joint.plane
         if joint.kind != "cross":
             carried += own - leaning
             continue
@@ -227,7 +222,8 @@ def optimum_found(
 
 def _own(place: Placed, variable: Variable) -> float:
     """The value as the file gives it, rad."""
-    return float(getattr(place.joint, variable) or 0.0)
+    joint = place.joint
+    return {"phase": joint.phase, "plane": joint.plane, "angle": joint.angle}[variable]
 
 
 def _range(line: Line, variable: Variable, rank: int, before: float, best: float) -> tuple[FloatArray, FloatArray]:

@@ -3,7 +3,7 @@
 from fractions import Fraction
 from typing import Literal
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.results import reported, result
 
 

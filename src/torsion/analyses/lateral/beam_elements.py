@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 
 DEGREE = 13  # of the displacement in an element
 POINTS = DEGREE + 4  # of Gauss: exact for the product of two functions and a moment of area of degree 4

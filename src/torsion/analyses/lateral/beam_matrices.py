@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 
 from torsion.analyses.lateral.beam_elements import Segment, element, functions, scaled, size
+from torsion.arrays import FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.tree import FloatArray, IntArray
 
 LONGEST_PHASE = 4.5  # rad of the bending wave along an element: the error of a frequency is then below 1e-13
 STEEPEST = 1.5  # ratio of the diameters at the ends of one element of a cone

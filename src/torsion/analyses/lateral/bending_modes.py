@@ -6,8 +6,8 @@ import numpy as np
 from scipy.linalg import cho_factor, eigh, solve_triangular
 
 from torsion.analyses.lateral.beam_matrices import LateralSystem
+from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.tree import FloatArray
 
 EPS = float(np.finfo(float).eps)
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from torsion.analyses.lateral.beam_elements import Segment
 from torsion.analyses.lateral.beam_matrices import Beam, Point
-from torsion.assembly.walking import connected
 from torsion.components.support import Support, fits
 from torsion.errors import Fault, Path
+from torsion.kernels.spanning_forest import connected
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -101,7 +101,7 @@ def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]
     """The joints on a shaft by their position among its stations."""
     found: list[Placing] = []
     for mesh in train.constraints:
-        if train.parts[mesh.part].component.keyword != "joint":
+        if train.parts[mesh.part].joint is None:
             continue
         if node[mesh.driven] in stations:
             found.append((mesh.part, "driven", stations.index(node[mesh.driven])))
@@ -111,8 +111,7 @@ def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]
 
 
 def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
-    part = train.parts[bar.part]
-    name = getattr(part.component, "material", "steel")
+    part, name = train.parts[bar.part], train.shaft(bar).material
     modulus = train.materials[name].youngs_modulus
     if modulus is None:
         hint = f"write it under materials: {name}"
@@ -160,22 +159,19 @@ def _loads(train: Train, node: list[int], stations: list[int], parts: tuple[int,
     return tuple(
         part.name
         for number, part in enumerate(train.parts)
-        if number not in parts and part.component.keyword not in ("joint", "shaft") and here & set(part.stations)
+        if number not in parts and not (part.joint or part.shaft) and here & set(part.stations)
     )
 
 
 def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
     """The supports of a shaft and where each stands in the file."""
-    part = train.parts[bar.part]
-    given: Support | tuple[Support, ...] | None = getattr(part.component, "support", None)
-    every = (given,) if isinstance(given, Support) else given or ()
-    path: Path = (*part.path, "support")
+    every, path = train.shaft(bar).support, (*train.parts[bar.part].path, "support")
     return [(one, path if len(every) == 1 else (*path, number)) for number, one in enumerate(every)]
 
 
 def _missing(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
     """Why a shaft of the bars `row` cannot be computed, and the key it is about; both empty where it can."""
-    of_mesh = [bar for bar in row if getattr(train.parts[bar.part].component, "section", None) is not None]
+    of_mesh = [bar for bar in row if bar.section is not None]
     if of_mesh:
         place = (*train.parts[of_mesh[0].part].path, "section")
         return "its section is a mesh, and bending needs diameters", place

@@ -12,8 +12,8 @@ from torsion.analyses.lateral.beam_matrices import places
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.analyses.lateral.bending_shafts import BendingShaft
 from torsion.analyses.lateral.whirl import Critical, criticals
-from torsion.kernels.response import NEAR_SINGULAR_LOSS, Status
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.results import derived, reported, result, words
 
 SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is told
@@ -221,7 +221,7 @@ def couples_at(
         couple = pair[0] if at.shaft == "driving" else pair[1]
         curve = (couple.normal + 1j * couple.inplane) * _carried(every, position, moved, carrier)
         if at is not shaft.joints[0] and at.shaft == "driving":
-            curve = curve * np.exp(1j * (place.joint.plane or 0.0))
+            curve = curve * np.exp(1j * place.joint.plane)
         for order, amplitude in result.items():
             turn = (1.0 if order == 0 else 2.0) / SAMPLES * np.exp(-1j * order * turned)
             pair_of_planes = np.array([curve.real @ turn, curve.imag @ turn])

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsion.kernels.periodic.floquet import ANGLE_PER_STEP, FEWEST_STEPS, radau, through_steps
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
+from torsion.kernels.periodic.monodromy import ANGLE_PER_STEP, FEWEST_STEPS, radau, through_steps
 from torsion.kinematics.cross import speed_ratio
 
 NEUTRAL = 1e-10  # growth / speed that counts as none: rounding of a monodromy matrix moves it by 1e-12

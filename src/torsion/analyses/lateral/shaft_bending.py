@@ -18,11 +18,11 @@ from torsion.analyses.lateral.couple_response import Answer, answer, couples_at,
 from torsion.analyses.lateral.tilt_stability import Tilting, Torques, tilting
 from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
 from torsion.analyses.steady import steady as mean_torques
+from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.findings import Progress, Work
-from torsion.kernels.tree import FloatArray
 from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
@@ -221,7 +221,7 @@ def _none_held(train: Train, shafts: Sequence[BendingShaft], is_asked: bool) -> 
     named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
     if named:
         return named
-    held = [part.path for part in train.parts if getattr(part.component, "support", ())]
+    held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
     where: Path = PLACE if is_asked or not held else (*held[0], "support")
     if not shafts:
         return [Fault(where, "the train has no shaft, and nothing else bends", at_key=True)]

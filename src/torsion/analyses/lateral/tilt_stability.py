@@ -23,7 +23,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
     growth,
     small_angle_part,
 )
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.results import derived, reported, result
 
 Torques = Callable[[FloatArray], FloatArray]  # speeds, rad/s -> N m of the joint's driving shaft

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from torsion.analyses.lateral.bending_modes import EPS, Planes
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.results import derived, reported, result
 
 SPARE_MODES, TIMES_MODES = 8, 1  # modes at rest among which damped ones are sought: these, and so many times those told

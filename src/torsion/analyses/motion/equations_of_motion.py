@@ -10,10 +10,10 @@ import numpy as np
 
 from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond
 from torsion.analyses.motion.straight_modes import at_bodies, at_coordinates
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
 from torsion.kernels.periodic.hill import Couplings, toeplitz
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
 from torsion.analyses.motion.stability_settings import Method
 from torsion.analyses.motion.straight_modes import Basis, at_coordinates, basis, reduced, viscous
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.periodic.floquet import exponents, monodromy, steps_for
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
 from torsion.kernels.periodic.hill import couplings_of, harmonics_of, hill_exponents
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.periodic.monodromy import exponents, monodromy, steps_for
 from torsion.study import Study
 
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
@@ -164,11 +164,15 @@ def _beside(known: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.qr(np.column_stack([unit, np.eye(len(unit))]))[0][:, 1 : len(unit)])
 
 
-def by_hill(around: Variation, count: int) -> Multipliers:
-    """Exponents by the eigenvalues of Hill's matrix with harmonics up to `count` of the common period."""
+def by_hill(around: Variation, count: int, most: int = MOST_HILL) -> Multipliers:
+    """Exponents by the eigenvalues of Hill's matrix with harmonics up to `count` of the common period.
+
+    Raises SolveError where it has more than `most` rows.
+    """
     size = around.size
-    if 2 * size * (2 * count + 1) > MOST_HILL:
-        raise SolveError(f"Hill's matrix of {size} coordinates and {count} harmonics is too large; use the monodromy")
+    if 2 * size * (2 * count + 1) > most:
+        message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
+        raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
     entries = couplings_of(around.mass, around.damping, around.stiffness)
     found = hill_exponents(entries, around.w0, count, size, harmonics_of(around.repeated[:, :size], count))
     value = found.exponent
@@ -202,14 +206,14 @@ class Search:
             self.known[speed] = None if orbit is None else (orbit, self.exponents(orbit, self.method))
         return self.known[speed]
 
-    def exponents(self, orbit: Orbit, method: Method) -> Multipliers:
-        """By one of the methods."""
+    def exponents(self, orbit: Orbit, method: Method, most: int = MOST_HILL) -> Multipliers:
+        """By one of the methods; raises SolveError where Hill's matrix has more than `most` rows."""
         around = variation(self.at, orbit)
         highest = self.shapes.highest
         if self.reduced is not None:
             around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
         if method == "hill":
-            return by_hill(around, hill_count(around, highest, orbit.found.count))
+            return by_hill(around, hill_count(around, highest, orbit.found.count), most)
         return by_monodromy(around, highest)
 
     def growth(self, speed: float) -> float:

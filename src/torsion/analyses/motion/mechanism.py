@@ -10,11 +10,11 @@ from math import gcd, lcm
 
 import numpy as np
 
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Span
 from torsion.assembly.system import System
-from torsion.assembly.walking import connected
 from torsion.errors import SolveError
-from torsion.kernels.tree import BoolArray, FloatArray, IntArray
+from torsion.kernels.spanning_forest import connected
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class JointMap:
 def joint_map(system: System, span: Span) -> JointMap:
     """The map of a span with an error."""
     ratios = float(system.speed_ratio[span.driving]), float(system.speed_ratio[span.driven])
-    kind = getattr(system.train.parts[span.part].component, "kind", None)
-    if kind != "cross":
+    joint = system.train.parts[span.part].joint
+    if joint is None or joint.kind != "cross":
         return JointMap(*ratios, 0.0, 0.0, span.error)
     amplitude = span.error[0][1]
     return JointMap(*ratios, abs(amplitude), float(np.angle(1j * amplitude)) / 2.0)
@@ -165,7 +165,8 @@ def layout(system: System) -> Layout:
     if np.any(joints & ~rigid):
         raise SolveError("a mesh with a transmission error and a flexibility is not built in the exact motion")
     joined = rigid & ~joints  # stations that turn as one body
-    body = connected(len(system.stations), system.driving[joined], system.driven[joined])
+    first = connected(len(system.stations), system.driving[joined], system.driven[joined])
+    body = np.unique(first, return_inverse=True)[1]
     number = int(body.max()) + 1
     inertia = np.zeros(number)
     np.add.at(inertia, body, np.where(system.held, 0.0, system.inertia) * system.speed_ratio**2)

@@ -11,13 +11,13 @@ import numpy as np
 
 from torsion.analyses.motion.equations_of_motion import Loading, mean_angle
 from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond, common_order, layout
-from torsion.analyses.response.excitation import amplitude, excitations
+from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import reference_station, steady_if_known
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.kernels.periodic.harmonic_balance import points_in_time
 from torsion.kernels.periodic.hill import harmonics_of
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 from torsion.primitives import Torque
 from torsion.study import Study
 

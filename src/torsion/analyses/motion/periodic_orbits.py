@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from torsion.analyses.motion.common_period import harmonics_needed, too_long
 from torsion.analyses.motion.equations_of_motion import (
     damper_twists,
     linearised,
@@ -16,10 +17,13 @@ from torsion.analyses.motion.equations_of_motion import (
     torques,
 )
 from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_motion, scene
+from torsion.arrays import BoolArray, ComplexArray, FloatArray
+from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
 from torsion.kernels.periodic.harmonic_balance import (
+    MOST_UNKNOWNS,
     Balance,
     Linearised,
     Motion,
@@ -29,7 +33,6 @@ from torsion.kernels.periodic.harmonic_balance import (
     resized,
 )
 from torsion.kernels.periodic.hill import harmonics_of
-from torsion.kernels.tree import BoolArray, ComplexArray, FloatArray
 from torsion.results import derived, reported, result, words
 from torsion.study import Study
 
@@ -108,6 +111,13 @@ class PeriodicResponse:
         "", (), "further motions at the highest peaks, in the same orders; null for none", default=None
     )
 
+    def condensed(self, groups: SegmentGroups) -> "PeriodicResponse":
+        """The same at the stations and spans that stand for segment groups."""
+        return replace(
+            self, angle=self.angle[..., groups.stations], torque=self.torque[..., groups.spans],
+            mean=self.mean[..., groups.spans], others=self.others and self.others.condensed(groups),
+        )  # fmt: skip
+
     @derived("", ("speed",), "ok, coarse (harmonics left out above 1e-10) or none (no motion found)", key="status")
     def status_words(self) -> np.ndarray:
         """(speeds,)."""
@@ -127,8 +137,8 @@ def is_advised(system: System, first_order: FloatArray | None = None) -> bool:
 
     first_order: the estimates (speeds, lines) of a first-order response, where there is one.
     """
-    joints = (system.train.parts[span.part].component for span in system.spans if span.error)
-    if any(getattr(joint, "angle", 0.0) > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
+    joints = (system.train.parts[span.part].joint for span in system.spans if span.error)
+    if any(joint is not None and joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
         return True
     return first_order is not None and bool(np.nanmax(first_order, initial=0.0) > LARGE_ERROR)
 
@@ -205,14 +215,10 @@ def harmonics_at_least(at: Scene) -> int:
     """
     uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
     rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
-    highest = max((order for order, _ in at.torques), default=Fraction(0))
-    joint = max(at.layout.orders, default=at.order)
-    first = max(int(rank * max(joint / at.order, Fraction(1))), int(highest / at.order) + 2)
-    if first > MOST and at.order < 1:
-        raise SolveError(
-            f"the joints and torques repeat together only every {at.order.denominator} turns, which takes about "
-            f"{first} harmonics, and {MOST} are the most; a gear ratio of smaller whole numbers repeats sooner"
-        )
+    first = harmonics_needed(rank, at.layout.orders, [order for order, _ in at.torques])
+    most = min(MOST, (MOST_UNKNOWNS // max(1, at.layout.free) - 1) // 2)
+    if first > most and at.order < 1:
+        raise too_long(at.system.train, rank, most, vibratory=bool(at.torques))
     return int(min(max(FEWEST, first), MOST))
 
 

@@ -21,10 +21,10 @@ from torsion.analyses.motion.periodic_orbits import (
 )
 from torsion.analyses.motion.straight_modes import basis
 from torsion.analyses.response.amplitudes import Response
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress
-from torsion.kernels.tree import FloatArray
 from torsion.study import Study
 
 WORK = 2400  # speeds times coordinates, with few harmonics: about 10 s on one slow core
@@ -55,10 +55,9 @@ def too_long(study: Study, system: System) -> str:
         return str(fault)
     if harmonics <= PATIENCE:
         return ""
-    turns = at.order.denominator
     return (
-        f"the joints share a common period of {turns} turns only, which takes {harmonics} harmonics or more; "
-        "ask for it with `response: {method: harmonic-balance}`"
+        f"joints and torques repeat together only every {float(1 / at.order):.6g} revolutions of the reference shaft, "
+        f"which takes {harmonics} harmonics or more; ask for it with `response: {{method: harmonic-balance}}`"
     )
 
 

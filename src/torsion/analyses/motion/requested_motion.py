@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from torsion.analyses.motion.stability_settings import MapSettings, StabilitySettings
+from torsion.analyses.motion.stability_settings import StabilitySettings
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
-from torsion.errors import SolveError
 from torsion.findings import Work
-from torsion.study import SpeedRange
 
 PERIODIC = "exact periodic response"
 SMALL = "no joint is bent by more than 10 degrees, and the first order estimates its error below 1 %"
@@ -32,34 +30,28 @@ def run_periodic(work: Work) -> None:
         log.without(PERIODIC, SMALL)
         return
     why = "asked" if asked else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
-    _periodic(work, first_order, why, must=asked)
+    _periodic(work, first_order, why, patient=asked)
 
 
-def _periodic(work: Work, first_order: Response, why: str, *, must: bool) -> None:
-    """must: there is no answer without it."""
+def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> None:
+    """patient: it may take long."""
     from torsion.analyses.motion.periodic_orbits import Found
     from torsion.analyses.motion.periodic_speeds import periodic_over_speed, too_long
     from torsion.analyses.motion.stability_settings import motion_faults
 
-    study, system, log = work.study, work.system, work.log
+    study, system, log = work.study, work.system.whole, work.log
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
-    if not refused and not must:
+    if not refused and not patient:
         refused = too_long(study, system)
     if refused:
         log.without(PERIODIC, refused)
         return
-    try:
-        with log.step(PERIODIC, why) as step:
-            found = periodic_over_speed(study, system, first_order, progress=work.progress)
-            step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
-            harmonics = int(found.harmonics.max(initial=0))
-            kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
-            step.size = f"{found.speed.size} speeds, {kept}"
-    except SolveError as fault:
-        if must:
-            raise
-        log.without(PERIODIC, str(fault))
-        return
+    with log.step(PERIODIC, why) as step:
+        found = periodic_over_speed(study, system, first_order, progress=work.progress)
+        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
+        harmonics = int(found.harmonics.max(initial=0))
+        kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
+        step.size = f"{found.speed.size} speeds, {kept}"
     nothing = found.status == Found.NONE
     if nothing.any():
         reasons = "; ".join(dict.fromkeys(one for one in found.why if one))
@@ -68,13 +60,14 @@ def _periodic(work: Work, first_order: Response, why: str, *, must: bool) -> Non
         log.without(f"{PERIODIC}, in part", "at some speeds the harmonics left out exceed 1e-10 of the largest")
     if any(line.order is None for line in first_order.lines):
         log.without(f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints")
-    work.put(periodic=found)
+    groups = work.system.groups
+    work.put(periodic=found if groups is None else found.condensed(groups))
 
 
 def exciting_joints(system: System) -> bool:
     """A joint of the train turns unevenly."""
     parts = system.train.parts
-    return any(span.error and parts[span.part].component.keyword == "joint" for span in system.spans)
+    return any(span.error and parts[span.part].joint is not None for span in system.spans)
 
 
 def run_stability(work: Work) -> None:
@@ -83,13 +76,13 @@ def run_stability(work: Work) -> None:
     from torsion.analyses.motion.periodic_orbits import harmonics_at_least
     from torsion.analyses.motion.stability_over_speed import stability_asked
 
-    study, system, log = work.study, work.system, work.log
+    study, system, log = work.study, work.system.whole, work.log
     settings = work.settings("stability", StabilitySettings)
     speeds = settings.speeds or study.operation.speeds
     if not exciting_joints(system) or speeds is None:
         log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
         return
-    harmonics_at_least(scene(study, system))  # refused before anything is computed
+    harmonics_at_least(scene(study, system, vibratory=False))  # refused before anything is computed
     with log.step("stability", "asked") as step:
         found = stability_asked(study, system, settings, speeds.values(), progress=work.progress)
         step.method = _METHODS[settings.method]
@@ -102,8 +95,6 @@ def run_stability(work: Work) -> None:
         log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
     log.without("vibratory torques, in the stability", "joints and mean torque alone make the periodic motion there")
     work.put(stability=found)
-    if settings.map is not None:
-        _map(work, settings.map, speeds)
 
 
 _METHODS = {
@@ -112,12 +103,20 @@ _METHODS = {
 }
 
 
-def _map(work: Work, settings: MapSettings, speeds: SpeedRange) -> None:
+def run_map(work: Work) -> None:
+    """Growth over speed and one more quantity, where it is requested."""
+    stability = work.settings("stability", StabilitySettings)
+    settings, speeds = stability.map, stability.speeds or work.study.operation.speeds
+    if settings is None or speeds is None or not exciting_joints(work.system):
+        return
+    from torsion.analyses.motion.mechanism_loads import scene
+    from torsion.analyses.motion.periodic_orbits import harmonics_at_least
     from torsion.analyses.motion.stability_map import stability_map
 
+    harmonics_at_least(scene(work.study, work.system.whole, vibratory=False))
     with work.log.step("stability map", "asked") as step:
         found = stability_map(
-            work.study, work.system, speeds.values(), settings.over, settings.values(), modes=settings.modes,
+            work.study, work.system.whole, speeds.values(), settings.over, settings.values(), modes=settings.modes,
             progress=work.progress,
         )  # fmt: skip
         step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes, all values of a speed together"

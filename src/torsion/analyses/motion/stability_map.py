@@ -15,11 +15,11 @@ from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.stability_settings import Over
 from torsion.analyses.motion.straight_modes import Basis, basis
 from torsion.analyses.motion.variant_stack import Stack, growths, half_range, solve_stack
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
-from torsion.kernels.tree import FloatArray
 from torsion.kinematics.cross import unevenness
 from torsion.results import reported, result
 from torsion.study import Study

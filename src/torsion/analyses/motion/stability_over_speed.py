@@ -5,15 +5,19 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from torsion.analyses.motion.floquet_exponents import Search, modes_that_matter, search
+from torsion.analyses.motion.floquet_exponents import (
+    Search,
+    modes_that_matter,
+    search,
+)
 from torsion.analyses.motion.mechanism_loads import scene
 from torsion.analyses.motion.stability_settings import Method, StabilitySettings
 from torsion.analyses.motion.straight_modes import basis
 from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
-from torsion.kernels.tree import FloatArray
 from torsion.results import reported, result
 from torsion.study import Study
 
@@ -23,6 +27,7 @@ UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
 CHECKED = 3  # speeds at which the other method checks the growth rate
 WHOLE = 20  # coordinates up to which no mode is left out; beyond, the highest modes make the steps in time many
 MORE = 2  # times the modes kept: how many the estimate of the error keeps
+MOST_CHECKED = 600  # rows of Hill's matrix for that: beyond, its eigenvalues take far longer than the growth rate
 
 
 @reported
@@ -135,7 +140,7 @@ def _check(ask: Search, asked: FloatArray) -> float:
     for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
         found = known[place]
         try:
-            apart = abs(ask.exponents(found[0], other).growth - found[1].growth)
+            apart = abs(ask.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
         except SolveError:
             continue
         worst = apart if np.isnan(worst) else max(worst, apart)

@@ -5,10 +5,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
-from torsion.components.base import Component
+from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.kernels.tree import FloatArray
 from torsion.study import SpeedRange, Study
 
 Method = Literal["hill", "monodromy"]
@@ -78,7 +77,7 @@ def asked_faults(study: Study) -> list[Fault]:
     if asked is None:
         return found
     path: Path = ("analyses", "stability")
-    if all(part.component.keyword != "joint" for part in study.train.parts):
+    if not study.has_joints:
         hint = "leave it out; what damps, the damped modes tell"
         found.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
     if getattr(asked, "speeds", None) is None and study.operation.speeds is None:
@@ -103,12 +102,8 @@ def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
             hint = "give the train its damping, for example `viscous` of a coupling or `damping` of a disc"
             return [Fault(path, "the map varies the damping, and nothing in the train damps", hint)]
     if over == "angle":
-        bent = [getattr(one.component, "angle", 0.0) for one in train.parts if _is_cross(one.component)]
-        if not any(angle > 0 for angle in bent):
+        joints = [part.joint for part in train.parts if part.joint is not None]
+        if not any(joint.kind == "cross" and joint.angle > 0 for joint in joints):
             hint = "bend one, for example `joint: {angle: 5 deg}`; tripods and cv joints keep their angle in a map"
             return [Fault(path, "the map varies the angle of cross joints, and none of the train is bent", hint)]
     return []
-
-
-def _is_cross(component: Component) -> bool:
-    return component.keyword == "joint" and getattr(component, "kind", "") == "cross"

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from torsion.analyses.motion.mechanism import Dampers, Layout
+from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.tree import FloatArray
 
 SAME = 1e-6  # of the largest: static shapes that are others combined
 NOTHING = 1e-13  # of the largest damper: what is smaller is rounding of the modes

@@ -11,8 +11,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from torsion.analyses.motion.floquet_exponents import UNSTABLE, Multipliers, Search
 from torsion.analyses.motion.straight_modes import Basis
+from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.tree import FloatArray
 from torsion.results import derived, reported, result
 
 TAKES_PART = 0.02  # of the largest modal energy

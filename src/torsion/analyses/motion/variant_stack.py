@@ -12,10 +12,10 @@ from torsion.analyses.motion.equations_of_motion import Loading, State, entries,
 from torsion.analyses.motion.mechanism import Layout
 from torsion.analyses.motion.mechanism_loads import Scene, operating, rigid_deviation
 from torsion.analyses.motion.straight_modes import Basis, at_bodies
-from torsion.kernels.periodic.floquet import at_times, radau, steps_for, through_steps
+from torsion.arrays import FloatArray
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of
 from torsion.kernels.periodic.hill import from_real_parts, harmonics_of, real_blocks, real_parts, toeplitz
-from torsion.kernels.tree import FloatArray
+from torsion.kernels.periodic.monodromy import at_times, radau, steps_for, through_steps
 
 SMALL = 1e-5  # relative step of Newton's method after which the next would be rounding
 FOUND = 1e-3  # relative step at the end that is still a solution

@@ -6,10 +6,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from torsion.analyses.response.excitation import Line
+from torsion.analyses.response.harmonic_components import Line
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.response import Status
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result, words
 
 
@@ -38,7 +38,7 @@ class Response:
         "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
     )
     residual: FloatArray = result("1", ("speed", "line"), "relative equilibrium residual")
-    status: np.ndarray  # (speeds, lines) uint8: kernels.response.Status
+    status: np.ndarray  # (speeds, lines) uint8: kernels.tree_response.Status
     joint_error: FloatArray = result(
         "1", ("speed", "line"), "estimated relative error of the first-order joint model; 0 without joints"
     )
@@ -95,7 +95,7 @@ class FrequencyResponse:
         printed=("frequency", "end span"), known_by="status",
     )  # fmt: skip
     residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
-    status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
+    status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies left out", default="")
 
@@ -105,28 +105,36 @@ class FrequencyResponse:
         return words(self.status, Status)
 
 
+def part_of(found: Response, part: slice) -> Response:
+    """A view of some speeds."""
+    rows: dict[str, Any] = {key: value[part] for key, value in vars(found).items() if isinstance(value, np.ndarray)}
+    return replace(found, **rows)
+
+
 Result = TypeVar("Result", Response, FrequencyResponse)
 
 
 def merged(first: Result, second: Result) -> Result:
     """Both results in one, by ascending speed or frequency."""
     axis = "speed" if isinstance(first, Response) else "frequency"
-    along = np.concatenate([getattr(first, axis), getattr(second, axis)])
-    place = np.unique(along, return_index=True)[1]
-    both: dict[str, Any] = {}
-    for key, value in vars(first).items():
-        if isinstance(value, np.ndarray):
-            both[key] = np.concatenate([value, getattr(second, key)])[place]
-    return replace(first, **both)
+    return replace(first, **_by_ascending(getattr(first, axis), getattr(second, axis), first, second))
 
 
 def joined(first: tuple[Response, Synthesis], second: tuple[Response, Synthesis]) -> tuple[Response, Synthesis]:
     """Two responses of the same lines with their syntheses in one, by ascending speed."""
     response = merged(first[0], second[0])
-    place = np.unique(np.concatenate([first[0].speed, second[0].speed]), return_index=True)[1]
-    both: dict[str, Any] = {
-        key: np.concatenate([value, getattr(second[1], key)])[place]
-        for key, value in vars(first[1]).items()
-        if isinstance(value, np.ndarray)
-    }
-    return response, replace(first[1], **both)
+    return response, replace(first[1], **_by_ascending(first[0].speed, second[0].speed, first[1], second[1]))
+
+
+def _by_ascending(along: FloatArray, others: FloatArray, first: object, second: object) -> dict[str, Any]:
+    """The arrays of two results in one each, by ascending place, where both have one that of the first."""
+    place = np.unique(np.concatenate([along, others]), return_index=True)[1]
+    mine = place < len(along)
+    kept = slice(None) if np.count_nonzero(mine) == len(along) else place[mine]  # `along` ascends
+    both: dict[str, Any] = {}
+    for key, value in vars(first).items():
+        if isinstance(value, np.ndarray):
+            both[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
+            both[key][mine] = value[kept]
+            both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
+    return both

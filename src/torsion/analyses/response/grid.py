@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes, modes_as_discretised, undamped_tree
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.steady import SAME_SPEED
+from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.counts import count_below
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+from torsion.kernels.sturm import count_below
 
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
 FEWEST_POINTS = 5
@@ -59,6 +59,8 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     found = known if known is not None and known.system is system else None
     if found is not None and found.frequency.size and 2.0 * math.pi * found.frequency[-1] > highest:
         return found
+    if system.groups is not None:
+        return condensed_modes(_modes_up_to(system.whole, highest, None), system)
     folded = system.folded
     if system.folded_bars is not None:
         from torsion.analyses.bars import reach
@@ -72,8 +74,7 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
 
 def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArray:
     """(modes,) loss in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2, generalised inertia 1."""
-    q = found.shape / system.speed_ratio[:, None]
-    twist = (q[system.driving] - q[system.driven]) * system.span_ratio[:, None]
+    twist = system.twist(found.shape / system.speed_ratio[:, None])
     return np.asarray((system.viscous @ twist**2 / w + system.loss_factor @ found.elastic) / 2.0)
 
 

@@ -5,19 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, merged
-from torsion.analyses.response.excitation import Sources, sources, sweeping
+from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
+from torsion.analyses.response.size import refuse_too_large
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
-from torsion.kernels.response import Status
-from torsion.kernels.tree import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 
@@ -62,6 +63,9 @@ def frequency_response(
     where = grid.places(known, np.array([2.0 * math.pi]), float(asked[0]), float(asked[-1]))
     ratio = grid.damping_ratios(known, where, np.tile(ground, (1, len(where.at))))
     hertz, remark = grid.refined(asked, where, ratio)
+    path = ("analyses", "response", "frequencies")
+    most = len(hertz) + min(len(hertz), grid.ROUNDS_FOR_PEAKS * grid.MOST_PEAKS)
+    refuse_too_large(system, most, 1, study.memory, path, "frequencies")
     result = solved(hertz)
     for _ in range(grid.ROUNDS_FOR_PEAKS):
         sound = result.status == Status.OK

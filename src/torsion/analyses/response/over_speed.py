@@ -9,20 +9,21 @@ import numpy as np
 from pydantic import BeforeValidator
 
 from torsion import fields
-from torsion.analyses.damped import DampedModes
-from torsion.analyses.modes import Modes
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, merged
-from torsion.analyses.response.excitation import Excitation, Line, excitations, excited_orders, lines, sources
+from torsion.analyses.response.harmonic_components import Excitation, Line, excitations, excited_orders, lines, sources
+from torsion.analyses.response.size import blocks, refuse_too_large
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, silent
-from torsion.kernels.response import Status
-from torsion.kernels.tree import ComplexArray, FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 __all__ = ["FrequencyResponse", "Line", "Response", "ResponseSettings", "Synthesis", "response"]
@@ -73,12 +74,14 @@ def response(
     asked = _asked_speeds(study, speeds)
     orders = asked_orders(study)
     found = excitations(system, None if all_orders else orders)
-    highest = max((float(_frequencies(one.line, asked[-1:])[0]) for one in found), default=0.0)
+    highest = max((float(one.line.circular_frequency(asked[-1:])[0]) for one in found), default=0.0)
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
     scene = _Scene(study, system, found, progress or silent)
     further = np.empty(0) if also is None else also[(also > asked[0]) & (also < asked[-1])]
     points = np.union1d(asked, grid.apart(asked, further))
     speed, remark = _refined_speeds(scene, points, damped, modes)
+    most = len(speed) + min(len(speed), grid.ROUNDS_FOR_PEAKS * grid.MOST_PEAKS)
+    refuse_too_large(system, most, len(found), study.memory, ("operation", "speeds"), "speeds")
     result = _solve(scene, speed)
     for _ in range(grid.ROUNDS_FOR_PEAKS):
         missed, left_out = grid.missed_peaks(result.speed, result.torque, result.status == Status.OK)
@@ -150,45 +153,46 @@ def _refined_speeds(
         return asked, ""
     known = grid.resonances(scene.system, float(orders.max() * asked[-1]), modes, damped)
     where = grid.places(known, orders, float(asked[0]), float(asked[-1]))
-    ground = ground_damping(scene.system, where.at, steady_if_known(scene.study, scene.system, where.at))
-    return grid.refined(asked, where, grid.damping_ratios(known, where, ground))
+    ratio = [
+        grid.damping_ratios(known, some, _ground(scene, some.at))
+        for some in (grid.Places(where.at[part], where.mode[part]) for part in blocks(len(where.at), scene.system))
+    ]
+    return grid.refined(asked, where, np.concatenate(ratio))
+
+
+def _ground(scene: _Scene, speed: FloatArray) -> FloatArray:
+    """(stations, speeds) N m s/rad of damping to ground."""
+    return ground_damping(scene.system, speed, steady_if_known(scene.study, scene.system, speed))
 
 
 def _solve(scene: _Scene, speed: FloatArray) -> Response:
     """Every line at every speed (rad/s), ascending."""
-    system, number = scene.system, len(scene.found)
+    system, shape = scene.system, (len(speed), len(scene.found))
+    angle, torque = (np.empty((*shape, len(each)), dtype=np.complex128) for each in (system.stations, system.spans))
+    mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
+    frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
+    each, asked = tuple(one.line for one in scene.found), np.zeros(len(speed), dtype=bool)
+    result = Response(speed, asked, each, frequency, angle, torque, mean, residual, status, joint_error, system)
+    for part in blocks(len(speed), system):
+        _fill(scene, result, part)
+    return result
+
+
+def _fill(scene: _Scene, result: Response, part: slice) -> None:
+    """Every line at the speeds of a part, into its place."""
+    system, speed = scene.system, result.speed[part]
     mean = steady_if_known(scene.study, system, speed)
     ground = ground_damping(system, speed, mean)
-    shape = (len(speed), number)
-    angle = np.empty((*shape, len(system.stations)), dtype=np.complex128)
-    torque = np.empty((*shape, len(system.spans)), dtype=np.complex128)
-    frequency, residual, joint_error = np.empty(shape), np.empty(shape), np.empty(shape)
-    status = np.empty(shape, dtype=np.uint8)
+    if mean is not None:
+        result.mean[part] = mean.torque.T
     for k, one in enumerate(scene.found):
-        scene.tell("response", k / number)
-        w = _frequencies(one.line, speed)
+        scene.tell("response", (part.start + k * len(speed) / len(scene.found)) / max(len(result.speed), 1))
+        w = one.line.circular_frequency(speed)
         found = answer(system, w, sources(system, one, speed, mean), ground)
-        frequency[:, k] = w / (2.0 * math.pi)
-        angle[:, k], torque[:, k], residual[:, k], status[:, k] = (
-            found.angle,
-            found.torque,
-            found.residual,
-            found.status,
-        )
-        joint_error[:, k] = joint_errors(system, one, found.angle)
-    steady_torque = np.zeros((len(speed), len(system.spans))) if mean is None else mean.torque.T
-    each = tuple(one.line for one in scene.found)
-    asked = np.zeros(len(speed), dtype=bool)
-    return Response(
-        speed, asked, each, frequency, angle, torque, steady_torque, residual, status, joint_error, system
-    )  # fmt: skip
-
-
-def _frequencies(line: Line, speed: FloatArray) -> FloatArray:
-    """(speeds,) rad/s."""
-    if line.order is not None:
-        return float(line.order) * speed
-    return np.full(len(speed), 2.0 * math.pi * (line.frequency or 0.0))
+        result.frequency[part, k] = w / (2.0 * math.pi)
+        result.angle[part, k], result.torque[part, k] = found.angle, found.torque
+        result.residual[part, k], result.status[part, k] = found.residual, found.status
+        result.joint_error[part, k] = joint_errors(system, one, found.angle)
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:

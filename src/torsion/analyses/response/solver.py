@@ -4,13 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.modes import bar_torques, span_torques
-from torsion.analyses.response.excitation import Sources
+from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
+from torsion.analyses.undamped_modes import bar_torques, span_torques
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.response import TreeResponse, complex_compliance, status, tree_response
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray, Tree
+from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import TreeResponse, complex_compliance, status, tree_response
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class Answer:
     angle: ComplexArray  # (frequencies, stations) rad at own speed
     torque: ComplexArray  # (frequencies, spans) N m at the driving station's speed, elastic and damping share
     residual: FloatArray  # (frequencies,) relative
-    status: np.ndarray  # (frequencies,) uint8: kernels.response.Status
+    status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
 
 
 def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray) -> Answer:
@@ -36,16 +37,16 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
     if system.folded_bars is not None:
         loss = folded.loss_factor[system.folded_bars.node]
         found = tree_response(
-            tree, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance,
-            bars=system.folded_bars, bar_loss=loss,
+            replace(tree, shafts=system.folded_bars), w, sources.force, twist=sources.twist, ground_damping=ground,
+            compliance=compliance, shaft_loss=loss,
         )  # fmt: skip
         torque = bar_torques(system, found.torque, found.torque_outer)
     elif closing.size:
         found = _with_loops(system, tree, closing, w, sources, ground, compliance)
-        torque = span_torques(system, found.torque, closing, found.closing_torque)
+        torque = span_torques(system, found.torque, closing, found.chord_torque)
     else:
         found = tree_response(tree, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance)
-        torque = span_torques(system, found.torque, closing, found.closing_torque)
+        torque = span_torques(system, found.torque, closing, found.chord_torque)
     angle = found.angle[folded.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
 
@@ -90,13 +91,13 @@ def _with_loops(
     compliance: ComplexArray,
 ) -> TreeResponse:
     """The response with the spans `closing` that close loops."""
-    from torsion.kernels.loops.response import Closing, closed_response
+    from torsion.kernels.loops.looped_response import Chords, looped_response
 
     folded, ratio = system.folded, system.span_ratio[closing]
     flexibility, viscous = system.flexibility[closing] / ratio**2, system.viscous[closing] * ratio**2
     closing_compliance = complex_compliance(flexibility, viscous, system.loss_factor[closing], w)
     ends = folded.node[system.driving[closing]], folded.node[system.driven[closing]]
-    loops = Closing(*ends, closing_compliance, twist=np.zeros(len(closing)))
-    return closed_response(
+    loops = Chords(*ends, closing_compliance, twist=np.zeros(len(closing)))
+    return looped_response(
         tree, loops, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance
     )

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
 from torsion.analyses.response.over_speed import Response, Synthesis
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.response import Status
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+from torsion.kernels.tree_response import Status
 
 SAMPLES = 32  # of the highest harmonic, before extremes are refined
 MOST_SAMPLES = 20_000  # of a cycle; a longer one is given by its bound

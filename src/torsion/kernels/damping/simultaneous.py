@@ -2,25 +2,25 @@
 
 import numpy as np
 
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.damping.first_order import Damping
-from torsion.kernels.sweeps import EPS, Layout
-from torsion.kernels.tree import ComplexArray, FloatArray, Tree
+from torsion.kernels.damping.first_order_form import DampedTree
+from torsion.kernels.sweeps import EPS
 
 CONVERGED = 1e-13  # step relative to the root
 DOUBLE = 1e-6  # a double root is no better than the root of the precision: steps and gaps of such pairs, relative
 SWEEPS = 300
 
 
-def log_derivative(tree: Tree, plan: Layout, damping: Damping, root: ComplexArray, lossy: float = 1.0) -> ComplexArray:
+def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) -> ComplexArray:
     """p'/p at each root, (roots,) s, of p = det(l^2 J + l C + K(1 + i eta)); `lossy` scales the loss factors.
 
-    Leaf-to-root elimination and its derivative side by side; rigid spans merge, held stations take no part.
+    Leaf-to-root elimination and its derivative side by side; rigid spans merge, fixed stations take no part.
     """
-    size = plan.size
+    tree, plan, size = train.tree, train.plan, train.plan.size
     total = np.zeros(len(root), dtype=np.complex128)
-    stiffness = [damping.ground[i] * root + tree.inertia[i] * root * root for i in range(size)]
-    slope = [damping.ground[i] + 2 * tree.inertia[i] * root for i in range(size)]
+    stiffness = [train.ground[i] * root + tree.inertia[i] * root * root for i in range(size)]
+    slope = [train.ground[i] + 2 * tree.inertia[i] * root for i in range(size)]
     for station in range(size - 1, -1, -1):
         parent = plan.parent[station]
         if plan.prescribed[station] and not (plan.held[station] and parent >= 0):
@@ -32,8 +32,8 @@ def log_derivative(tree: Tree, plan: Layout, damping: Damping, root: ComplexArra
             stiffness[parent] += a
             slope[parent] += da
         else:
-            c = damping.viscous[station]
-            k = (1 + 1j * lossy * damping.loss_factor[station]) / tree.flexibility[station] + c * root
+            c = train.viscous[station]
+            k = (1 + 1j * lossy * train.loss_factor[station]) / tree.flexibility[station] + c * root
             if plan.held[station]:
                 stiffness[parent] += k
                 slope[parent] += c
@@ -47,14 +47,7 @@ def log_derivative(tree: Tree, plan: Layout, damping: Damping, root: ComplexArra
 
 
 def polish_together(
-    tree: Tree,
-    plan: Layout,
-    damping: Damping,
-    start: ComplexArray,
-    zeros: int,
-    *,
-    lossy: float = 1.0,
-    mirrored: bool = False,
+    train: DampedTree, start: ComplexArray, zeros: int, *, lossy: float = 1.0, mirrored: bool = False
 ) -> ComplexArray:
     """Roots (roots,) to about eps, each start led to a root of its own; `zeros` is how often 0 is a root.
 
@@ -65,7 +58,7 @@ def polish_together(
     step = np.full(len(root), np.inf, dtype=np.complex128)
     for _ in range(SWEEPS):
         moving = np.flatnonzero(active)
-        step[moving] = _steps(tree, plan, damping, root, moving, zeros, lossy, mirrored)
+        step[moving] = _steps(train, root, moving, zeros, lossy, mirrored)
         root[moving] += step[moving]
         active[moving] = ~(np.abs(step[moving]) <= CONVERGED * np.abs(root[moving]))
         if not active.any():
@@ -75,21 +68,14 @@ def polish_together(
 
 
 def _steps(
-    tree: Tree,
-    plan: Layout,
-    damping: Damping,
-    root: ComplexArray,
-    moving: np.ndarray,
-    zeros: int,
-    lossy: float,
-    mirrored: bool,
+    train: DampedTree, root: ComplexArray, moving: IntArray, zeros: int, lossy: float, mirrored: bool
 ) -> ComplexArray:
     here = root[moving]
     with np.errstate(all="ignore"):
-        slope = log_derivative(tree, plan, damping, here, lossy)
+        slope = log_derivative(train, here, lossy)
         lost = ~np.isfinite(slope)
         if lost.any():  # exactly on a pole of the elimination: a few eps aside there is none
-            slope[lost] = log_derivative(tree, plan, damping, here[lost] * (1 + 8 * EPS), lossy)
+            slope[lost] = log_derivative(train, here[lost] * (1 + 8 * EPS), lossy)
         gap = here[:, None] - root
         gap[gap == 0] = np.inf
         others = (1 / gap).sum(axis=1) + zeros / here

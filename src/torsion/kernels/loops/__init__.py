@@ -1,1 +1,1 @@
-"""Trains with closed loops: a spanning tree and the spans that close it."""
+"""Trains with closed loops: a spanning tree of the stiffest spans, and chords."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import next_fast_len
 
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.periodic.hill import (
     Couplings,
@@ -17,7 +18,6 @@ from torsion.kernels.periodic.hill import (
     real_parts,
     scattered,
 )
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
 
 OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not folded back
 MOST_NEWTON = 40

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.kernels.tree import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy import sparse

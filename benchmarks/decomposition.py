@@ -1,0 +1,41 @@
+"""All elastic modes by one decomposition of the factor of a tree or a chain, without a certificate.
+
+The frequencies are as accurate as those of `tree_modes`, the shapes in the norm (Drmac and Veselic 2008).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.kernels.factors import bidiagonal_factor, incidence_factor
+from torsion.kernels.lapack import bidiagonal_singular_values, jacobi_svd
+from torsion.kernels.reduction import reduce_tree, rigidity
+from torsion.kernels.tree import Tree
+
+
+def chain_frequencies(inertia: FloatArray, stiffness: FloatArray) -> FloatArray:
+    """Elastic natural frequencies (stations - 1,) rad/s, ascending, of a free chain, kg m2 and N m/rad."""
+    return bidiagonal_singular_values(*bidiagonal_factor(inertia, stiffness, 0.0))[-2::-1].copy()
+
+
+@dataclass(frozen=True)
+class PlainModes:
+    """Elastic modes in ascending order, scaled to a generalised inertia of 1 kg m2."""
+
+    frequency: FloatArray  # (m,) rad/s
+    angle: FloatArray  # (stations, m) rad
+    torque: FloatArray  # (stations, m) N m, on station i: (angle[parent] - angle[i]) / flexibility; 0 at the root
+
+
+def plain_modes(tree: Tree) -> PlainModes:
+    """All elastic modes of a tree of one root in which every station moves, has inertia and an elastic span.
+
+    With G = J^-1/2 B' k^1/2 = U s V': frequencies s, angles J^-1/2 U, torques k^1/2 s V, no difference of angles.
+    """
+    train = reduce_tree(tree, rigidity(tree))
+    left, values, right = jacobi_svd(incidence_factor(train), "UV")
+    angle = left[:, ::-1] / np.sqrt(tree.inertia)[:, None]
+    torque = np.zeros((tree.size, len(values)))
+    torque[1:] = np.sqrt(train.stiffness)[:, None] * right[:, ::-1] * values[::-1]
+    return PlainModes(values[::-1], angle, torque)

@@ -1,1 +1,0 @@
-"""The models of one train side by side."""

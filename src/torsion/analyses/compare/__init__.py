@@ -1,0 +1,1 @@
+"""Models and methods of one train compared: errors against the exact model, and error against run time."""

@@ -1,0 +1,126 @@
+"""The shafts of a train in any number of pieces, in every model, and the exact model as the reference of them all."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+from torsion.analyses.compare.timing import Candidate, Effort
+from torsion.analyses.discretisation import assembled
+from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
+from torsion.assembly import assemble
+from torsion.assembly.section.solved_sections import resolved
+from torsion.assembly.system import System
+from torsion.errors import Fault, Path
+from torsion.study import FiniteElements, Study
+from torsion.train import Train
+
+Named = Callable[[str, str, int, Callable[[], System]], Candidate]  # of method, words, size and what assembles it
+COUNT = 6  # elastic modes, where neither the file nor an excitation says how many
+
+
+def has_shafts(train: Train) -> bool:
+    """Some shaft has inertia, so that its models differ."""
+    return any(bar.density > 0 for bar in train.bars)
+
+
+def loop_fault(path: Path) -> Fault:
+    """Why there is no exact model of a train: its closed loops."""
+    message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
+    return Fault(path, message, "leave `links` or the comparison out")
+
+
+def loop_faults(study: Study, path: Path) -> list[Fault]:
+    """The fault of closed loops in a train whose shafts have inertia."""
+    closed = any(part.path[0] == "links" for part in study.train.parts)
+    return [loop_fault(path)] if closed and has_shafts(study.train) else []
+
+
+def plain(study: Study) -> Study:
+    """The study in the exact model, its shafts without a number of segments of their own, sections already solved."""
+    train = divided(resolved(study.train), None)
+    return replace(study, train=train, model="exact" if has_shafts(train) else "lumped", fem=FiniteElements())
+
+
+def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
+    """The train with so many segments a shaft (or by its name); a massless shaft is a spring and stays as it is."""
+
+    def of(name: str) -> int | None:
+        return number[name] if isinstance(number, Mapping) else number
+
+    bars = (replace(bar, segments=of(bar.name)) if bar.density > 0 else bar for bar in train.bars)
+    return replace(train, bars=tuple(bars))
+
+
+def ready(
+    train: Train, model: str, *, frequency: float = 0.0, degree: int | None = None, elements: int | None = None
+) -> System:
+    """A system with its tree and the laws of its shafts, which are made when first used."""
+    system = assemble(train, model, frequency=frequency, degree=degree, elements=elements)
+    _ = system.folded, system.folded_bars
+    return system
+
+
+def lumped(train: Train, most: int, curve: str, named: Named) -> list[Candidate]:
+    """One curve: lumped shafts of 1, 2, 4 .. segments."""
+    return [
+        named(curve, counted(number, "segment"), number, partial(ready, divided(train, number), "lumped"))
+        for number in doubled(most)
+    ]
+
+
+def candidates(
+    train: Train, frequency: float, effort: Effort, degrees: tuple[int, ...], named: Named, method: str = ""
+) -> list[list[Candidate]]:
+    """Every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for.
+
+    method: what is added to the name of each curve.
+    """
+    curves = [lumped(train, effort.segments, f"lumped{method}", named)]
+    for degree in degrees:
+        finite = partial(ready, train, "fem", frequency=frequency, degree=degree)
+        curves.append([
+            named(f"fem, degree {degree}{method}", counted(number, "element"), number, partial(finite, elements=number))
+            for number in doubled(max(1, effort.unknowns // degree))
+        ])  # fmt: skip
+    exact = partial(ready, train, "exact", frequency=frequency)
+    pieces = max(exact().segments.values())
+    return [*curves, [named(f"exact{method}", counted(pieces, "piece"), pieces, exact)]]
+
+
+def counted(number: int, what: str) -> str:
+    """A number with its noun."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def doubled(most: int) -> list[int]:
+    """1, 2, 4 .. up to a largest."""
+    return [2**k for k in range(most.bit_length())]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The exact model of a train, divided as it is by itself, and twice as finely."""
+
+    system: System
+    finer: System
+    found: Modes
+    finer_found: Modes
+
+
+def reference(study: Study, highest: float, count: int | None) -> Reference:
+    """The lowest `count` modes (None: those up to `highest`, Hz) of the exact model, both discretisations of it."""
+    system = assembled(study, highest)
+    if count is None:
+        count = _count_up_to(system, highest)
+    found = modes(system, count)
+    finer = ready(divided(study.train, {name: 2 * n for name, n in found.system.segments.items()}), "exact")
+    return Reference(found.system, finer, found, modes_as_discretised(finer, count))
+
+
+def _count_up_to(system: System, highest: float) -> int:
+    if highest <= 0.0 or system.folded_bars is None:
+        return COUNT
+    from torsion.analyses.bars import reach
+
+    return max(1, reach(undamped_tree(system.folded), system.folded_bars, 2.0 * math.pi * highest).count)

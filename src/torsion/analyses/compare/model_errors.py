@@ -1,0 +1,99 @@
+"""How far a model is from the reference: relative errors of frequencies, of mode shapes and of response torques."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.assembly.shafts import bar_segments
+from torsion.assembly.system import System
+
+TOGETHER = 1e-6  # relative; modes nearer to each other than that are one, and any mixture of their shapes is right
+NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay below are rounding and are not compared
+
+
+def relative_errors(found: Sequence[float] | FloatArray, reference: Sequence[Any] | FloatArray) -> FloatArray:
+    """(values,) signed error of each value over its reference; infinite for values that are missing at the end.
+
+    The difference is taken in the numbers of the reference, which may have more digits than double precision.
+    """
+    exact, error = np.asarray(reference), np.full(len(reference), np.inf)
+    known = min(len(exact), len(found))
+    error[:known] = (np.asarray(found, dtype=float)[:known] - exact[:known]) / exact[:known]
+    return error
+
+
+def shape_weights(system: System) -> FloatArray:
+    """(own stations,) kg m2 at own speed: the train's inertias and, at either end of a shaft, the half next to it.
+
+    The same for every model of a train: the stations between the pieces of shafts are left out.
+    """
+    own = len(system.train.stations)
+    weight = np.zeros(own)
+    for lump in system.train.inertias:
+        weight[lump.station] += lump.inertia
+    for bar in system.train.bars:
+        weight[[bar.driving, bar.driven]] += bar_segments(bar, 1)[1]
+    weight[system.held[:own]] = 0.0
+    return weight
+
+
+def shape_errors(shape: FloatArray, exact: FloatArray, frequency: FloatArray, weight: FloatArray) -> FloatArray:
+    """(modes,) 1 - MAC of every shape (stations, modes) against the exact one of the same number.
+
+    exact: (stations, at least as many modes) with their `frequency`; weight: (stations,) inertias. MAC is the modal
+    assurance criterion (Allemang & Brown 1982) weighted by inertia: the squared cosine of the angle between two shapes
+    or, where exact frequencies are the same, between a shape and the space of theirs. It is found as the rest outside
+    of that space, so that nothing cancels. NaN where no station of any inertia moves.
+    """
+    root = np.sqrt(weight)[:, None]
+    ours, theirs = shape * root, exact * root
+    errors = np.full(shape.shape[1], np.nan)
+    for mode in range(shape.shape[1]):
+        beside = np.abs(frequency - frequency[mode]) <= TOGETHER * frequency[mode]
+        size, space = float(np.linalg.norm(ours[:, mode])), _space(theirs[:, beside])
+        if size == 0 or space.shape[1] == 0:
+            continue
+        vector = ours[:, mode] / size
+        rest = vector - space @ (space.T @ vector)
+        errors[mode] = min(float(rest @ rest), 1.0)
+    return errors
+
+
+def _space(columns: FloatArray) -> FloatArray:
+    """(rows, rank) orthonormal columns that span the same space."""
+    size = np.linalg.norm(columns, axis=0)
+    moving: FloatArray = columns[:, size > 0] / size[size > 0]
+    if moving.shape[1] == 0:
+        return moving
+    u, singular, _ = np.linalg.svd(moving, full_matrices=False)
+    return np.asarray(u[:, singular > max(moving.shape) * np.finfo(float).eps * singular[0]])
+
+
+def over_largest(found: ComplexArray, exact: ComplexArray) -> FloatArray:
+    """(speeds,) largest error of any torque (speeds, ends), over the largest exact torque at the same speed.
+
+    NaN where there is no torque.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        size = np.abs(exact).max(axis=1, initial=0.0)
+        return np.where(size > 0, np.abs(found - exact).max(axis=1, initial=0.0) / size, np.nan)
+
+
+def over_peaks(exact: Sequence[ComplexArray], found: Sequence[ComplexArray]) -> tuple[float, ...]:
+    """Of every harmonic the largest error of a torque (speeds, ends), over that torque's peak of all speeds.
+
+    NaN in what was found makes it infinite.
+    """
+    return tuple(_over_peak(there, here) for there, here in zip(exact, found, strict=True))
+
+
+def _over_peak(exact: ComplexArray, found: ComplexArray) -> float:
+    peak = np.abs(exact).max(axis=0)
+    compared = peak > NEGLIGIBLE * peak.max()
+    if not compared.any():
+        return 0.0
+    if not np.isfinite(found[:, compared]).all():
+        return float("inf")
+    return float((np.abs(found - exact)[:, compared].max(axis=0) / peak[compared]).max())

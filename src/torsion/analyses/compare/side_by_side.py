@@ -1,0 +1,289 @@
+"""The models of one train side by side: frequencies, shapes and response torques of each against the exact model."""
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
+from typing import Literal, Self, get_args
+
+import numpy as np
+from pydantic import model_validator
+
+from torsion import fields
+from torsion.analyses.compare.candidates import COUNT, has_shafts, loop_faults
+from torsion.analyses.compare.loads import Harmonics, Loaded, Torques, elimination, loaded
+from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
+from torsion.analyses.compare.timing import Candidate, run
+from torsion.analyses.compare.torque_ends import driving_ends
+from torsion.analyses.discretisation import assembled, told_division
+from torsion.analyses.response.harmonic_components import Line, excitations
+from torsion.analyses.response.over_speed import asked_orders
+from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.errors import InputError
+from torsion.fields import Declared, given, refuse
+from torsion.findings import Progress, Work, silent
+from torsion.kernels.tree_response import Status
+from torsion.results import derived, reported, result
+from torsion.study import Study
+
+Model = Literal["lumped", "fem", "exact"]
+SAME_WITHOUT_SHAFTS = "No shaft of this train has an inertia of its own: all models of it are the same."
+
+
+class CheckSettings(Declared):
+    """Settings of `check`."""
+
+    models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
+    tolerance: fields.Number = given("largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3)
+
+    @model_validator(mode="after")
+    def _compares(self) -> Self:
+        if self.models is not None and not set(self.models) - {"exact"}:
+            raise refuse("every error is one against the exact model", "name lumped or fem too", "models")
+        return self
+
+
+@reported
+class TorquesCompared:
+    """How far a model is from the exact one: in the norm of the largest torque of any end, at each speed and order."""
+
+    error: FloatArray = result("1", ("speed",), "relative, the largest of all orders; null where it is not known")
+    largest: float  # of all; NaN where there is none
+    speed: int  # position of the speed at which it stands
+    line: Line | None
+    component: str = result("", (), "component of the largest error", key="worst_component")
+    left_out: int = result("", (), "speeds and orders at which a model has no answer that can be trusted")
+
+    @derived("", (), "position of the speed of the largest error, or null")
+    def worst_speed(self) -> int | None:
+        """Among those compared."""
+        return None if self.line is None else self.speed
+
+    @derived("", (), "its order of the reference, or null")
+    def worst_order(self) -> Fraction | None:
+        """Exact."""
+        return None if self.line is None else self.line.order
+
+    @derived("Hz", (), "its fixed frequency, or null")
+    def worst_frequency(self) -> float | None:
+        """Of a torque of fixed frequency."""
+        return None if self.line is None else self.line.frequency
+
+
+@reported
+class ModelCompared:
+    """One model of the train and its errors, all relative and against the exact model."""
+
+    model: str = result("", (), "exact (first), lumped or fem")
+    division: str = result("", (), "segments, elements or pieces of the shafts, in words")
+    certified: bool = result("", (), "counts prove the frequencies", key="is_certified")
+    frequency: FloatArray = result("Hz", ("mode",), "null where the model has no such mode")
+    frequency_error: FloatArray = result("1", ("mode",), "signed; null where the model has no such mode")
+    shape_error: FloatArray = result(  # infinite where it has no such mode, NaN where no station has a shape
+        "1", ("mode",), "1 - MAC at the stations of the train, weighted by inertia; null for none"
+    )
+    below: int = result("", (), "elastic modes below `check.highest_Hz`", key="modes_below")
+    torques: TorquesCompared | None = result("", (), "of the response; null where none were compared")
+    modes_seconds: float = result("", (), "time of assembly and modes")
+    torques_seconds: float = result("", (), "time of the response torques; 0 where there are none")
+    tolerance: float
+
+    @derived("1", (), "magnitude; null where a mode is missing")
+    def largest_frequency_error(self) -> float:
+        """NaN where there is none."""
+        return _largest(np.abs(self.frequency_error))
+
+    @derived("1", (), "null where a mode is missing or no shape could be compared")
+    def largest_shape_error(self) -> float:
+        """NaN where there is none."""
+        return _largest(self.shape_error)
+
+    @derived("1", (), "null where no torque was compared")
+    def largest_torque_error(self) -> float:
+        """NaN where there is none."""
+        return math.nan if self.torques is None else self.torques.largest
+
+    @property
+    def largest(self) -> tuple[float, float, float]:
+        """Largest error of a frequency, of a shape and of the torques; NaN where there is none."""
+        return self.largest_frequency_error, self.largest_shape_error, self.largest_torque_error
+
+    @derived("", (), "no error exceeds the tolerance")
+    def passes(self) -> bool:
+        """As its verdict says."""
+        return not any(error > self.tolerance for error in self.largest)
+
+
+@reported
+class Compared:
+    """The models side by side; `exact` is what the others are compared with."""
+
+    tolerance: float = result("", (), "largest relative error that passes")
+    exact: ModelCompared | None = None
+    models: tuple[ModelCompared, ...] = ()
+    highest: float = result(  # between the last mode compared and the next
+        "Hz", (), "frequency below which modes are counted, between the last mode compared and the next", default=0.0
+    )
+    speed: FloatArray | None = result(
+        "rad/s", ("speed",), "reference speeds at which torques are compared, or null", default=None
+    )
+    same: str = result("", (), "why all models are the same; empty where they were compared", default="")
+    no_torques: str = result("", (), "why no torques were compared", default="")
+
+    @derived("", (), "models with an error above the tolerance")
+    def failed(self) -> tuple[str, ...]:
+        """Their names."""
+        return tuple(found.model for found in self.models if not found.passes)
+
+    @derived("", (), "every model with its errors, which are relative and against the exact one", key="models")
+    def all_models(self) -> tuple[ModelCompared, ...]:
+        """The exact one first."""
+        return () if self.exact is None else (self.exact, *self.models)
+
+    @property
+    def fails(self) -> bool:
+        """A model is not within the tolerance."""
+        return bool(self.failed)
+
+
+def check(study: Study, asked: CheckSettings | None = None, *, progress: Progress | None = None) -> Compared:
+    """Every requested model against the exact one, for the modes and the orders that the study says.
+
+    Raises InputError for closed loops, SolveError where a model cannot take the train.
+    """
+    settings, report = asked or CheckSettings(), progress or (silent)
+    if not has_shafts(study.train):
+        return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
+    faults = loop_faults(study, ("links",))
+    if faults:
+        raise InputError(faults)
+    count = getattr(study.analyses.get("modes"), "count", COUNT)
+    harmonics, top, lacking = operating_harmonics(study, assembled(replace(study, model="lumped")))
+    names = [name for name in get_args(Model) if name != "exact" and name in (settings.models or get_args(Model))]
+    found = list[_Solved]()
+    for place, name in enumerate(("exact", *names)):
+        report(f"check: {name}", place / (len(names) + 1))
+        found.append(_solved(replace(study, model=name), count, top, harmonics))
+    exact = found[0]
+    highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
+    compared = [_compared(one, exact, count, highest, settings.tolerance) for one in found]
+    speed = None if harmonics is None else harmonics.speed
+    return Compared(settings.tolerance, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
+
+
+def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None, float, str]:
+    """The harmonics at the requested speeds and the highest frequency (Hz) among them.
+
+    None, 0 and why where no torques can be compared.
+    """
+    speeds, orders = study.operation.speeds, asked_orders(study)
+    if not excitations(system, orders):
+        return None, 0.0, "nothing excites the train at an order or a fixed frequency"
+    if speeds is None:
+        return None, 0.0, "`operation` says no speeds"
+    harmonics = Harmonics(study, np.array([speeds.first, speeds.last]), orders, ends=driving_ends)
+    try:
+        highest = loaded(system, harmonics).highest
+    except InputError as error:
+        return None, 0.0, "; ".join(fault.message for fault in error.faults)
+    return replace(harmonics, speed=speeds.values()), highest, ""
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A model with one mode more than is compared, and its torques."""
+
+    system: System
+    modes: Modes
+    loaded: Loaded | None = None
+    torques: tuple[Torques, ...] = ()
+    modes_seconds: float = 0.0
+    torques_seconds: float = 0.0
+
+
+def _solved(study: Study, count: int, top: float, harmonics: Harmonics | None) -> _Solved:
+    """The modes and torques of a model, its shafts divided as a study of that model alone would have it."""
+
+    def assemble(highest: float, number: int) -> _Solved:
+        found = modes(assembled(study, highest), number)
+        return _Solved(found.system, found)
+
+    def solve(one: _Solved) -> _Solved:
+        if harmonics is None:
+            return one
+        given = loaded(one.system, harmonics)
+        return replace(one, loaded=given, torques=tuple(elimination(given)))
+
+    assemble(0.0, 1)  # imports what the model needs, which is no time of its own
+    candidate = Candidate(study.model, "", 0, partial(assemble, top, count + 1), solve, lambda found: ())
+    found: _Solved
+    found, modes_seconds, torques_seconds = run(candidate)
+    return replace(found, modes_seconds=modes_seconds, torques_seconds=torques_seconds if harmonics else 0.0)
+
+
+def _compared(one: _Solved, exact: _Solved, count: int, highest: float, tolerance: float) -> ModelCompared:
+    known = min(count, one.modes.frequency.size)
+    frequency, shape = np.full(count, math.nan), np.full(count, math.inf)
+    frequency[:known] = one.modes.frequency[:known]
+    weights, own = shape_weights(exact.system), len(exact.system.train.stations)
+    shape[:known] = shape_errors(one.modes.shape[:own, :known], exact.modes.shape[:own], exact.modes.frequency, weights)
+    torques = None if one.loaded is None or exact.loaded is None else _torques(one, exact, exact.loaded)
+    return ModelCompared(
+        one.system.model, told_division(one.system), one.modes.certified, frequency,
+        relative_errors(frequency[:known], exact.modes.frequency[:count]), shape, _count_below(one, highest), torques,
+        one.modes_seconds, one.torques_seconds, tolerance,
+    )  # fmt: skip
+
+
+def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
+    """The relative difference at every speed and order, where both answers can be trusted."""
+    # referred to the reference speed, so that the torques of all ends are of one size
+    ratio = exact.system.span_ratio[given.ends.span]
+    pairs = list(zip(one.torques, exact.torques, strict=True))
+    trusted = [(a.status == Status.OK) & (b.status == Status.OK) for a, b in pairs]
+    errors = [
+        np.where(good, over_largest(a.torque * ratio, b.torque * ratio), np.nan)
+        for good, (a, b) in zip(trusted, pairs, strict=True)
+    ]
+    error, left_out = np.stack(errors, axis=1), int(np.count_nonzero(~np.stack(trusted)))
+    over_lines = np.fmax.reduce(error, axis=1)
+    if np.isnan(error).all():
+        return TorquesCompared(over_lines, math.nan, 0, None, "", left_out)
+    speed, line = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
+    found, wanted = (torques[line].torque[speed] * ratio for torques in (one.torques, exact.torques))
+    end = int(np.argmax(np.abs(found - wanted)))
+    return TorquesCompared(
+        over_lines, float(error[speed, line]), speed, given.loads[line].line, given.ends.name[end], left_out
+    )
+
+
+def _count_below(one: _Solved, highest: float) -> int:
+    """Elastic modes below a frequency (Hz), by counts where these reach so far."""
+    tree, bars, w = undamped_tree(one.system.folded), one.system.folded_bars, 2.0 * math.pi * highest
+    if bars is None:
+        from torsion.kernels.sturm import count_below
+
+        return int(count_below(tree, w)[0]) - one.modes.rigid
+    from torsion.analyses.bars import reach
+
+    known = reach(tree, bars, w)
+    return known.count if known.frequency >= w else int(np.count_nonzero(one.modes.frequency < highest))
+
+
+def _largest(errors: FloatArray) -> float:
+    """NaN where there is no number."""
+    known = errors[~np.isnan(errors)]
+    return float(known.max()) if known.size else math.nan
+
+
+def run_check(work: Work) -> None:
+    """The models of the shafts side by side."""
+    with work.log.step("comparison of the models", "asked") as step:
+        found = check(work.study, work.settings("check", CheckSettings), progress=work.progress)
+        step.method = ", ".join(model.model for model in found.all_models) or "all models are the same"
+        step.size = "; ".join(f"{model.model}: {model.division}" for model in found.all_models)
+    if found.no_torques:
+        work.log.without("comparison of response torques", found.no_torques)
+    work.put(check=found)

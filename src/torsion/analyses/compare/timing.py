@@ -1,0 +1,149 @@
+"""Candidates and their runs in turn, so that a slow minute of the machine falls on all alike."""
+
+import gc
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import inf
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.compare.frontier import TimedRow
+from torsion.errors import SolveError
+from torsion.findings import Progress, silent
+
+ROUNDING = 1e-12  # relative error from which a finer discretisation cannot show more than rounding
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One way to compute a quantity, a model with a discretisation or a method, in two steps that are timed apart."""
+
+    curve: str  # candidates of one method are one curve, ever finer
+    division: str  # in words
+    size: int  # segments, elements or pieces of a shaft, or modes
+    assemble: Callable[[], Any]
+    solve: Callable[[Any], Any]  # of what was assembled
+    errors: Callable[[Any], tuple[float, ...]]  # of the answer, relative
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pace:
+    """How often candidates are run."""
+
+    rounds: int  # in which every candidate has its turn
+    seconds: float = 0.0  # rounds go on until so long
+    longest: float = inf  # s of one run, after which a curve has no finer discretisation
+    runs: int = 5  # at most, in one turn
+    turn: float = 0.01  # s, filled with runs of a fast candidate
+    slow: float = 0.3  # s of one run, from which a candidate has its turn in `slow_rounds` alone
+    slow_rounds: int = 3  # 0: the run that warms up is its only sample
+    clock: Callable[[], float] = perf_counter
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effort(Pace):
+    """How much is run."""
+
+    segments: int  # lumped, most a shaft
+    unknowns: int  # of finite elements, most a shaft: degree times elements
+    degrees: tuple[int, ...]
+    modes: int  # most of a superposition
+    dense: int  # segments, most a shaft, of a dense solve
+    speeds: int
+
+
+FULL = Effort(
+    rounds=7, longest=1.5, segments=1024, unknowns=128, degrees=tuple(range(1, 11)), modes=64, dense=256, speeds=25
+)
+QUICK = Effort(rounds=3, longest=0.3, segments=256, unknowns=24, degrees=(1, 2, 4, 8), modes=16, dense=64, speeds=9)
+
+
+@dataclass
+class _Tried:
+    candidate: Candidate
+    errors: tuple[float, ...]
+    first: tuple[float, float]  # s, assembly and solve of the run that warmed up
+    assembly: list[float] = field(default_factory=list)
+    solve: list[float] = field(default_factory=list)
+
+    def row(self) -> TimedRow:
+        """Of every run; of the first alone where there is no other."""
+        one, first = self.candidate, [(time,) for time in self.first]
+        assembly, solve = (tuple(self.assembly), tuple(self.solve)) if self.solve else first
+        return TimedRow(one.curve, one.division, one.size, self.errors, assembly, solve)
+
+
+def timed(
+    curves: Sequence[Sequence[Candidate]], pace: Pace, what: str = "", progress: Progress = silent
+) -> tuple[tuple[TimedRow, ...], tuple[str, ...]]:
+    """The rows of all curves, and what was not run, in words.
+
+    Each candidate is run once for its errors, which warms up as well; then all have their turn in every round. A curve
+    ends where a run takes longer than `pace.longest` or where two discretisations in a row err by rounding alone.
+    """
+    tried, remarks, ended = list[_Tried](), list[str](), list[str]()
+    for number, curve in enumerate(curves):
+        progress(f"{what}: errors", 0.3 * number / len(curves))
+        found, remark = _tried(curve, pace)
+        tried += found
+        remarks += [remark] if remark else []
+        if not remark and len(found) < len(curve):
+            ended.append(curve[0].curve)
+    if ended:
+        remarks.append(f"Finer discretisations are not run where rounding alone is left: {', '.join(ended)}.")
+    start, turn = pace.clock(), 0
+    while turn < pace.rounds or pace.clock() - start < pace.seconds:
+        turning = [one for one in tried if turn < pace.slow_rounds or sum(one.first) <= pace.slow]
+        if not turning:
+            break
+        gc.collect()
+        for number, one in enumerate(turning):
+            progress(f"{what}: times", min(0.3 + 0.7 * (turn + number / len(turning)) / pace.rounds, 1.0))
+            _turn(one, pace)
+        turn += 1
+    return tuple(one.row() for one in tried), tuple(remarks)
+
+
+def run(candidate: Candidate, clock: Callable[[], float] = perf_counter) -> tuple[Any, float, float]:
+    """The answer, and seconds of assembly and solve; no garbage is collected meanwhile."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        start = clock()
+        assembled = candidate.assemble()
+        between = clock()
+        answer = candidate.solve(assembled)
+        return answer, between - start, clock() - between
+    finally:
+        if was:
+            gc.enable()
+
+
+def _tried(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Tried], str]:
+    """What was run of a curve, and why it ends before its end, unless rounding alone is left."""
+    found = list[_Tried]()
+    for number, one in enumerate(curve):
+        try:
+            answer, *first = run(one, pace.clock)
+            if sum(first) > pace.longest:  # the first run of all loads what a method needs
+                answer, *first = run(one, pace.clock)
+        except (SolveError, np.linalg.LinAlgError) as error:
+            return found, f"{one.curve}, {one.division}: {error}"
+        found.append(_Tried(one, one.errors(answer), (first[0], first[1])))
+        left = len(curve) - number - 1
+        if left and sum(first) > pace.longest:
+            took = f"one run of {one.division} takes {sum(first):.2g} s"
+            return found, f"{one.curve}: finer discretisations are not run ({left}), as {took}."
+        if left and len(found) > 1 and all(max(before.errors) < ROUNDING for before in found[-2:]):
+            break
+    return found, ""
+
+
+def _turn(one: _Tried, pace: Pace) -> None:
+    """A run, or as many as fit into a turn where they are fast."""
+    for _ in range(max(1, min(pace.runs, int(pace.turn / max(sum(one.first), 1e-9))))):
+        _, assembly, solve = run(one.candidate, pace.clock)
+        one.assembly.append(assembly)
+        one.solve.append(solve)

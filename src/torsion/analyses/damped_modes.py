@@ -1,0 +1,121 @@
+"""Damped natural frequencies and damping ratios."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from torsion.analyses.requests import modes_settings
+from torsion.analyses.response.solver import ground_damping
+from torsion.analyses.steady import Steady, steady
+from torsion.analyses.undamped_modes import modes_as_discretised, span_torques
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.assembly.segment_groups import SegmentGroups
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.findings import Work
+from torsion.results import reported, result
+
+MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to the accuracy asked of them
+LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
+
+
+@reported
+class DampedModes:
+    """Oscillating modes of the damped train at one operating point."""
+
+    frequency: FloatArray = result("Hz", ("mode",), "imaginary part / 2 pi, ascending")
+    damping_ratio: FloatArray = result("1", ("mode",), "share of critical damping")
+    eigenvalue: ComplexArray = result("1/s", ("mode",), "complex")
+    shape: ComplexArray  # (stations, modes) rad at own speed
+    torque: ComplexArray  # (spans, modes) N m
+    overdamped: FloatArray = result("1/s", ("root",), "real roots, which are no frequencies")
+    speed: float = result("rad/s", (), "reference speed at which damping was taken")
+
+    def condensed(self, groups: SegmentGroups) -> "DampedModes":
+        """The same at the stations and spans that stand for segment groups."""
+        return replace(self, shape=self.shape[groups.stations], torque=self.torque[groups.spans])
+
+
+def damped(system: System, *, speed: float, steady: Steady | None = None, count: int | None = 6) -> DampedModes:
+    """The lowest `count` oscillating modes (None: all) at a reference speed (rad/s); `steady` holds that speed.
+
+    Raises SolveError for a train with closed loops, shafts of distributed inertia or more than MOST_STATIONS stations,
+    InputError where a damping needs a mean torque that is not known.
+    """
+    from torsion.kernels.damping.damped_tree_modes import damped_modes
+
+    if system.bars is not None:
+        message = f"damped modes of the model {system.model} are not built"
+        raise SolveError(f"{message}; use the lumped model, the response is right with all of them")
+    folded = system.folded
+    if folded.extra.size:
+        message = "damped modes of a train with closed loops, or held behind rigid spans at several points"
+        raise SolveError(f"{message}, are not built; ask for `modes: {{damped: false}}`, the response is right")
+    if folded.tree.size > MOST_STATIONS:
+        raise SolveError(too_many_stations(system))
+    own = ground_damping(system, np.array([speed]), steady)[:, 0]
+    ground = np.zeros(folded.tree.size)
+    ground[folded.node] = own * system.speed_ratio**2
+    start = None
+    if folded.tree.size > LARGEST_FOR_ALL:
+        start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
+    found = damped_modes(
+        folded.tree, ground_damping=ground, viscous=folded.viscous, loss_factor=folded.loss_factor, start=start
+    )
+    keep = np.argsort(found.eigenvalue.imag, kind="stable")[:count]
+    eigenvalue = found.eigenvalue[keep]
+    return DampedModes(
+        eigenvalue.imag / (2.0 * math.pi),
+        -eigenvalue.real / np.abs(eigenvalue),
+        eigenvalue,
+        found.angle[folded.node][:, keep] * system.speed_ratio[:, None],
+        span_torques(system, found.torque[:, keep], np.empty(0, dtype=np.int64), np.empty((0, len(keep)))),
+        found.real_root,
+        speed,
+    )
+
+
+def run(work: Work) -> None:
+    """The damped modes at the operating speed, where modes are requested and something damps."""
+    study, system, log = work.study, work.system, work.log
+    settings = modes_settings(study, work.ruled)
+    if settings is None:
+        return
+    if settings.damped is False or not system.damps:
+        log.without("damped modes", "`damped: false`" if settings.damped is False else "nothing in the train damps")
+        return
+    if system.bars is not None:
+        log.without("damped modes", f"they are built for `model: lumped`; the response of {system.model} is damped")
+        return
+    if system.folded.extra.size:
+        why = "the train has closed loops, or rigid spans hold it at several points"
+        log.without("damped modes", f"{why}; its response is damped all the same")
+        return
+    if why := too_many_stations(system):
+        log.without("damped modes", why)
+        return
+    speed = study.operation.speed
+    needs_speed = any(damper.torque_factor or damper.speed_factor for damper in system.dampers)
+    needs_torque = any(damper.torque_factor for damper in system.dampers)
+    if (needs_speed and speed is None) or (needs_torque and not study.operation.has_mean_torque):
+        log.without("damped modes", "the damping depends on speed and mean torque; give `operation: rated`")
+        return
+    mean = None
+    if needs_torque and speed is not None:
+        mean = steady(study.train, system, study.operation, np.array([speed]))
+    with log.step("damped modes", "something damps") as step:
+        found = damped(system, speed=speed or 0.0, steady=mean, count=settings.count)
+        step.method = "Newton with two-sided vectors on the quadratic problem"
+        step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")
+    work.put(damped_modes=found)
+
+
+def too_many_stations(system: System) -> str:
+    """Why the roots would not settle, and what to change; empty where they do."""
+    size = system.folded.tree.size
+    if size <= MOST_STATIONS:
+        return ""
+    most = max(system.segments, key=lambda name: system.segments[name], default="")
+    change = f"; give `{most}` fewer segments" if most else ""
+    return f"{size} stations, and rounding along more than {MOST_STATIONS} keeps the roots from settling{change}"

@@ -1,0 +1,97 @@
+"""The discretisation of a study: its system for a highest frequency, and what the plan says of it."""
+
+from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.requests import has_inertia, highest_excited, modes_settings
+from torsion.analyses.undamped_modes import Modes, condensed_modes, modes
+from torsion.assembly import assemble
+from torsion.assembly.segment_groups import MOST_GROUPS, condensed
+from torsion.assembly.system import System
+from torsion.findings import Work
+from torsion.study import Study
+
+LARGEST_ESTIMATE = 0.1  # relative error; the estimate holds for small ones
+
+
+def assembled(study: Study, frequency: float = 0.0) -> System:
+    """The system of a study in its model, for a highest frequency (Hz)."""
+    return assemble(study.train, study.model, frequency=frequency, degree=study.fem.degree, elements=study.fem.elements)
+
+
+def told_model(system: System) -> str:
+    """The model and how its shafts are treated, in words."""
+    words = {
+        "lumped": "lumped, kept in factors",
+        "exact": "exact: shafts as continua, no error of division",
+    }
+    if system.model != "fem" or system.bars is None:
+        return words.get(system.model, system.model)
+    return f"fem: elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
+
+
+def told_method(system: System, found: Modes) -> str:
+    """How the modes were found, in words."""
+    if system.bars is not None and not found.certified:
+        return "dense problem of all unknowns, not certified: the elements are too few for counts"
+    return "tree elimination in mixed form, certified by Sturm counts"
+
+
+def told_division(system: System) -> str:
+    """How many pieces every shaft has, in words."""
+    if not system.segments:
+        return "no distributed shaft"
+    what = {"lumped": "segments", "fem": "elements", "exact": "pieces"}[system.model]
+    numbers = ", ".join(f"{name} {number}" for name, number in system.segments.items())
+    error = system.bars.error if system.bars is not None else 0.0
+    if error > LARGEST_ESTIMATE:
+        return f"{what}: {numbers}; too few for an estimate of their error"
+    return f"{what}: {numbers}" + (f"; estimated error of the highest frequency {error:.1g}" if error else "")
+
+
+def run_assembly(work: Work) -> None:
+    """The train divided finely enough for the highest frequency of the response that is requested."""
+    with work.log.step("assembly", "everything stands on it") as step:
+        system = assembled(work.study)
+        highest = highest_excited(work.study, system, work.ruled)
+        if highest:
+            system = assembled(work.study, highest)
+        step.method = told_model(system)
+        step.size = _size(system)
+    _ = system.folded  # raises where the train as a whole is at fault: a loop of rigid links
+    work.put(system=system)
+    if system.bars is not None and system.bars.degree:
+        work.log.libraries["scikit-fem"] = None
+
+
+def run_modes(work: Work) -> None:
+    """The modes, where they are requested, and the train divided finely enough for them."""
+    study, system, settings = work.study, work.system, modes_settings(work.study, work.ruled)
+    if not has_inertia(system):
+        work.log.without("natural frequencies", "no component has an inertia")
+        return
+    if settings is None:
+        work.log.without("natural frequencies", "`analyses` does not name modes")
+        return
+    with work.log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
+        found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
+        system = found.system
+        step.method = told_method(system, found)
+        step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
+    work.put(system=system, modes=found)
+
+
+def run_groups(work: Work) -> None:
+    """Segment groups in place of the segments of very long shafts, for all that follows."""
+    system = condensed(work.system)
+    if system.groups is None:
+        return
+    work.log.without("torques inside segment groups", f"of shafts of more than {MOST_GROUPS} segments")
+    modes, damped = work.get(Modes), work.get(DampedModes)
+    work.put(system=system)
+    if modes is not None:
+        work.put(modes=condensed_modes(modes, system))
+    if damped is not None:
+        work.put(damped_modes=damped.condensed(system.groups))
+
+
+def _size(system: System) -> str:
+    return f"{len(system.stations)} stations, {len(system.spans)} spans"

@@ -1,0 +1,182 @@
+"""What excites the train: the torques of its components and the errors of its joints, collected line by line.
+
+Orders are exact, so that two sources of one order meet in one line and are added as phasors.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.steady import Steady, interpolated
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError
+from torsion.primitives import Torque
+from torsion.results import reported, result
+from torsion.train import Train
+
+
+@reported
+class Line:
+    """One harmonic: so many cycles per turn of the reference station, or a fixed frequency."""
+
+    order: Fraction | None = result("", (), "per revolution of the reference, exact; null for a fixed frequency")
+    frequency: float | None = result("Hz", (), "null for an order", key="fixed_frequency_Hz")
+    sources: tuple[str, ...] = result("", (), "what excites it")
+
+    def circular_frequency(self, speed: FloatArray) -> FloatArray:
+        """(speeds,) rad/s at reference speeds (speeds,) rad/s."""
+        if self.order is not None:
+            return float(self.order) * speed
+        return np.full(len(speed), 2.0 * np.pi * (self.frequency or 0.0))
+
+
+@dataclass(frozen=True, slots=True)
+class JointError:
+    """One harmonic of a joint's transmission error."""
+
+    span: int
+    order: int  # of the driving station's own angle
+    amplitude: complex  # rad of the driven angle
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """A line with all that excites it."""
+
+    line: Line
+    torques: tuple[Torque, ...] = ()
+    errors: tuple[JointError, ...] = ()
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Complex amplitudes on the folded tree, of one line, over speed."""
+
+    force: ComplexArray  # (tree stations, speeds) N m
+    twist: ComplexArray | None  # (tree stations, speeds) rad imposed on the span leading to each; None without joints
+
+
+@dataclass
+class _Collected:
+    torques: list[Torque] = field(default_factory=list)
+    errors: list[JointError] = field(default_factory=list)
+    names: list[str] = field(default_factory=list)
+
+
+def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tuple[Excitation, ...]:
+    """Every line by order (ascending), then by fixed frequency; `orders` keeps those orders of the reference only."""
+    by_order: dict[Fraction, _Collected] = {}
+    by_frequency: dict[float, _Collected] = {}
+    for torque in system.train.torques:
+        if torque.order is not None:
+            place = by_order.setdefault(torque.order * system.stations[torque.station].ratio, _Collected())
+        elif torque.frequency is not None:
+            place = by_frequency.setdefault(torque.frequency, _Collected())
+        else:
+            continue
+        place.torques.append(torque)
+        place.names.append(torque.name)
+    for number, span in enumerate(system.own_spans):
+        for order, amplitude in span.error:
+            place = by_order.setdefault(order * system.stations[span.driving].ratio, _Collected())
+            place.errors.append(JointError(number, order, amplitude))
+            place.names.append(span.name)
+    wanted = None if orders is None else set(orders)
+    kept = [order for order in sorted(by_order) if wanted is None or order in wanted]
+    return (
+        *(_excitation(by_order[order], order, None) for order in kept),
+        *(_excitation(by_frequency[value], None, value) for value in sorted(by_frequency)),
+    )
+
+
+def lines(system: System) -> tuple[Line, ...]:
+    """Every line that excites the train over speed."""
+    return tuple(excitation.line for excitation in excitations(system))
+
+
+def excited_orders(train: Train) -> tuple[Fraction, ...]:
+    """The orders of the reference station that something excites, ascending."""
+    ratio = [station.ratio for station in train.stations]
+    found = {torque.order * ratio[torque.station] for torque in train.torques if torque.order is not None}
+    found |= {order * ratio[mesh.driving] for mesh in train.constraints for order, _ in mesh.error}
+    return tuple(sorted(found))
+
+
+def sweeping(system: System) -> Excitation:
+    """The torques without order and frequency, that act at every frequency of a frequency response."""
+    anywhere = [t for t in system.train.torques if t.order is None and t.frequency is None]
+    return _excitation(_Collected(anywhere, [], [torque.name for torque in anywhere]), None, None)
+
+
+def _excitation(found: _Collected, order: Fraction | None, frequency: float | None) -> Excitation:
+    names = tuple(dict.fromkeys(found.names))
+    return Excitation(Line(order, frequency, names), tuple(found.torques), tuple(found.errors))
+
+
+def sources(system: System, excitation: Excitation, speed: FloatArray, steady: Steady | None) -> Sources:
+    """Complex amplitudes of one line at reference speeds (speeds,) rad/s; `steady` holds the same speeds.
+
+    A torque's phase counts from reference angle zero. A joint's error counts from its own driving angle, static
+    twist included. A force on a station of speed ratio r acts on the folded tree as r times itself.
+    """
+    folded = system.folded
+    force = np.zeros((folded.tree.size, len(speed)), dtype=np.complex128)
+    for torque in excitation.torques:
+        ratio = system.speed_ratio[torque.station]
+        force[folded.node[torque.station]] += ratio * amplitude(system, torque, speed, steady)
+    if not excitation.errors:
+        return Sources(force, None)
+    twist = np.zeros_like(force)
+    for error in excitation.errors:
+        span = system.spans[error.span]
+        turned = joint_error(system, error, speed, steady)
+        # a joint is rigid, and a rigid span is always one of the tree
+        twist[folded.span[error.span]] += folded.sign[error.span] * turned / system.speed_ratio[span.driven]
+        if steady is not None:
+            slope = 1j * error.order * turned / float(span.ratio)
+            jump = -slope * steady.torque[error.span] * system.speed_ratio[span.driving]
+            force[folded.node[span.driving]] += jump
+    return Sources(force, twist)
+
+
+def joint_error(system: System, error: JointError, speed: FloatArray, steady: Steady | None) -> ComplexArray:
+    """(speeds,) rad of the driven angle, as a phasor over the reference angle.
+
+    With T_a d(driving) = T_b d(driven) the driving side feels T_b (1 + e'): the part mean torque * e' of it is the
+    torque jump that `sources` adds at the driving station (first order in the error).
+    """
+    base = np.full(len(speed), error.amplitude, dtype=np.complex128)
+    if steady is None:
+        return base
+    return np.asarray(base * np.exp(1j * error.order * steady.twist[system.spans[error.span].driving]))
+
+
+def amplitude(system: System, torque: Torque, speed: FloatArray, steady: Steady | None) -> ComplexArray:
+    """(speeds,) complex N m at the torque's own station."""
+    own = speed * system.speed_ratio[torque.station]
+    size = np.full(len(speed), torque.torque)
+    if torque.table:
+        about = Fault(("excitations",), f"the table of the torque at '{torque.name}'", "")
+        size = size + interpolated(torque.table, own, about)
+    if torque.of_mean:
+        size = size + torque.of_mean * _mean_there(system, torque, steady)
+    return np.asarray(size * np.exp(1j * torque.phase))
+
+
+def _mean_there(system: System, torque: Torque, steady: Steady | None) -> FloatArray:
+    """(speeds,) N m: the mean torque applied at the torque's station, else the largest in its spans."""
+    if steady is None:
+        message = f"the torque at '{torque.name}' is a share of the mean torque, which is not known"
+        raise InputError([Fault(("operation", "rated", "power"), message, "give the rated speed and power")])
+    applied = np.abs(steady.applied[torque.station])
+    if applied.any():
+        return np.asarray(applied)
+    here = (system.driving == torque.station) | (system.driven == torque.station)
+    if not here.any():
+        return np.zeros(applied.shape)
+    # a span's torque is told at its driving station's speed; across a gear it is not the station's own
+    own = steady.torque[here] * (system.span_ratio[here] / system.speed_ratio[torque.station])[:, None]
+    return np.asarray(np.abs(own).max(axis=0))

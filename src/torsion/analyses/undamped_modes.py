@@ -1,0 +1,266 @@
+"""Natural frequencies and mode shapes of the undamped train."""
+
+import math
+from collections.abc import Callable
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from torsion.analyses.shares import lumped_elastic, lumped_kinetic, nodes, shares
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly import demand_resolution, is_as_fine, rediscretised
+from torsion.assembly.referred_tree import Folded
+from torsion.assembly.shafts import phase
+from torsion.assembly.system import System
+from torsion.fields import Declared, given
+from torsion.kernels.tree import Tree
+from torsion.results import derived, reported, result
+
+if TYPE_CHECKING:
+    from torsion.kernels.mode_shapes import ShaftModes, TreeModes
+
+
+ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
+REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
+Progress = Callable[[int, int], None]  # (modes found, of how many)
+
+
+class ModesSettings(Declared):
+    """Settings of `modes`."""
+
+    count: Annotated[int, Field(ge=1, le=100_000)] = given("how many elastic modes", 6)
+    damped: bool | None = given("damped frequencies and damping ratios too (default: when something damps)")
+
+
+@reported
+class Modes:
+    """Natural frequencies with their certificate; shapes scaled to a generalised inertia of 1 kg m2."""
+
+    frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies of the elastic modes, ascending")
+    shape: FloatArray = result(
+        "rad", ("station", "mode"), "at own speed, generalised inertia 1 kg m2", printed=("mode", "station")
+    )
+    torque: FloatArray = result(
+        "N*m", ("span", "mode"), "at the driving station's speed, positive when the driving side pushes",
+        printed=("mode", "span"),
+    )  # fmt: skip
+    lower: FloatArray = result("Hz", ("mode",), "lower bound of each: counts prove that the mode lies between both")
+    upper: FloatArray = result("Hz", ("mode",), "upper bound of each")
+    rigid: int = result("", (), "number of motions of exactly 0 Hz", key="rigid_motions")
+    certified: bool = result("", (), "counts prove the bounds", key="is_certified")
+    system: System = field(repr=False)
+    distributed: "ShaftModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
+
+    @derived(
+        "1", ("station", "mode"), "share of the kinetic energy; of a distributed shaft half at either end",
+        key="kinetic_share", printed=("mode", "station"), is_total=True,
+    )  # fmt: skip
+    def kinetic(self) -> FloatArray:
+        """(stations, modes)."""
+        energy = lumped_kinetic(self.system, self.shape)
+        if self.distributed is not None and self.system.bars is not None:
+            for end in (0, 1):
+                np.add.at(energy, self.system.bars.ends[:, end], self.distributed.shaft_kinetic / 2.0)
+        return shares(energy)
+
+    @derived(
+        "1",
+        ("span", "mode"),
+        "share of the elastic energy",
+        key="elastic_share",
+        printed=("mode", "span"),
+        is_total=True,
+    )
+    def elastic(self) -> FloatArray:
+        """(spans, modes)."""
+        if self.distributed is not None:
+            return shares(self.distributed.elastic[self.system.folded.span])
+        return shares(lumped_elastic(self.system, self.torque))
+
+    @derived("", ("mode",), "sign changes of the shape over elastic spans")
+    def nodes(self) -> IntArray:
+        """(modes,)."""
+        return nodes(self.system, self.shape)
+
+    @property
+    def enclosure(self) -> FloatArray:
+        """(modes, 2) Hz: lower and upper bound of each frequency."""
+        return np.stack([self.lower, self.upper], axis=1)
+
+
+def modes(
+    system: System, count: int | None = 6, *, refine: bool = True, progress: Progress | None = None
+) -> Modes:  # fmt: skip
+    """The lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
+
+    Where the shafts of `system` do not resolve the last mode they are refined, and `Modes.system` is the system of
+    the results. Raises SolveError where they cannot be, where that is needed and `refine` is False, and for a frequency
+    that cannot be proven. progress: called where modes are found one by one (few of a long row of stations).
+    """
+    if not refine or (system.bars is None and math.isinf(system.resolved_to)):
+        found = modes_as_discretised(system, count, progress=progress)
+    else:
+        if count is None:
+            count = modes_as_discretised(system, None).frequency.size
+        found = _refined(system, count, progress)
+    if count is not None and found.frequency.size < count:
+        demand_resolution(found.system, math.inf)
+    demand_resolution(found.system, float(found.frequency.max(initial=0.0)))
+    return found
+
+
+def _refined(system: System, count: int, progress: Progress | None) -> Modes:
+    """The lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
+    highest = system.requested.frequency
+    system = _in_reach(system, highest, count)
+    found = _with_all(modes_as_discretised(system, count, progress=progress), count)
+    for _ in range(ROUNDS):
+        system = found.system
+        top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
+        finer = rediscretised(system, top)
+        if _division(finer) == _division(system):
+            return found if system.bars is None else replace(found, system=finer)
+        if system.bars is not None and is_as_fine(system, finer):
+            break
+        found = modes_as_discretised(finer, count, progress=progress)
+    return found
+
+
+def _with_all(found: Modes, count: int) -> Modes:
+    """Lumped shafts in more segments until the train has `count` modes, as far as the settings allow."""
+    frequency, system = 0.0, found.system
+    half_waves = [math.pi / phase(bar, 1.0) for bar in system.train.bars if bar.density > 0 and bar.segments is None]
+    while system.bars is None and found.frequency.size < count and half_waves:
+        frequency = max(2.0 * frequency, min(half_waves))
+        finer = rediscretised(system, frequency)
+        if _division(finer) != _division(system):
+            system, found = finer, modes_as_discretised(finer, count)
+        elif finer.resolved_to < frequency:
+            break
+    return found
+
+
+def _in_reach(system: System, highest: float, count: int) -> System:
+    """The train discretised for the last of `count` modes, which counts find beforehand, as far as settings allow."""
+    for _ in range(REACHING):
+        bars = system.folded_bars
+        if bars is None or not math.isfinite(bars.limit):
+            break
+        from torsion.analyses.bars import above_mode, reach
+
+        tree = undamped_tree(system.folded)
+        known = reach(tree, bars)
+        if known.count >= count:
+            return rediscretised(system, max(highest, above_mode(tree, bars, count) / (2.0 * math.pi)))
+        finer = rediscretised(system, known.frequency / (2.0 * math.pi))
+        if _division(finer) == _division(system):
+            break
+        system = finer
+    return system
+
+
+def _division(system: System) -> tuple[dict[str, int], int]:
+    return system.segments, 0 if system.bars is None else system.bars.degree
+
+
+def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
+    """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
+    if system.groups is not None:
+        return condensed_modes(modes_as_discretised(system.groups.system, count, progress=progress), system)
+    if system.bars is not None and system.folded_bars is not None:
+        from torsion.analyses.bars import referred_modes
+
+        found = referred_modes(undamped_tree(system.folded), system.folded_bars, count)
+        outer = found.torque if found.shafts is None else found.shafts.torque_outer
+        return _modes(system, found, bar_torques(system, found.torque, outer))
+    closing = closing_spans(system)
+    found = _referred_modes(system, closing, count, progress)
+    return _modes(system, found, span_torques(system, found.torque, closing, found.loop_torque))
+
+
+def condensed_modes(whole: Modes, system: System) -> Modes:
+    """The modes of a whole system at the stations and spans of it condensed; shares of energy are sums over groups."""
+    groups = system.groups
+    if groups is None:
+        return whole
+    found = replace(whole, shape=whole.shape[groups.stations], torque=whole.torque[groups.spans], system=system)
+    shared = {
+        "kinetic": groups.over_stations(whole.kinetic), "elastic": groups.over_spans(whole.elastic),
+        "nodes": whole.nodes,
+    }  # fmt: skip
+    vars(found).update(shared)
+    return found
+
+
+def _referred_modes(system: System, closing: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
+    """The modes on the folded tree, with the spans `closing` that close its loops."""
+    tree = undamped_tree(system.folded)
+    if not closing.size:
+        from torsion.kernels.natural_modes import tree_modes
+
+        return tree_modes(tree, count, progress=progress)
+    from torsion.kernels.loops.looped_modes import graph_modes
+
+    node = system.folded.node
+    flexibility = (system.flexibility / system.span_ratio**2)[closing]
+    return graph_modes(tree, node[system.driving[closing]], node[system.driven[closing]], flexibility, count)
+
+
+def undamped_tree(folded: Folded) -> Tree:
+    """The tree without the spans that have damping but no stiffness, which hold nothing without damping."""
+    tree = folded.tree
+    slips = np.isinf(tree.flexibility)
+    if not slips.any():
+        return tree
+    return replace(tree, parent=np.where(slips, -1, tree.parent), flexibility=np.where(slips, 0.0, tree.flexibility))
+
+
+def closing_spans(system: System) -> IntArray:
+    """(closing,) spans with a stiffness that close loops or lie beside another span."""
+    extra = system.folded.extra
+    return extra[np.isfinite(system.flexibility[extra])]
+
+
+def span_torques(system: System, torque: np.ndarray, closing: IntArray, closing_torque: np.ndarray) -> np.ndarray:
+    """(spans, columns) N m at each driving station's speed, from torques (tree stations, columns) on the tree.
+
+    closing_torque: (closing, columns) N m at one speed, positive when the driving side pushes.
+    """
+    folded = system.folded
+    told = _rows(torque, folded.span)
+    scale = folded.sign * system.span_ratio
+    if folded.extra.size:
+        told = told.copy()
+        told[folded.extra] = 0.0
+        told[closing] = closing_torque * folded.sign[closing, None]
+    return told if (scale == 1.0).all() else np.asarray(told / scale[:, None])
+
+
+def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
+    """(spans, columns) N m at each driving station, from torques (tree stations, columns) at both ends of spans."""
+    folded = system.folded
+    at_driving = torque_outer.copy()
+    from_parent = folded.span[folded.sign > 0]
+    at_driving[from_parent] = torque[from_parent]
+    none = np.empty(0, dtype=np.int64)
+    return span_torques(system, at_driving, none, np.empty((0, torque.shape[1])))
+
+
+def _modes(system: System, found: "TreeModes", torque: FloatArray) -> Modes:
+    """The modes at own speeds."""
+    hertz, ratio = 1.0 / (2.0 * math.pi), system.speed_ratio
+    angle = _rows(found.angle, system.folded.node)
+    shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
+    return Modes(
+        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
+        system, found.shafts,
+    )  # fmt: skip
+
+
+def _rows(values: np.ndarray, at: IntArray) -> np.ndarray:
+    """values[at], with the memory laid out as that of `values`; they themselves where `at` counts up by one."""
+    if at.size and at[0] >= 0 and np.array_equal(at, np.arange(at[0], at[0] + at.size)):
+        return values[int(at[0]) : int(at[0]) + at.size]
+    return values[at] if values.flags.c_contiguous else np.take(values.T, at, axis=1).T

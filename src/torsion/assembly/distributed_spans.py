@@ -1,0 +1,80 @@
+"""The spans of a system with distributed inertia, and the laws by which the kernels take them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.shafts import Piece, is_uniform
+
+if TYPE_CHECKING:
+    from torsion.kernels.distributed.span_laws import Law, Shafts
+
+
+@dataclass(frozen=True)
+class BarSpans:
+    """The spans with distributed inertia, of the models `fem` and `exact`; pieces of uniform shafts come first.
+
+    Such a span has two torques. The one told is that at its driving station; the one at the driven end of the whole
+    shaft is that of the massless rigid span `<shaft>, driven end`.
+    """
+
+    span: IntArray  # (bars,) position of the span
+    lumped: FloatArray  # (stations,) kg m2 at own speed, without the inertia of the bars
+    ends: IntArray  # (bars, 2) stations at which half the inertia of each bar is told: driving and driven
+    pieces: tuple[Piece, ...]  # (bars,)
+    degree: int = 0  # of the finite elements; 0 for the exact model
+    error: float = 0.0  # estimated, relative, of a shaft's highest frequency asked for
+
+    @property
+    def stiffness(self) -> FloatArray | None:
+        """(bars, degree + 1, degree + 1) N m/rad of finite elements at own speed: driving end, driven end, inside."""
+        return self._matrices[0] if self.degree else None
+
+    @property
+    def inertia(self) -> FloatArray | None:
+        """(bars, degree + 1, degree + 1) kg m2, likewise."""
+        return self._matrices[1] if self.degree else None
+
+    @cached_property
+    def _matrices(self) -> tuple[FloatArray, FloatArray]:
+        from torsion.assembly.element_matrices import element_matrices
+
+        return element_matrices(self.pieces, self.degree)
+
+    def laws(self, node: IntArray, ratio: FloatArray, turned: BoolArray) -> "Shafts":
+        """The spans as the kernels take them: referred to one speed, in the order of `span`.
+
+        (spans,) each: node of the tree at its end toward the leaves, speed ratio, whether its driven end is the other.
+        """
+        from torsion.kernels.distributed.span_laws import Shafts
+
+        if not self.degree:
+            return Shafts(node, self._continua(ratio**2)).turned(turned)
+        from torsion.assembly.element_matrices import element_law
+
+        return Shafts(node, (element_law(self, ratio**2),)).turned(turned)
+
+    def _continua(self, ratio2: FloatArray) -> "tuple[Law, ...]":
+        """Uniform pieces, which come first, and conical ones."""
+        from torsion.kernels.distributed.profiled_shaft import profile_points, profile_shafts
+        from torsion.kernels.distributed.uniform_shaft import uniform_shafts
+
+        uniform = sum(is_uniform(piece.bar) for piece in self.pieces)
+        laws: list[Law] = []
+        length = np.array([piece.length for piece in self.pieces])
+        if uniform:
+            laws.append(uniform_shafts(length[:uniform], *self._along(slice(uniform), np.zeros(1), ratio2)[..., 0]))
+        if uniform < len(self.pieces):
+            rigidity, inertia = self._along(slice(uniform, None), profile_points(), ratio2)
+            laws.append(profile_shafts(length[uniform:], 1.0 / rigidity, inertia))
+        return tuple(laws)
+
+    def _along(self, which: slice, at: FloatArray, ratio2: FloatArray) -> FloatArray:
+        """G I in N m2 and rho I in kg m, (2, pieces, points), referred to one speed, at points `at` of every piece."""
+        pieces = self.pieces[which]
+        across = np.array([piece.polar_area_moment(at) for piece in pieces]) * ratio2[which, None]
+        material = np.array([(piece.bar.shear_modulus, piece.bar.density) for piece in pieces])
+        return np.asarray(material.T[..., None] * across)

@@ -1,0 +1,173 @@
+"""Whether triangles make one cross-section: whole, without overlaps, drawn about the axis of its shaft."""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.section.section_boundary import Boundary, all_sides, boundary
+from torsion.assembly.section.section_mesh import SectionFault, Triangles
+
+SAME = 1e-9  # of the extent: points nearer than this are one
+FLAT = 1e-10  # of a triangle's longest side squared: twice the area of one that is a line
+SMALLEST, LARGEST = 1e-6, 1e3  # m, extent of a section; beyond it the unit is wrong
+_BLOCK = 256  # sides that are compared with all others at once
+
+
+def sound(mesh: Triangles) -> Triangles:
+    """The mesh with its triangles counterclockwise; raises SectionFault where it is not one whole cross-section.
+
+    Overlaps are found without comparing triangles: where all turn the same way, a point is covered as often as the
+    boundary winds around it, and that is once where the boundary has one outline and does not meet itself.
+    """
+    extent = float(np.ptp(mesh.points, axis=0).max())
+    mesh = _counterclockwise(mesh)
+    _refuse_double_points(mesh, SAME * extent)
+    _refuse_broken_sides(mesh)
+    _refuse_pieces(mesh)
+    edge = boundary(mesh)
+    _refuse_meetings(mesh, edge, SAME * extent)
+    _refuse_pinches(mesh, edge)
+    if np.count_nonzero(edge.area > 0) != 1:
+        raise SectionFault("the triangles overlap", "one outline around the section, holes within it")
+    return mesh
+
+
+def refuse_size(extent: float, widest: float) -> None:
+    """Raise SectionFault for an extent (m) that no shaft has, or that is not usual."""
+    unit = "`unit` is the unit of the mesh: m, cm, mm or in"
+    if not SMALLEST <= extent <= LARGEST:
+        raise SectionFault(f"the section is {extent:.3g} m wide", unit)
+    if extent > widest:
+        hint = f"{unit}; usual: at most {widest:g} m; if it is meant, `unusual: true` on the shaft says so"
+        raise SectionFault(f"the section is {extent:.3g} m wide", hint)
+
+
+def _at(point: FloatArray) -> str:
+    return f"at ({point[0]:.6g}, {point[1]:.6g})"
+
+
+def _refuse_double_points(mesh: Triangles, tolerance: float) -> None:
+    from scipy.spatial import cKDTree
+
+    corners = mesh.points[np.unique(mesh.nodes[:, :3])]
+    pairs = cKDTree(corners).query_pairs(tolerance, output_type="ndarray")
+    if len(pairs):
+        where = _at(corners[pairs[0, 0]])
+        raise SectionFault(f"two points of the mesh coincide {where}", "merge them, so that triangles hang together")
+
+
+def _counterclockwise(mesh: Triangles) -> Triangles:
+    """All triangles turned if all are clockwise (seen from behind); raises SectionFault if only some are."""
+    twice = _twice_areas(mesh)
+    x = mesh.points[mesh.nodes[:, :3]]
+    longest = np.max(np.sum((x - np.roll(x, 1, axis=1)) ** 2, axis=2), axis=1)
+    small = np.min(np.abs(twice), axis=1) <= FLAT * longest
+    if np.any(small):
+        raise SectionFault(_which("has no area", mesh, small), "remove it or mesh anew")
+    if np.all(twice < 0):
+        return Triangles(mesh.points, mesh.nodes[:, [0, 2, 1, 5, 4, 3]])
+    folded = np.any(twice < 0, axis=1) & np.any(twice > 0, axis=1)
+    if np.any(folded):
+        raise SectionFault(_which("is folded over by a node amid its sides", mesh, folded), "mesh anew")
+    inverted = twice[:, 0] < 0
+    if np.any(inverted):
+        less = inverted if np.count_nonzero(inverted) * 2 <= len(inverted) else ~inverted
+        raise SectionFault(_which("is inverted", mesh, less), "the corners of all triangles turn the same way")
+    return mesh
+
+
+def _which(what: str, mesh: Triangles, where: BoolArray) -> str:
+    first = int(np.flatnonzero(where)[0])
+    return f"triangle {first + 1} {what}, {_at(mesh.points[mesh.nodes[first, :3]].mean(axis=0))}"
+
+
+def _twice_areas(mesh: Triangles) -> FloatArray:
+    """(triangles, 7) determinant of the map from the unit triangle, at its six nodes and in its middle."""
+    a, b = np.array([[0, 1, 0, 0.5, 0.5, 0, 1 / 3], [0, 0, 1, 0, 0.5, 0.5, 1 / 3]])
+    c, zero = 1.0 - a - b, np.zeros_like(a)
+    by_a = np.array([1 - 4 * c, 4 * a - 1, zero, 4 * (c - a), 4 * b, -4 * b])
+    by_b = np.array([1 - 4 * c, zero, 4 * b - 1, -4 * a, 4 * a, 4 * (c - b)])
+    x = mesh.points[mesh.nodes]
+    along = np.einsum("tnd,nk->tkd", x, by_a), np.einsum("tnd,nk->tkd", x, by_b)
+    return np.asarray(along[0][..., 0] * along[1][..., 1] - along[0][..., 1] * along[1][..., 0])
+
+
+def _refuse_broken_sides(mesh: Triangles) -> None:
+    """Two triangles at a side run along it in opposite directions and have the same node amid it."""
+    sides = all_sides(mesh)
+    _, place, count = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_inverse=True, return_counts=True)
+    forward = np.bincount(place.ravel(), weights=sides[:, 0] < sides[:, 1])
+    bad = (count > 2) | ((count == 2) & (forward != 1))
+    low = np.full(len(count), len(mesh.points))
+    np.minimum.at(low, place.ravel(), sides[:, 2])
+    torn = sides[:, 2] != low[place.ravel()]
+    if np.any(bad[place.ravel()]):
+        where = _at(mesh.points[sides[np.flatnonzero(bad[place.ravel()])[0], 0]])
+        raise SectionFault(f"triangles overlap {where}", "a side belongs to one triangle or to two, one on each hand")
+    if np.any(torn):
+        where = _at(mesh.points[sides[np.flatnonzero(torn)[0], 2]])
+        raise SectionFault(f"two triangles do not share the node amid their side {where}", "mesh anew")
+
+
+def _refuse_pieces(mesh: Triangles) -> None:
+    corners = mesh.nodes[:, :3]
+    number = len(mesh.points)
+    ones = np.ones(corners.size)
+    graph = coo_array((ones, (corners.ravel(), np.roll(corners, 1, axis=1).ravel())), shape=(number, number))
+    label = connected_components(graph, directed=False)[1][corners[:, 0]]
+    pieces = len(np.unique(label))
+    if pieces > 1:
+        raise SectionFault(f"the mesh is in {pieces} pieces", "a cross-section is one piece")
+
+
+def _refuse_pinches(mesh: Triangles, edge: Boundary) -> None:
+    """No point of the boundary is passed twice."""
+    count = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
+    if np.any(count > 1):
+        where = _at(mesh.points[int(np.argmax(count))])
+        raise SectionFault(f"the section hangs together by a point alone {where}", "a cross-section is one piece")
+
+
+def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
+    """The boundary nowhere touches or crosses itself: no overlap, no crack, no hanging node."""
+    first, last, amid = edge.sides.T
+    start, end = np.concatenate([first, amid]), np.concatenate([amid, last])
+    p, q = mesh.points[start], mesh.points[end]
+    low, high = np.minimum(p, q) - tolerance, np.maximum(p, q) + tolerance
+    for begin in range(0, len(start), _BLOCK):
+        block = slice(begin, begin + _BLOCK)
+        near = np.all((low[block, None] <= high) & (low <= high[block, None]), axis=2)
+        one, other = np.nonzero(near)
+        one = one + begin
+        apart = one < other
+        one, other = one[apart], other[apart]
+        meets = _meet(np.stack([start[one], end[one]]), np.stack([start[other], end[other]]), mesh.points, tolerance)
+        if np.any(meets):
+            where = _at(p[one[np.flatnonzero(meets)[0]]])
+            hint = "no overlaps, no cracks and no hanging nodes: neighbours share their corners"
+            raise SectionFault(f"the boundary of the section meets itself {where}", hint)
+
+
+def _meet(one: IntArray, other: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
+    """(pairs,) whether stretches of the boundary (2, pairs) touch or cross, but at an end that they share."""
+    found = np.zeros(one.shape[1], dtype=bool)
+    for end, (a, b) in ((one[0], other), (one[1], other), (other[0], one), (other[1], one)):
+        found |= (end != a) & (end != b) & (_distance(points[end], points[a], points[b]) <= tolerance)
+    side = [
+        np.sign(_cross(points[b] - points[a], points[c] - points[a]))
+        for a, b, c in ((*one, other[0]), (*one, other[1]), (*other, one[0]), (*other, one[1]))
+    ]
+    shared = (one[0] == other[0]) | (one[0] == other[1]) | (one[1] == other[0]) | (one[1] == other[1])
+    return np.asarray(found | (~shared & (side[0] * side[1] < 0) & (side[2] * side[3] < 0)))
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _distance(point: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
+    """(pairs,) from a point to the stretch from a to b."""
+    along = b - a
+    share = np.clip(np.sum((point - a) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(point - a - share[:, None] * along, axis=1))

@@ -1,0 +1,166 @@
+"""A cross-section by mesh: torsion constant, polar moment and stress modulus, with how far each can be trusted."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.assembly.section.section_checks import refuse_size, sound
+from torsion.assembly.section.section_mesh import SectionFault, Triangles, read_triangles
+from torsion.assembly.section.section_torsion import Level, Moments, moments, solve_level
+from torsion.primitives import Section, SectionMesh
+
+FEW = 2_000  # triangles of a mesh that is solved with degree 4; a finer one needs no more than degree 2
+LEVELS = 3  # the mesh, its refinement, and one more
+QUICK = 3_000  # triangles that one more refinement may make
+CLOSE, STEADY = 1e-9, 1e-6  # relative: gap of the bounds, last change of the stress; no further refinement below both
+SETTLED = 0.05  # relative change of the stress by the last refinement, up to which it counts as known
+OFF_AXIS = 0.1  # centroid from the origin / radius of gyration; a keyway according to DIN 6885 makes 0.05
+
+
+@dataclass(frozen=True)
+class SectionResult:
+    """Constants of a cross-section, SI units; the axis of the shaft is the origin of the mesh.
+
+    The torsion constant is the middle of its bounds on the finest level, which hold but for rounding. They are those
+    of the outline as meshed: straight triangles make a polygon of a circle, and refinement does not mend that.
+    """
+
+    file: str
+    moments: Moments  # m2, m, m4
+    levels: tuple[Level, ...]  # m; the mesh, then every refinement
+    degree: int  # of the elements
+
+    @property
+    def torsion_constant(self) -> float:
+        """m4."""
+        return (self.levels[-1].lower + self.levels[-1].upper) / 2.0
+
+    @property
+    def error(self) -> float:
+        """Half the gap between the bounds of the torsion constant, relative."""
+        return abs(self.levels[-1].upper - self.levels[-1].lower) / 2.0 / self.torsion_constant
+
+    @property
+    def changes(self) -> tuple[float, ...]:
+        """Relative change of the largest stress (at one twist) by each refinement."""
+        return tuple(abs(fine.stress / coarse.stress - 1.0) for coarse, fine in pairwise(self.levels))
+
+    @property
+    def stress_modulus(self) -> float:
+        """Torque / largest shear stress, m3; NaN where the stress grows with every refinement, at a sharp corner."""
+        return self.torsion_constant / self.levels[-1].stress if self.changes[-1] <= SETTLED else float("nan")
+
+    @property
+    def eccentricity(self) -> float:
+        """Distance of the centroid from the axis, m."""
+        return float(np.hypot(*self.moments.centroid))
+
+    @property
+    def section(self) -> Section:
+        """What the train needs of it."""
+        return Section(self.torsion_constant, self.moments.polar, self.stress_modulus)
+
+    @property
+    def words(self) -> str:
+        """One line for the plan of a report."""
+        stress = f"W_t {self.stress_modulus:.6g} m3, last changed by {self.changes[-1]:.1g}"
+        if self.changes[-1] > SETTLED:
+            stress = f"no W_t: refinement raises the stress (by {self.changes[-1]:.1g}), as at a sharp inner corner"
+        triangles = ", ".join(str(level.triangles) for level in self.levels)
+        return (
+            f"{Path(self.file).name}: I_t {self.torsion_constant:.10g} m4 within {self.error:.1g} (two-sided bound), "
+            f"I_p {self.moments.polar:.10g} m4 about the origin, centroid {self.eccentricity:.3g} m off it, {stress}; "
+            f"{triangles} triangles of degree {self.degree}"
+        )
+
+
+def section_result(mesh: SectionMesh) -> SectionResult:
+    """The cross-section in a mesh file, solved once as long as the file stays the same. Raises SectionFault."""
+    return _solved(mesh, _stamp(mesh.file))
+
+
+def section_mesh(mesh: SectionMesh) -> Triangles:
+    """The triangles of a cross-section in metres, all conditions checked. Raises SectionFault."""
+    return _checked(mesh, _stamp(mesh.file))
+
+
+def _stamp(file: str) -> tuple[int, int]:
+    """Time and size of a file; zeros where it cannot be read, which reading it will tell."""
+    try:
+        seen = Path(file).stat()
+    except (OSError, ValueError):
+        return 0, 0
+    return seen.st_mtime_ns, seen.st_size
+
+
+@lru_cache(maxsize=64)
+def _checked(mesh: SectionMesh, _: tuple[int, int]) -> Triangles:
+    found = read_triangles(mesh.file)
+    refuse_size(float(np.ptp(found.points, axis=0).max()) * mesh.scale, mesh.widest)
+    found = sound(found)
+    scaled = Triangles(found.points * mesh.scale, found.nodes)
+    known = moments(scaled)
+    apart, gyration2 = np.hypot(*known.centroid), known.polar / known.area
+    if apart > OFF_AXIS * np.sqrt(gyration2 - apart**2):
+        x, y = (value / mesh.scale for value in known.centroid)
+        raise SectionFault(
+            f"the centroid of the section, ({x:.6g}, {y:.6g}), is not on the axis of the shaft",
+            "the origin of the mesh is the axis; a keyway may move the centroid, but little",
+        )
+    return scaled
+
+
+@lru_cache(maxsize=64)
+def _solved(mesh: SectionMesh, stamp: tuple[int, int]) -> SectionResult:
+    here = _checked(mesh, stamp)
+    known, degree = moments(here), 4 if len(here.nodes) <= FEW else 2
+    levels = [solve_level(here, degree)]
+    while len(levels) < 2 or (len(levels) < LEVELS and 4 * len(here.nodes) <= QUICK and not _fine(levels)):
+        here = refined(here)
+        levels.append(solve_level(here, degree))
+    return SectionResult(mesh.file, known, tuple(levels), degree)
+
+
+def _fine(levels: list[Level]) -> bool:
+    """A further refinement would change nothing that counts."""
+    before, last = levels[-2:]
+    return last.upper - last.lower <= CLOSE * last.upper and abs(last.stress / before.stress - 1.0) <= STEADY
+
+
+def refined(mesh: Triangles) -> Triangles:
+    """Every triangle divided into four, of the same, straight or curved, outline."""
+    points, nodes = mesh.points, mesh.nodes
+    sides = np.stack([nodes[:, [0, 1, 3]], nodes[:, [1, 2, 4]], nodes[:, [2, 0, 5]]], axis=1).reshape(-1, 3)
+    edges, first, place = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_inverse=True)
+    amid = sides[first, 2]
+    low, high = points[edges[:, 0]], points[edges[:, 1]]
+    quarters = [_quarter(low, points[amid], high), _quarter(high, points[amid], low)]
+    inner = [_inner(points[nodes], corner) for corner in range(3)]
+    edge = place.reshape(-1, 3)
+    turned = nodes[:, :3] > nodes[:, [1, 2, 0]]
+    at_first, at_last = (len(points) + edge + len(edges) * side for side in (turned, ~turned))
+    within = len(points) + 2 * len(edges) + np.arange(3)[:, None] * len(nodes) + np.arange(len(nodes))
+    a, b, c, ab, bc, ca = nodes.T
+    new = [
+        (a, ab, ca, at_first[:, 0], within[0], at_last[:, 2]),
+        (ab, b, bc, at_last[:, 0], at_first[:, 1], within[1]),
+        (ca, bc, c, within[2], at_last[:, 1], at_first[:, 2]),
+        (ab, bc, ca, within[1], within[2], within[0]),
+    ]
+    return Triangles(np.concatenate([points, *quarters, *inner]), np.concatenate([np.stack(one, 1) for one in new]))
+
+
+def _quarter(near: FloatArray, amid: FloatArray, far: FloatArray) -> FloatArray:
+    """The point of a parabola at a quarter of its parameter."""
+    return np.asarray(0.375 * near + 0.75 * amid - 0.125 * far)
+
+
+def _inner(at: FloatArray, corner: int) -> FloatArray:
+    """(triangles, 2) the point halfway between the nodes amid the two sides at a corner; `at` (triangles, 6, 2)."""
+    b, c = (corner + 1) % 3, (corner + 2) % 3
+    beside, across = at[:, 3 + corner] + at[:, 3 + c], at[:, 3 + b]
+    return np.asarray(0.5 * beside + 0.25 * across - 0.125 * (at[:, b] + at[:, c]))

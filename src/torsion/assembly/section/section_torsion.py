@@ -1,0 +1,137 @@
+"""Torsion of a cross-section by finite elements (scikit-fem): bounds of the torsion constant, and the shear stress.
+
+Stress function (Prandtl 1903): -laplace(phi) = 2, phi = 0 on the outline and a constant c on every hole, around which
+the integral of its normal derivative is 2 A. Torsion constant 2 int phi + 2 sum(c A) = int |grad phi|^2, and shear
+stress = shear modulus * twist per length * |grad phi|. Elements store too little of this energy: a lower bound.
+
+Warping (Saint-Venant 1855): laplace(omega) = 0 with d omega/dn = y n_x - x n_y. Torsion constant = int (x^2 + y^2) -
+int |grad omega|^2: an upper bound, for the same reason (Weinstein 1947).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import skfem
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.section.section_boundary import Boundary, boundary
+from torsion.assembly.section.section_mesh import Triangles
+
+ORDER = 8  # of the quadrature: exact for degree 4 on straight triangles, and for r^2 on curved ones
+_ALONG = np.linspace(0.0, 1.0, 17)  # places on a side of the boundary at which the stress is looked at
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Area and its moments about the origin, in the unit of the mesh."""
+
+    area: float
+    centroid: tuple[float, float]
+    polar: float
+
+
+@dataclass(frozen=True)
+class Level:
+    """What one mesh says, in the unit of the mesh."""
+
+    triangles: int
+    lower: float  # bounds of the torsion constant of the outline as meshed
+    upper: float
+    stress: float  # largest shear stress / (shear modulus * twist per length)
+    at: tuple[float, float]  # where; always on the boundary
+
+
+def moments(mesh: Triangles) -> Moments:
+    """Area, centroid and polar moment about the origin."""
+    basis = skfem.Basis(_shape(mesh), skfem.ElementTriP1(), intorder=ORDER)
+    (x, y), dx = basis.default_parameters()["x"], basis.dx
+    area = float(np.sum(dx))
+    centroid = (float(np.sum(x * dx)) / area, float(np.sum(y * dx)) / area)
+    return Moments(area, centroid, float(np.sum((x * x + y * y) * dx)))
+
+
+def solve_level(mesh: Triangles, degree: int) -> Level:
+    """Bounds of the torsion constant and the largest stress, by elements of degree 2 or 4 on a sound mesh."""
+    element = skfem.ElementTriP4() if degree == 4 else skfem.ElementTriP2()
+    basis, edge = skfem.Basis(_shape(mesh), element, intorder=ORDER), boundary(mesh)
+    (x, y), dx = basis.default_parameters()["x"], basis.dx
+    stiffness = skfem.BilinearForm(_gradients).assemble(basis)
+    lower, phi = _stress_function(basis, stiffness, edge, _facets(mesh, basis.mesh, edge))
+    upper = float(np.sum((x * x + y * y) * dx)) - _warping_energy(stiffness, skfem.LinearForm(_around).assemble(basis))
+    stress, at = _largest_slope(basis, phi)
+    return Level(len(mesh.nodes), lower, upper, stress, at)
+
+
+def _shape(mesh: Triangles) -> Any:
+    """The mesh for scikit-fem, whose elements of degree 4 want the corners of a triangle in ascending order."""
+    order = np.argsort(mesh.nodes[:, :3], axis=1)
+    corners = np.take_along_axis(mesh.nodes[:, :3], order, 1)
+    opposite = np.take_along_axis(mesh.nodes[:, [4, 5, 3]], order, 1)
+    nodes = np.concatenate([corners, opposite[:, [2, 0, 1]]], axis=1)
+    return skfem.MeshTri2(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(nodes.T))
+
+
+def _facets(mesh: Triangles, shape: Any, edge: Boundary) -> IntArray:
+    """(sides,) scikit-fem's number of every side of the boundary."""
+    corners = np.unique(mesh.nodes[:, :3])
+    ends = np.sort(np.searchsorted(corners, edge.sides[:, :2]), axis=1)
+    known, wanted = (np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (shape.facets.T, ends))
+    order = np.argsort(known)
+    return np.asarray(order[np.searchsorted(known[order], wanted)])
+
+
+def _gradients(u: Any, v: Any, _: Any) -> Any:
+    return u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]
+
+
+def _twofold(v: Any, _: Any) -> Any:
+    return 2.0 * v
+
+
+def _around(v: Any, w: Any) -> Any:
+    return w.x[1] * v.grad[0] - w.x[0] * v.grad[1]
+
+
+def _stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArray) -> tuple[float, FloatArray]:
+    """Torsion constant, and phi (unknowns,): 0 on the outline, one unknown for each hole, all others free."""
+    number, holes = stiffness.shape[0], len(edge.area) - 1
+    column = np.arange(holes, holes + number)
+    for loop in range(holes + 1):
+        column[basis.get_dofs(facets[edge.loop == loop]).all()] = loop - 1
+    free = np.flatnonzero(column >= 0)
+    used, place = np.unique(column[free], return_inverse=True)
+    spread = csc_array((np.ones(len(free)), (free, place)), shape=(number, len(used)))
+    force = spread.T @ skfem.LinearForm(_twofold).assemble(basis)
+    force[:holes] -= 2.0 * edge.area[1:]  # negative around a hole
+    answer = _solved(spread.T @ stiffness @ spread, force)
+    return float(force @ answer), np.asarray(spread @ answer)
+
+
+def _warping_energy(stiffness: Any, turning: FloatArray) -> float:
+    """int |grad omega|^2; omega is known but for a constant, so one unknown is left out."""
+    return float(turning[1:] @ _solved(stiffness[1:, 1:], turning[1:]))
+
+
+def _solved(matrix: Any, force: FloatArray) -> FloatArray:
+    """The answer of a symmetric positive definite system."""
+    symmetric = {"SymmetricMode": True}
+    factors = splu(csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+    return np.asarray(factors.solve(force))
+
+
+def _largest_slope(basis: Any, phi: FloatArray) -> tuple[float, tuple[float, float]]:
+    """Largest |grad phi| and where; |grad phi| is subharmonic, so it is nowhere larger than on the boundary."""
+    shape = basis.mesh
+    facets = shape.boundary_facets()
+    elements = np.unique(shape.f2t[0, facets])
+    zero, one = np.zeros_like(_ALONG), np.ones_like(_ALONG)
+    sides = np.concatenate([[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1)  # in the order of t2f
+    places = skfem.Basis(shape, basis.elem, elements=elements, quadrature=(sides, np.tile(one, 3)))
+    shown = np.repeat(np.isin(shape.t2f[:, elements].T, facets), len(_ALONG), axis=1)
+    slope = np.where(shown, np.hypot(*np.asarray(places.interpolate(phi).grad)), 0.0)
+    at = np.unravel_index(int(np.argmax(slope)), slope.shape)
+    x, y = (float(axis[at]) for axis in places.default_parameters()["x"])
+    return float(slope[at]), (x, y)

@@ -1,0 +1,75 @@
+"""Shafts whose cross-section is a mesh, as shafts that every model takes; without one nothing more is imported."""
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from torsion.errors import Fault, InputError
+from torsion.kernels.round_sections import section_modulus
+from torsion.primitives import Bar, Section, SectionMesh
+from torsion.train import Train
+
+if TYPE_CHECKING:
+    from torsion.assembly.section.section_result import SectionResult
+
+
+def resolved(train: Train) -> Train:
+    """The train with every section solved, and itself where none is to be solved.
+
+    Such a bar becomes the solid round one of the same polar moment I_p, its shear modulus lowered by I_t/I_p: stiffness
+    G I_t, inertia rho I_p and speed of waves are then those of the section. Raises InputError with every faulty mesh.
+    """
+    if not any(isinstance(bar.section, SectionMesh) for bar in train.bars):
+        return train
+    faults = mesh_faults(train)
+    if faults:
+        raise InputError(faults)
+    return replace(train, bars=tuple(_resolved(bar) for bar in train.bars))
+
+
+def mesh_faults(train: Train) -> list[Fault]:
+    """What is wrong with the meshes of a train, each told where its shaft names it."""
+    found = []
+    for bar in train.bars:
+        if isinstance(bar.section, SectionMesh):
+            from torsion.assembly.section.section_mesh import SectionFault
+            from torsion.assembly.section.section_result import section_mesh
+
+            try:
+                section_mesh(bar.section)
+            except SectionFault as fault:
+                found.append(Fault((*train.parts[bar.part].path, "section", "mesh"), fault.message, fault.hint))
+    return found
+
+
+def section_results(train: Train) -> "dict[str, SectionResult]":
+    """By name of the shaft: its section with bounds and convergence, for the plan and the report."""
+    found = {}
+    for bar in train.bars:
+        if isinstance(bar.section, SectionMesh):
+            from torsion.assembly.section.section_result import section_result
+
+            found[bar.name] = section_result(bar.section)
+    return found
+
+
+def _resolved(bar: Bar) -> Bar:
+    if not isinstance(bar.section, SectionMesh):
+        return bar
+    from torsion.assembly.section.section_result import section_result
+
+    return with_section(bar, section_result(bar.section).section)
+
+
+def with_section(bar: Bar, section: Section) -> Bar:
+    """The bar with constants in place of its diameters."""
+    across = (32.0 / math.pi * section.polar_moment) ** 0.25
+    modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
+    return replace(bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus)
+
+
+def stress_modulus(bar: Bar) -> float:
+    """Torque / largest nominal shear stress where a bar is thinnest, m3; of a section its own, NaN if it has none."""
+    if isinstance(bar.section, Section):
+        return bar.section.stress_modulus
+    return float(min(section_modulus(bar.outer, bar.bore)))

@@ -1,0 +1,103 @@
+"""Stations and spans while a system is put together; what is the same in every model of the shafts."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.assembly.distributed_spans import BarSpans
+from torsion.assembly.spans import Row, Runs, Span
+from torsion.assembly.system import Discretisation, System
+from torsion.errors import SolveError
+from torsion.primitives import Bar, Station
+from torsion.train import Train
+
+
+@dataclass
+class Collected:
+    """The stations of a train, its springs and its constraints; then its shafts, one after another."""
+
+    train: Train
+    stations: list[Station]
+    inertia: list[float]  # kg m2 at own speed
+    spans: list[Span] = field(default_factory=list)
+    elastic: list[tuple[float, float, float]] = field(default_factory=list)  # rad/(N m), N m s/rad, loss factor
+    rows: list[Row] = field(default_factory=list)  # behind all stations and spans
+    inner_inertia: list[FloatArray] = field(default_factory=list)  # of each row: (segments - 1,) kg m2
+    row_flexibility: list[FloatArray] = field(default_factory=list)  # of each row: (segments,) rad/(N m)
+
+    @classmethod
+    def of(cls, train: Train) -> "Collected":
+        """Everything of a train but its shafts."""
+        found = cls(train, list(train.stations), [0.0] * len(train.stations))
+        for lump in train.inertias:
+            found.inertia[lump.station] += lump.inertia
+        for spring in train.springs:
+            span = Span(spring.name, spring.part, spring.driving, spring.driven)
+            found.add(span, spring.flexibility, spring.viscous, spring.loss_factor)
+        for mesh in train.constraints:
+            found.add(Span(mesh.name, mesh.part, mesh.driving, mesh.driven, mesh.ratio, mesh.error), mesh.flexibility)
+        return found
+
+    def add(self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0) -> int:
+        """Add a span; its position."""
+        self.spans.append(span)
+        self.elastic.append((flexibility, viscous, loss_factor))
+        return len(self.spans) - 1
+
+    def station(self, bar: Bar, name: str) -> int:
+        """A new station of a shaft."""
+        first = self.stations[bar.driving]
+        self.stations.append(Station(name, bar.part, first.ratio, first.sense))
+        self.inertia.append(0.0)
+        return len(self.stations) - 1
+
+    def inside(self, bar: Bar, number: int) -> list[int]:
+        """The driving station of a shaft of so many pieces, and new ones between its pieces."""
+        return [bar.driving, *(self.station(bar, f"{bar.name} {k}/{number}") for k in range(1, number))]
+
+    def pieces(self, bar: Bar, ends: list[int], flexibility: FloatArray, lumps: FloatArray) -> list[int]:
+        """Add a span between every two `ends` and the `lumps` of inertia at them; the positions of the spans."""
+        number = len(flexibility)
+        names = [bar.name if number == 1 else f"{bar.name} [{piece + 1}]" for piece in range(number)]
+        found = [
+            self.add(Span(name, bar.part, ends[k], ends[k + 1]), float(flexibility[k]), 0.0, bar.loss_factor)
+            for k, name in enumerate(names)
+        ]
+        for end, lump in zip(ends, lumps.tolist(), strict=True):
+            self.inertia[end] += lump
+        return found
+
+    def row(self, bar: Bar, flexibility: FloatArray, lumps: FloatArray) -> None:
+        """Add a whole shaft in segments; no station or span of another kind may be added after it."""
+        inside = len(self.stations) + sum(map(len, self.inner_inertia))
+        self.rows.append(Row(bar, len(flexibility), inside, self.stations[bar.driving]))
+        self.inertia[bar.driving] += float(lumps[0])
+        self.inertia[bar.driven] += float(lumps[-1])
+        self.inner_inertia.append(lumps[1:-1])
+        self.row_flexibility.append(flexibility)
+
+    def system(
+        self, model: str, segments: dict[str, int], requested: Discretisation, resolved_to: float,
+        bars: BarSpans | None = None,
+    ) -> System:  # fmt: skip
+        """The system of all that was collected; resolved_to: Hz.
+
+        Raises SolveError for distributed shafts in a train with closed loops.
+        """
+        rows = self.rows
+        flexibility, viscous, loss_factor = np.array(self.elastic, dtype=float).reshape(-1, 3).T
+        loss = [np.full(row.number, row.bar.loss_factor) for row in rows]
+        system = System(
+            self.train, model,
+            Runs(self.stations, [(row.number - 1, row.station) for row in rows]) if rows else tuple(self.stations),
+            Runs(self.spans, [(row.number, row.span) for row in rows]) if rows else tuple(self.spans),
+            np.concatenate([self.inertia, *self.inner_inertia]),
+            np.concatenate([flexibility, *self.row_flexibility]),
+            np.concatenate([viscous, *map(np.zeros_like, loss)]), np.concatenate([loss_factor, *loss]),
+            self.train.dampers, segments, bars, tuple(rows), requested, resolved_to,
+        )  # fmt: skip
+        if bars is not None and system.folded.extra.size:
+            why = "no closed loops, and no train that rigid spans hold at several points"
+            raise SolveError(f"the model {model} takes {why}; use the lumped model")
+        return system

@@ -1,0 +1,205 @@
+"""Back ends of the two-sided sweep for the free shapes of a tree of springs.
+
+The recurrence is that of `two_sides`, which goes station by station. A chain is swept from both ends at once, so that a
+row costs little more than half, a large tree layer by layer: a third of the time for 100 stations (measured).
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.layers import add_children, of_the_rest, sweep_to_roots
+from torsion.kernels.tree import Tree
+from torsion.kernels.two_sides import TwoSides, two_sides
+
+Spread = tuple[FloatArray, FloatArray, FloatArray, BoolArray | None]
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Both sides of every span at each frequency; (stations, m) or, for what is passed on, (stations + 1, m)."""
+
+    total: FloatArray  # N m/rad, dynamic stiffness of the whole train seen at each station
+    passed: FloatArray  # N m/rad, of the station and all beyond it, seen through the flexibility from the parent
+    returned: FloatArray  # N m/rad, of all the rest, seen through the flexibility from the station
+    to_leaves: FloatArray  # angle of each station over that of its parent, without sources beyond
+    to_root: FloatArray  # angle of each parent over that of the station, without sources in the rest
+    stations: TwoSides | None = None  # where swept station by station
+
+
+def sides_of(tree: Tree, w: FloatArray) -> Sides:
+    """Both sides of every span at angular frequencies `w` (m,), by the back end that suits the tree."""
+    if tree.is_chain and tree.shafts is None:
+        return _sides_of_chain(tree, tree.own_stiffness(w * w))
+    if not tree.is_swept_by_stations and tree.shafts is None:
+        return _sides_of_layers(tree, tree.own_stiffness(w * w))
+    at = two_sides(tree, w)
+    return Sides(at.total, at.branch_through, at.rest_through, at.to_leaves, at.to_root, at)
+
+
+def spread(tree: Tree, sides: Sides, start: IntArray) -> Spread:
+    """Angles (stations, m) that are 1 at `start` (m,), span torques (stations, m), and the products of these with the
+    angles at the parents, which may have one row more; where stations are swept, also which (stations, m) lie on the
+    way from the start to the root.
+
+    On that way the torque is that of the rest of the train, elsewhere that of the branch.
+    """
+    if sides.stations is not None:
+        return _spread_by_stations(tree, sides, start)
+    return _spread_along_chain(tree, sides, start) if tree.is_chain else _spread_by_layers(tree, sides, start)
+
+
+def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
+    """Layer by layer."""
+    to_root, to_leaves, passed = sides.to_root, sides.to_leaves, sides.passed
+    angle, torque, product = np.zeros_like(to_root), np.zeros_like(to_root), np.zeros_like(passed)
+    angle[start, np.arange(len(start))] = 1.0
+    multiply, add = np.multiply, np.add
+    for layer in reversed(tree.layers or ()):
+        stations = layer.stations
+        multiply(angle[stations], to_root[stations], product[stations])
+        add_children(layer, product, angle[layer.above])
+    path, column = np.divmod(np.flatnonzero(angle != 0.0), angle.shape[1])
+    to_leaves[path, column] = 0.0
+    for layer in tree.layers or ():
+        stations, before = layer.stations, angle[layer.above]
+        if not layer.is_in_line:
+            before = before.take(layer.parent, 0)
+        here, moment, share = angle[stations], torque[stations], product[stations]
+        add(here, multiply(before, to_leaves[stations], share), here)
+        multiply(before, passed[stations], moment)
+        multiply(before, moment, share)
+    torque[path, column] = -sides.returned[path, column] * angle[path, column]
+    product[path, column] = torque[path, column] * angle[tree.parent[path], column]
+    return angle, torque, product, None
+
+
+def _spread_by_stations(tree: Tree, sides: Sides, start: IntArray) -> Spread:
+    """One station after another."""
+    angle, product = np.zeros(sides.to_leaves.shape), np.empty(len(start))
+    angle[start, np.arange(len(start))] = 1.0
+    rows, factor = list(angle), list(sides.to_root)
+    multiply, add = np.multiply, np.add
+    for i, parent in zip(range(tree.size - 1, -1, -1), reversed(tree.parents), strict=True):
+        if parent >= 0:
+            multiply(rows[i], factor[i], product)
+            add(rows[parent], product, rows[parent])
+    is_toward_root = angle != 0.0
+    torque = np.where(is_toward_root, -sides.returned * angle, 0.0)
+    factor = list(np.where(is_toward_root, 0.0, sides.to_leaves))
+    for i, parent in enumerate(tree.parents):
+        if parent >= 0:
+            multiply(rows[parent], factor[i], product)
+            add(rows[i], product, rows[i])
+    at_parent = angle[tree.parent]
+    np.copyto(torque, sides.passed * at_parent, where=~is_toward_root)
+    torque[tree.roots] = 0.0
+    return angle, torque, np.multiply(at_parent, torque, out=at_parent), is_toward_root
+
+
+def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
+    """Both sweeps, from the dynamic stiffness `own` (stations, m) of each station by itself."""
+    size, columns = own.shape
+    total, to_leaves, to_root, rest = own.copy(), *np.empty((3, size, columns))
+    passed, returned = np.empty((size + 1, columns)), np.empty((size, columns))
+    passed[:size] = tree.flexibility[:, None]
+    returned[:] = passed[:size]
+    passed[size] = 0.0
+    roots = slice(0, tree.parents.count(-1))
+    passed[roots] = returned[roots] = to_leaves[roots] = to_root[roots] = 0.0
+    sweep_to_roots(tree.layers or (), total, passed, to_leaves)
+    reciprocal, add = np.reciprocal, np.add
+    _transmission(tree, passed[:size], to_leaves, total)
+    for layer in tree.layers or ():
+        stations, above = layer.stations, layer.above
+        inverse, through, behind = to_root[stations], returned[stations], rest[stations]
+        if layer.is_in_line:
+            add(own[above], returned[above], behind)
+        else:
+            of_the_rest(layer, own[above] + returned[above], passed, behind)
+        reciprocal(behind, inverse)
+        add(through, inverse, through)
+        reciprocal(through, through)
+    _transmission(tree, returned, to_root, rest)
+    return Sides(np.add(total, returned, out=total), passed, returned, to_leaves, to_root)
+
+
+def _transmission(tree: Tree, through: FloatArray, inverse: FloatArray, stiffness: FloatArray) -> None:
+    """Make of `inverse`, 1/z, the angle of the far end of a span over that of the near one: 1/(1 + h z) = zz/z.
+
+    Taken from the rounded zz, which is what the next station has seen: at a node both are large by the same rounding.
+    A stiffness of 0 passes the whole angle on; where every station has inertia it is due to rounding, and the shape
+    comes out not finite.
+    """
+    np.multiply(through, inverse, out=inverse)
+    if not tree.is_plain:
+        soft = stiffness == 0.0
+        if soft.any():
+            inverse[soft] = 1.0
+
+
+def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
+    """Like `_sides_of_layers`, from both ends at once."""
+    size, columns = own.shape
+    behind, inverse, through = _both_ways(own, tree.flexibility)
+    total, (passed, returned, to_leaves, to_root) = behind[::-1, :columns].copy(), np.zeros((4, size + 1, columns))
+    passed[1:size], returned[1:size] = through[::-1, :columns], through[:, columns:]
+    to_leaves[1:size], to_root[1:size] = inverse[::-1, :columns], inverse[:, columns:]
+    _transmission(tree, passed[1:size], to_leaves[1:size], total[1:])
+    _transmission(tree, returned[1:size], to_root[1:size], behind[:-1, columns:])
+    total[1:] += returned[1:size]
+    return Sides(total, passed, returned[:size], to_leaves[:size], to_root[:size])
+
+
+def _spread_along_chain(tree: Tree, sides: Sides, start: IntArray) -> Spread:
+    """Both ways at once."""
+    angle = _spread_both_ways(sides.to_root[1:], sides.to_leaves[1:], start)
+    torque, product = np.zeros((2, *sides.passed.shape))
+    before, moment = angle[:-1], torque[1 : tree.size]
+    np.multiply(before, sides.passed[1 : tree.size], moment)
+    returned = np.multiply(sides.returned[1:], angle[1:])
+    np.copyto(moment, np.negative(returned, returned), where=np.arange(1, tree.size)[:, None] <= start)
+    np.multiply(before, moment, product[1 : tree.size])
+    return angle, torque[: tree.size], product, None
+
+
+def _both_ways(own: FloatArray, flexibility: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Dynamic stiffness (stations, 2m) of what lies behind each station in the sweep, itself included; the inverse of
+    that, and the same seen through the next span (stations - 1, 2m each), from `own` (stations, m) N m/rad.
+
+    The first m columns go from the last station to the first, the others from the first to the last.
+    """
+    stations, columns = own.shape
+    behind, (inverse, through) = np.empty((stations, 2 * columns)), np.empty((2, stations - 1, 2 * columns))
+    behind[:, :columns], behind[:, columns:] = own[::-1], own
+    through[:, :columns], through[:, columns:] = flexibility[:0:-1, None], flexibility[1:, None]
+    add, reciprocal, rows = np.add, np.reciprocal, list(behind)
+    here = rows[0]
+    for turned, seen, there in zip(inverse, through, rows[1:], strict=True):
+        reciprocal(here, turned)
+        add(seen, turned, seen)
+        reciprocal(seen, seen)
+        add(there, seen, there)
+        here = there
+    return behind, inverse, through
+
+
+def _spread_both_ways(to_root: FloatArray, to_leaves: FloatArray, start: IntArray) -> FloatArray:
+    """Angles (stations, m): 1 at `start` (m,), from there products of `to_root` and of `to_leaves`.
+
+    `to_root` and `to_leaves` (stations - 1, m) are for the span between a station and the next.
+    """
+    spans, columns = to_leaves.shape
+    is_toward_root = np.arange(spans)[:, None] < start
+    factor = np.ones((spans, 2 * columns))
+    np.copyto(factor[:, :columns], to_root[::-1], where=is_toward_root[::-1])
+    np.copyto(factor[:, columns:], to_leaves, where=~is_toward_root)
+    multiply, rows = np.multiply, list(factor)
+    for before, here in pairwise(rows):
+        multiply(before, here, here)
+    angle = np.ones((spans + 1, columns))
+    angle[:-1] = factor[::-1, :columns]
+    angle[1:] *= factor[:, columns:]
+    return angle

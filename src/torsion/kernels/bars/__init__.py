@@ -1,1 +1,0 @@
-"""Trees with distributed inertia (shafts as continua or finite elements): laws of spans, passes, counts, modes."""

@@ -1,0 +1,1 @@
+"""Laws of spans with distributed inertia: shafts as continua or finite elements."""

@@ -1,0 +1,170 @@
+"""Pieces of shafts of any profile as continua, by power series in the square of the frequency.
+
+theta' = f T and T' = -s m theta with f = 1/(G I) and m = rho I along the piece are integrated term by term (Peano and
+Baker): theta = A theta_inner + B T_inner at the outer end, with A = sum (-s)^k a_k and B = sum (-s)^k b_k, and D like A
+from the other end. All coefficients are integrals of positive functions. The pi is h = B, Ji = (1 - A)/(s B) and
+Jo = (1 - D)/(s B), in whose coefficients s is divided out.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike, NDArray
+
+from torsion.arrays import BoolArray, FloatArray
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating, alternating_slope
+
+POINTS = 32  # of Gauss along a piece
+TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first
+_ROUNDINGS = 64.0  # of a coefficient; several times what was found in comparison with many digits
+_LARGEST_LEFT_OUT = 1e-15  # last term at the limit, relative to the first; above, the profile is too steep
+
+
+@cache
+def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss' points and weights on 0..1, and the matrix of the integrals from 0 to each point of a polynomial there.
+
+    In the longest arithmetic there is: rounded points and weights would cost a digit where a profile is steep.
+    """
+    degree = np.arange(points)
+    x = legendre.leggauss(points)[0].astype(np.longdouble)
+    for _ in range(2):  # Newton
+        at, slope = _legendre(x, points)
+        x = x - at[:, points] / slope
+    at, slope = _legendre(x, points)
+    weight = 2 / ((1 - x) * (1 + x) * slope**2)
+    to_series = (0.5 + degree)[:, None] * (at[:, :points] * weight[:, None]).T
+    from_start = np.empty((points, points), dtype=np.longdouble)
+    from_start[:, 0] = x + 1
+    from_start[:, 1:] = (at[:, 2:] - at[:, :-2])[:, : points - 1] / (2 * degree[1:] + 1)
+    rule = 0.5 * (x + 1), 0.5 * weight, 0.5 * from_start @ to_series
+    places, weights, integrals = (part.astype(np.float64) for part in rule)
+    return places, weights, integrals
+
+
+def _legendre(x: NDArray[Any], degree: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Legendre's polynomials to `degree` at `x` (points, degree + 1), and the slope of the last."""
+    at = np.empty((len(x), degree + 1), dtype=x.dtype)
+    at[:, 0], at[:, 1] = 1, x
+    for n in range(1, degree):
+        at[:, n + 1] = ((2 * n + 1) * x * at[:, n] - n * at[:, n - 1]) / (n + 1)
+    return at, degree * (at[:, degree - 1] - x * at[:, degree]) / ((1 - x) * (1 + x))
+
+
+def profile_points(points: int = POINTS) -> FloatArray:
+    """Where a profile is sampled: Gauss' points (points,) between 0 at the inner and 1 at the outer end."""
+    return _rule(points)[0].copy()
+
+
+@dataclass(frozen=True)
+class ProfileShafts(Law):
+    """Series in v = s F M, F and M being the whole flexibility and inertia: h = F b(v), J = M e(v)/b(v)."""
+
+    flexibility: FloatArray  # (shafts,) rad/(N m), F
+    inertia: FloatArray  # (shafts,) kg m2, M
+    spring: FloatArray  # (shafts, terms) of b
+    inner: FloatArray  # (shafts, terms) of e at the inner end
+    outer: FloatArray  # (shafts, terms) of e at the outer end
+
+    @cached_property
+    def _travel(self) -> FloatArray:
+        return self.flexibility * self.inertia
+
+    @cached_property
+    def limit(self) -> float:
+        """A frequency (rad/s) at most 2 % below the lowest one with both ends fixed, for a uniform piece.
+
+        b has the zeros v_i > 0 with sum 1/v_i^2 = b_1^2 - 2 b_0 b_2 for b_0 = 1, so that none is below the inverse
+        root of that sum (Newton's identity).
+        """
+        first, second = self.spring[:, 1], self.spring[:, 2]
+        return float(np.sqrt(_over(1.0 / np.sqrt(first * first - 2.0 * second), self._travel).min(initial=np.inf)))
+
+    @property
+    def reach(self) -> float:
+        """Angular frequency (rad/s) up to which the law holds; its series have as many terms as the limit needs."""
+        return self.limit
+
+    def at(self, square: NDArray[Any]) -> Pi:
+        v = self._travel[:, None] * square
+        spring = alternating(self.spring, v)
+        share = self.inertia[:, None] / spring
+        spring *= self.flexibility[:, None]
+        return spring, share * alternating(self.inner, v), share * alternating(self.outer, v)
+
+    def slopes(self, square: FloatArray) -> Slopes:
+        travel, whole, mass = self._travel[:, None], self.flexibility[:, None], self.inertia[:, None]
+        v = travel * square
+        spring, spring_slope = alternating(self.spring, v), alternating_slope(self.spring, v)
+        (inner, inner_slope), (outer, outer_slope) = (
+            (mass * end, mass * travel * ((alternating_slope(series, v) - end * spring_slope) / spring))
+            for series, end in ((series, alternating(series, v) / spring) for series in (self.inner, self.outer))
+        )
+        return Slopes(square, whole * spring, inner, outer, whole * travel * spring_slope, inner_slope, outer_slope)
+
+    def rounding(self, square: FloatArray) -> FloatArray:
+        """Relative error (m,) of the values at s (m,): that of the coefficients times what cancels in the series."""
+        v = self._travel.max(initial=0.0) * square
+        spring = self.spring[:1] if self.size else np.ones((1, 1))
+        growth = alternating(spring, -v[None])[0] / np.maximum(alternating(spring, v[None])[0], UNIT_ROUNDOFF)
+        return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF * np.abs(growth))
+
+    def turned(self, which: BoolArray) -> "ProfileShafts":
+        swap = np.asarray(which)[:, None]
+        inner, outer = np.where(swap, self.outer, self.inner), np.where(swap, self.inner, self.outer)
+        return ProfileShafts(self.flexibility, self.inertia, self.spring, inner, outer)
+
+
+def profile_shafts(
+    length: ArrayLike, flexibility_per_length: FloatArray, inertia_per_length: FloatArray
+) -> ProfileShafts:
+    """Pieces of `length` (shafts,) m, sampled at `profile_points`: f = 1/(G I) and m = rho I, each (shafts, points).
+
+    f in rad/(N m2), m in kg m. The profile is smooth within a piece: a step, or a change of taper, ends it. Raises
+    ValueError for a piece in which the series do not converge, as its profile is too steep.
+    """
+    long = np.atleast_1d(np.asarray(length, dtype=np.float64))
+    f, m = (np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (flexibility_per_length, inertia_per_length))
+    _, weight, from_start = _rule(f.shape[1])
+    whole, mass = f @ weight, m @ weight
+    f, m = f / whole[:, None], m / np.where(mass > 0.0, mass, 1.0)[:, None]
+    inner, _ = _series(m, f, weight, from_start)
+    outer, _ = _series(m[:, ::-1], f[:, ::-1], weight, from_start)
+    _, spring = _series(f, m, weight, from_start)
+    found = ProfileShafts(whole * long, mass * long, spring, inner, outer)
+    _check(found)
+    return found
+
+
+def _series(
+    first: FloatArray, second: FloatArray, weight: FloatArray, from_start: FloatArray
+) -> tuple[FloatArray, ...]:
+    """Coefficients (shafts, TERMS) each: whole integrals of `second` and of `first` in 1 -> first -> second -> ..."""
+    after_second, after_first = [], []
+    running = np.ones_like(first)
+    for _ in range(TERMS):
+        product = first * running
+        after_first.append(product @ weight)
+        product = second * (product @ from_start.T)
+        after_second.append(product @ weight)
+        running = product @ from_start.T
+    return np.stack(after_second, axis=1), np.stack(after_first, axis=1)
+
+
+def _check(found: ProfileShafts) -> None:
+    if not found.size or not math.isfinite(found.limit):
+        return
+    v = (found.limit * found.limit) * found._travel
+    last = found.spring[:, -1] * v ** (TERMS - 1)
+    worst = int(np.argmax(last))
+    if not last[worst] < _LARGEST_LEFT_OUT or not (found.spring > 0.0).all():
+        raise ValueError(f"shaft {worst} has too steep a profile for its series; divide it more finely")
+
+
+def _over(numerator: FloatArray, travel: FloatArray) -> FloatArray:
+    over: FloatArray = np.divide(numerator, travel, out=np.full(travel.shape, np.inf), where=travel > 0.0)
+    return over

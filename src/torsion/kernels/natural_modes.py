@@ -1,0 +1,196 @@
+"""Natural frequencies and mode shapes of a tree, each frequency with a proven enclosure."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray
+from torsion.errors import SolveError
+from torsion.kernels.enclosure import bisect, brackets, enclose
+from torsion.kernels.factors import banded_values, start_frequencies
+from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
+from torsion.kernels.mode_shapes import (
+    ShaftModes,
+    Shapes,
+    TreeModes,
+    shaft_elastic,
+    shaft_inertia,
+    shape_sign,
+    shapes_at,
+)
+from torsion.kernels.reactions import cut, needs_cutting, with_reactions
+from torsion.kernels.reduction import Rigidity, reduce_tree, rigid_shapes, rigidity
+from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
+from torsion.kernels.rerooting import rerooted_at_middle
+from torsion.kernels.tree import Tree
+
+_SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
+_STEPS = 3  # more; Rayleigh quotients converge cubically, and a start that needs more is bisected instead
+_STEPS_OF_SHAFTS = 6  # Newton's, from a bracket
+_TRUSTED = 0.1  # relative distance from the start beyond which a step is taken to have left its mode
+_BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
+_OFF = 5e-2  # relative, that a given start may be off
+_START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
+_STATIONS_FOR_COUNTS = 300  # from which the few lowest modes of a branched tree are sooner found by counts (measured)
+_STATIONS_FOR_BAND = 1500  # up to which all frequencies of a narrow tree are sooner found than the lowest by counts
+_FEW = 0.05  # of all modes
+_FULL_BISECTION = 2.0**-52
+_LONG = 2000  # stations in a row from which few modes are faster found one by one (measured)
+_STATIONS_A_MODE = 64  # at least, for that to be the faster (measured)
+
+
+def tree_modes(
+    tree: Tree,
+    count: int | None = None,
+    *,
+    start: FloatArray | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> TreeModes:
+    """The lowest `count` elastic modes of a tree, or all.
+
+    Few modes of a long row of stations are found one by one, and `progress` is given how many of how many are done.
+    Frequencies closer than 1e-13 (relative) count as repeated: their shapes are one orthogonal set of many. Raises
+    SolveError for a frequency that cannot be proven. Flexibilities must be finite, inertias not negative.
+
+    With distributed shafts, `start` (count,) rad/s may give frequencies near the modes, ascending; and a mode above
+    0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
+    """
+    if count is not None and tree.shafts is None and tree.size >= _LONG and 0 < count * _STATIONS_A_MODE <= tree.size:
+        long = long_chain_modes(tree, count, progress=progress)
+        if long is not None:
+            return long
+    known = rigidity(tree.static)
+    rigid, wanted = len(known.free_roots), known.elastic if count is None else count
+    if tree.shafts is None or not math.isfinite(tree.shafts.limit):
+        wanted = min(wanted, known.elastic)
+    solved = cut(tree, known) if needs_cutting(tree.static, known) else tree
+    rerooted = rerooted_at_middle(solved)
+    swept = rerooted.tree
+    if wanted == 0:
+        frequency = lower = upper = np.empty(0)
+        shapes = Shapes.empty(tree, 0)
+    else:
+        frequency, shapes = _polish(swept, *_start(tree, swept, known, wanted, start))
+        frequency, lower, upper, wrong = _enclosed(swept, frequency, rigid, shapes.passed)
+        if wrong.any():
+            shapes = shapes_at(swept, frequency)
+        if swept is not solved:
+            shapes = replace(shapes, angle=rerooted.angles(shapes.angle), torque=rerooted.torques(shapes.torque))
+        _complete(solved, frequency, shapes)
+    torque, of_shafts = shapes.torque, None
+    if tree.shafts is not None:
+        torque, of_shafts = _with_shafts(solved, frequency, shapes)
+    if solved is not tree:
+        torque, of_shafts = _with_reactions(tree, known, torque, of_shafts)
+    rigid_angle = rigid_shapes(tree.static, known)
+    return TreeModes(frequency, lower, upper, shapes.angle, torque, rigid, rigid_angle, shafts=of_shafts)
+
+
+def _start(
+    tree: Tree, swept: Tree, known: Rigidity, wanted: int, near: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Frequencies (wanted,) rad/s to begin with, ascending, and bounds within which steps from them are trusted.
+
+    `swept` is the same train numbered for sweeps; `near` is a start that is known.
+    """
+    modes = len(known.free_roots) + np.arange(wanted)
+    if near is not None:
+        return near.copy(), near * (1.0 - _OFF), near * (1.0 + _OFF)
+    if tree.shafts is not None:
+        low, high = brackets(swept, modes)
+        room = _BEYOND * (high - low)
+        return low + 0.5 * (high - low), low - room, high + room
+    is_few = not tree.is_chain and tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
+    train = reduce_tree(tree, known)
+    if is_few:
+        start = banded_values(train) if tree.size <= _STATIONS_FOR_BAND else None
+    else:
+        start = start_frequencies(train, known.elastic)
+    if start is None or not np.all(start > 0.0):
+        start = bisect(swept, modes, tolerance=_START_BISECTION)
+    start = start[:wanted].copy()
+    return start, start * (1.0 - _TRUSTED), start * (1.0 + _TRUSTED)
+
+
+def _polish(tree: Tree, frequency: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, Shapes]:
+    """Frequencies (m,) after Rayleigh's steps within `low` and `high`, ascending, and the shapes that go with them."""
+    shapes = shapes_at(tree, frequency)
+    left, correction = np.arange(len(frequency)), shapes.correction
+    for step in range(1 + (_STEPS if tree.shafts is None else _STEPS_OF_SHAFTS)):
+        if step:
+            again = shapes_at(tree, frequency[left])
+            shapes.put(left, again)
+            correction = again.correction
+        here = frequency[left]
+        with np.errstate(invalid="ignore", over="ignore"):
+            share = correction / (here * here)
+            change = share / (1.0 + np.sqrt(1.0 + share))
+            moved = here * (1.0 + change)
+        inside = (moved >= low[left]) & (moved <= high[left])
+        frequency[left[inside]] = moved[inside]
+        left = left[inside & (np.abs(change) >= _SETTLED)]
+        if not len(left):
+            break
+    if (frequency[1:] >= frequency[:-1]).all():
+        return frequency, shapes
+    order = np.argsort(frequency, kind="stable")
+    return frequency[order], shapes.take(order)
+
+
+def _enclosed(
+    tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+    """Frequencies, bounds `lower` and `upper`, and which frequencies had to be found anew by bisection; all (m,)."""
+    lower, upper, proven = enclose(tree, frequency, rigid, passed)
+    wrong = ~proven
+    if not proven.all():
+        frequency = frequency.copy()
+        frequency[wrong] = bisect(tree, np.flatnonzero(wrong) + rigid, tolerance=_FULL_BISECTION)
+        frequency.sort()
+        lower, upper, proven = enclose(tree, frequency, rigid)
+        if not proven.all():
+            where = ", ".join(f"{w:.6g}" for w in frequency[~proven])
+            remedy = "scale the train" if tree.shafts is None else "divide the shafts more finely"
+            raise SolveError(f"the natural frequencies near {where} rad/s could not be enclosed; {remedy}")
+    return frequency, lower, upper, wrong
+
+
+def _complete(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
+    """Put in the shapes of repeated frequencies, make those of close ones orthogonal, choose the signs; in place."""
+    groups = repeated_groups(frequency, ~shapes.finite)
+    if groups:
+        shapes.put(np.concatenate(groups), repeated_shapes(tree, frequency, groups))
+    orthogonalise(tree, frequency, shapes)
+    shapes.scale(shape_sign(shapes.angle))
+
+
+def _with_shafts(tree: Tree, frequency: FloatArray, shapes: Shapes) -> tuple[FloatArray, ShaftModes | None]:
+    """Torques (stations, m) at the root ends of the spans, and what distributed shafts add."""
+    if tree.shafts is None:
+        return shapes.torque, None
+    node, square = tree.shafts.node, frequency * frequency
+    torque, outer = shapes.torque.copy(), shapes.torque.copy()
+    torque[node], outer[node] = shapes.inner, shapes.outer
+    slopes = tree.shafts.slopes(square)
+    of_shafts = shaft_inertia(tree, slopes, shapes.angle, shapes.torque)
+    kinetic = tree.moving_inertia[:, None] * shapes.angle**2
+    tree.add_ends(kinetic, 0.5 * of_shafts, 0.5 * of_shafts)
+    elastic = tree.flexibility[:, None] * shapes.torque**2
+    elastic[node] = shaft_elastic(tree, slopes, shapes.angle, shapes.torque)
+    return torque, ShaftModes(outer, kinetic, elastic / square, of_shafts)
+
+
+def _with_reactions(
+    tree: Tree, known: Rigidity, torque: FloatArray, of_shafts: ShaftModes | None
+) -> tuple[FloatArray, ShaftModes | None]:
+    """The torques with those of rigid spans between fixed stations; the inertia of a shaft takes its part of them."""
+    if tree.shafts is None or of_shafts is None:
+        return with_reactions(tree, known, torque), None
+    taken = np.zeros_like(torque)
+    by_shafts = (of_shafts.torque_outer - torque)[tree.shafts.node]
+    tree.add_ends(taken, by_shafts, np.zeros_like(by_shafts))
+    outer = with_reactions(tree, known, of_shafts.torque_outer, taken)
+    torque[tree.springs] = outer[tree.springs]
+    return torque, replace(of_shafts, torque_outer=outer)

@@ -1,0 +1,128 @@
+"""Floquet multipliers of linear equations with periodic coefficients by the monodromy matrix.
+
+M(t) y'' + C(t) y' + K(t) y = 0 is taken through a period by collocation (Radau IIA): a coordinate without inertia is no
+special case, and motions too fast for the step die out instead of growing.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray
+
+STAGES = 7  # order 13
+ANGLE_PER_STEP = 1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
+FEWEST_STEPS = 16
+MOST_STEPS = 4096
+MOST_NUMBERS = 4_000_000  # held at a time in the stage equations
+
+
+@dataclass(frozen=True)
+class Collocation:
+    """Radau IIA: nodes in (0, 1], the last of them 1, and integrals of the Lagrange polynomials up to each node."""
+
+    node: FloatArray  # (stages,)
+    matrix: FloatArray  # (stages, stages)
+
+
+@cache
+def radau(stages: int = STAGES) -> Collocation:
+    """The nodes (roots of P_{s-1} - P_s on (-1, 1], mapped to (0, 1]) and the matrix of the method."""
+    from numpy.polynomial import legendre
+
+    one = np.zeros(stages + 1)
+    one[-2], one[-1] = 1.0, -1.0
+    root = np.sort(legendre.legroots(one).real)
+    slope = legendre.legder(one)
+    inner = root[:-1] - legendre.legval(root[:-1], one) / legendre.legval(root[:-1], slope)
+    node = (np.append(inner, 1.0) + 1.0) / 2.0
+    x, weight = legendre.leggauss(stages)
+    at = node[:, None] * (x + 1.0) / 2.0  # (upper limit, point)
+    apart = node[:, None] - node + np.eye(stages)
+    polynomials = np.empty((stages, stages, stages))
+    for k in range(stages):
+        others = np.delete(np.arange(stages), k)
+        polynomials[k] = np.prod((at[..., None] - node[others]) / apart[k, others], axis=-1)
+    matrix = np.einsum("kip,p->ik", polynomials, weight) * node[:, None] / 2.0
+    return Collocation(node, matrix)
+
+
+def steps_for(period: float, highest: float) -> int:
+    """Steps that resolve a highest frequency (rad/s) over the period (s)."""
+    return int(min(max(np.ceil(highest * period / ANGLE_PER_STEP), FEWEST_STEPS), MOST_STEPS))
+
+
+def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
+    """(points, ...) a periodic function at shares of its period, from even samples (times, ...) by its Fourier sum."""
+    times = len(samples)
+    half = np.fft.rfft(samples.reshape(times, -1), axis=0) / times
+    half[1:] *= 2.0
+    if times % 2 == 0:
+        half[-1] /= 2.0
+    size = np.abs(half).max(axis=1)
+    number = int(np.flatnonzero(size > 1e-17 * size.max(initial=0.0))[-1]) + 1 if size.any() else 1
+    phase = 2.0 * np.pi * np.outer(share, np.arange(number))
+    out = np.cos(phase) @ half[:number].real - np.sin(phase) @ half[:number].imag
+    return np.asarray(out.reshape(len(share), *samples.shape[1:]))
+
+
+def monodromy(
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, period: float, steps: int, stages: int = STAGES
+) -> FloatArray:
+    """(2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s)."""
+    rule, size = radau(stages), mass.shape[1]
+    share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
+    form = (steps, stages, size, size)
+    inert, damp, stiff = (at_times(part, share).reshape(form) for part in (mass, damping, stiffness))
+    return through_steps(inert, damp, stiff, period / steps, rule)
+
+
+def through_steps(
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, h: float, rule: Collocation
+) -> FloatArray:
+    """(..., 2 size, 2 size): what steps h (s) in a row make of (y, y'); M, C, K at the nodes of every step.
+
+    Each is (..., steps, stages, size, size).
+    """
+    steps, unknowns = mass.shape[-4], int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2
+    whole, chunk = np.eye(2 * mass.shape[-1]), max(1, MOST_NUMBERS // unknowns)
+    for first in range(0, steps, chunk):
+        some = np.s_[..., first : first + chunk, :, :, :]
+        each = step_matrices(mass[some], damping[some], stiffness[some], h, rule)
+        for k in range(each.shape[-3]):
+            whole = each[..., k, :, :] @ whole
+    return whole
+
+
+def step_matrices(
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, h: float, rule: Collocation
+) -> FloatArray:
+    """(..., 2 size, 2 size) of single steps h (s) from M, C, K at the nodes, each (..., stages, size, size).
+
+    Unknown are the accelerations a at the nodes: v = v0 + h A a, y = y0 + h A v, M a + C v + K y = 0.
+    """
+    stages, size = mass.shape[-3], mass.shape[-1]
+    lead, once = mass.shape[:-3], rule.matrix
+    twice = once @ once
+    blocks = h * once[:, None, :, None] * damping[..., :, :, None, :]
+    blocks += h**2 * twice[:, None, :, None] * stiffness[..., :, :, None, :]
+    place = np.arange(stages)
+    blocks[..., place, :, place, :] += np.moveaxis(mass, -3, 0)
+    matrix = blocks.reshape(*lead, stages * size, stages * size)
+    from_speed = damping + h * rule.node[:, None, None] * stiffness
+    right = -np.concatenate([stiffness, from_speed], axis=-1).reshape(*lead, stages * size, 2 * size)
+    found = np.linalg.solve(matrix, right).reshape(*lead, stages, size, 2 * size)
+    out = np.zeros((*lead, 2 * size, 2 * size))
+    one = np.eye(size)
+    out[..., :size, :size], out[..., size:, size:] = one, one
+    out[..., :size, size:] = h * one
+    out[..., :size, :] += h**2 * np.einsum("j,...jab->...ab", twice[-1], found)
+    out[..., size:, :] += h * np.einsum("j,...jab->...ab", once[-1], found)
+    return out
+
+
+def exponents(multiplier: ComplexArray, period: float) -> ComplexArray:
+    """1/s: ln(multiplier)/period, imaginary part within half a turn; a multiplier of 0 decays infinitely fast."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(np.abs(multiplier)) / period + 1j * np.angle(multiplier) / period)

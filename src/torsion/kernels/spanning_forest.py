@@ -1,0 +1,101 @@
+"""Which spans make a forest of a train, and the way over its stations from the roots to the leaves, breadth first."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.arrays import BoolArray, IntArray
+
+MANY = 4000  # stations from which scipy's search over sparse graphs is the faster (measured)
+
+
+@dataclass(frozen=True)
+class Walk:
+    """Stations as they are met; `parent` and `above` are -1 at a root."""
+
+    order: IntArray  # (stations,)
+    parent: IntArray  # (stations,) of each station
+    above: IntArray  # (stations,) the span each station was reached by
+
+
+def walk(number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]) -> Walk:
+    """Breadth first from one of `roots`, else from the first station, of every separate part, over `chosen` spans."""
+    if number >= MANY:
+        return _walk_of_many(number, driving, driven, chosen, roots)
+    near: list[list[tuple[int, int]]] = [[] for _ in range(number)]
+    for span in np.flatnonzero(chosen).tolist():
+        a, b = int(driving[span]), int(driven[span])
+        near[a].append((b, span))
+        near[b].append((a, span))
+    parent, above, order = [-1] * number, [-1] * number, list[int]()
+    seen = [False] * number
+    for root in [station for station in roots if near[station]] + list(range(number)):
+        part = [] if seen[root] else [root]
+        seen[root] = True
+        for here in part:
+            for there, span in near[here]:
+                if not seen[there]:
+                    seen[there], parent[there], above[there] = True, here, span
+                    part.append(there)
+        order += part
+    return Walk(*(np.array(values, dtype=np.int64) for values in (order, parent, above)))
+
+
+def connected(number: int, driving: IntArray, driven: IntArray) -> IntArray:
+    """(stations,) the first of all stations that spans join to each."""
+    first = np.arange(number)
+    while len(driving):
+        a, b = first[driving], first[driven]
+        apart = a != b
+        driving, driven, a, b = driving[apart], driven[apart], a[apart], b[apart]
+        np.minimum.at(first, np.maximum(a, b), np.minimum(a, b))
+        while np.any(first[first] != first):
+            first = first[first]
+    return first
+
+
+def closing_no_loop(
+    number: int, driving: IntArray, driven: IntArray, ranked: IntArray, one: Sequence[int] = ()
+) -> BoolArray:
+    """(spans,) the spans that make a forest, taken in the order `ranked` (Kruskal 1956); stations of `one` are joined.
+
+    Taken from the stiffest on, what is left closes each loop at its softest span.
+    """
+    group, chosen = list(range(number)), np.zeros(len(driving), dtype=bool)
+    for station in one:
+        group[station] = one[0]
+
+    def root(a: int) -> int:
+        while group[a] != a:
+            group[a] = group[group[a]]
+            a = group[a]
+        return a
+
+    for span in ranked.tolist():
+        a, b = root(int(driving[span])), root(int(driven[span]))
+        group[a], chosen[span] = b, a != b
+    return chosen
+
+
+def _walk_of_many(number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]) -> Walk:
+    """One search from a point beside the train, which is joined to the root of every part."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order
+
+    span = np.flatnonzero(chosen)
+    a, b = driving[span], driven[span]
+    part = connected(number, a, b)
+    begin = np.arange(number)
+    for station in reversed(roots):
+        begin[part[station]] = station
+    root = begin[np.unique(part)]
+    ends = np.concatenate([a, np.full(len(root), number)]), np.concatenate([b, root])
+    graph = coo_array((np.ones(len(ends[0]), dtype=np.int32), ends), shape=(number + 1, number + 1)).tocsr()
+    met, before = breadth_first_order(graph, number, directed=False)
+    order, parent = met[1:].astype(np.int64), before[:-1].astype(np.int64)
+    parent[root] = -1
+    above = np.full(number, -1, dtype=np.int64)
+    down, up = parent[b] == a, parent[a] == b
+    above[b[down]], above[a[up]] = span[down], span[up]
+    return Walk(order, parent, above)

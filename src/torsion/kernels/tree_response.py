@@ -1,0 +1,315 @@
+"""Forced response of a tree at many frequencies, with full torques, a residual and an amplification of errors."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.errors import SolveError
+from torsion.kernels.distributed.span_laws import Pi
+from torsion.kernels.residual import Amplitudes, equilibrium_residual
+from torsion.kernels.sweeps import EPS, Answer, Equations, Layout, layout, solve, values_or_rows
+from torsion.kernels.tree import Tree
+
+NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
+CHUNK_VALUES = 2**18  # stations times columns treated at once
+SHORTEST_CHUNK, LONGEST_CHUNK = 1024, 2048  # columns: fewer, and calls cost more than sums; more, and caches overflow
+Part = slice | IntArray
+
+
+class Status(IntEnum):
+    """How far the response at one frequency can be trusted."""
+
+    OK = 0
+    NEAR_SINGULAR = 1  # rounding of the data alone moves the answer by more than NEAR_SINGULAR_LOSS
+    SINGULAR = 2  # no answer, or no digit of it
+
+
+@dataclass(frozen=True)
+class TreeResponse:
+    """Complex amplitudes with the time factor exp(+i w t); `torque[i]` is all that span i exerts on station i.
+
+    A span with distributed inertia has two: `torque` at its inner (the parent's) end, `torque_outer` on station i.
+    """
+
+    angle: ComplexArray  # (stations, frequencies) rad
+    torque: ComplexArray  # (stations, frequencies) N m, elastic and damping share together; 0 at a root
+    residual: FloatArray  # (frequencies,) of the worst equation, relative to the terms in it; NaN if not checked
+    amplification: (
+        FloatArray  # (frequencies,) growth of relative errors of the data; infinite where singular, NaN if not checked
+    )
+    chord_torque: ComplexArray  # (chords, frequencies) N m of each chord of a loop on its end
+    at_outer_end: ComplexArray | None = None  # (stations, frequencies) N m; None where no span has inertia
+
+    @property
+    def torque_outer(self) -> ComplexArray:
+        """Torque (stations, frequencies) N m at the outer end of every span."""
+        return self.torque if self.at_outer_end is None else self.at_outer_end
+
+    def part(self, part: slice) -> "TreeResponse":
+        """A view of some frequencies."""
+        angle, torque, chord = self.angle[:, part], self.torque[:, part], self.chord_torque[:, part]
+        outer = None if self.at_outer_end is None else self.at_outer_end[:, part]
+        return TreeResponse(angle, torque, self.residual[part], self.amplification[part], chord, outer)
+
+    def store(self, block: "TreeResponse", at: IntArray) -> None:
+        """Replace what stands at these numbers of frequencies."""
+        self.angle[:, at], self.torque[:, at] = block.angle, block.torque
+        self.residual[at], self.amplification[at] = block.residual, block.amplification
+        if self.at_outer_end is not None:
+            self.at_outer_end[:, at] = block.torque_outer
+
+
+def tree_response(
+    tree: Tree,
+    w: FloatArray,
+    force: NDArray[Any],
+    *,
+    twist: NDArray[Any] | None = None,
+    ground_damping: FloatArray | None = None,
+    compliance: NDArray[Any] | None = None,
+    check: bool = True,
+    shaft_loss: FloatArray | None = None,
+) -> TreeResponse:
+    """Response of every station and span at circular frequencies `w` (frequencies,) rad/s.
+
+    force: (stations,) or (stations, frequencies) N m. twist: the same shapes, rad, imposed on span i:
+    angle[i] = angle[parent] - compliance torque + twist; also on rigid spans.
+    ground_damping N m s/rad and compliance rad/(N m), default `tree.flexibility`: the same shapes.
+    shaft_loss: loss factor (shafts,) of the shear modulus of each distributed shaft of the tree, whose compliance is
+    not used and whose twist must be 0.
+    check: also compute residual and amplification. A singular frequency is never raised or warned of: see `status`.
+    Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
+    Demmel and Gragg (1993) explain the accuracy of such sweeps.
+    """
+    problem = pose(tree, w, ground_damping, compliance, shaft_loss)
+    acting = sources(problem, force, twist)
+    result = blank_response(tree, problem.w.size)
+    for part in _chunks(problem):
+        block = result.part(part)
+        solve_part(problem, acting, part, block, check=check)
+        lost = np.flatnonzero(np.isinf(block.amplification)) + part.start
+        if lost.size:
+            block = blank_response(tree, lost.size)
+            solve_part(problem, acting, lost, block, check=check, guard=True)
+            result.store(block, lost)
+    return result
+
+
+def complex_compliance(
+    flexibility: FloatArray, viscous: FloatArray, loss_factor: FloatArray, w: FloatArray
+) -> NDArray[Any]:
+    """Compliance h/(1 + i eta + i w c h) of spans, rad/(N m); a rigid span stays 0, an infinite h leaves the damper.
+
+    flexibility, viscous (N m s/rad), loss_factor: (spans,). (spans,) if no span is viscous (real if none is lossy),
+    else (spans, frequencies) complex.
+    """
+    h, c, eta = (np.asarray(values, dtype=np.float64) for values in (flexibility, viscous, loss_factor))
+    stiffness = np.divide(1.0, h, out=np.full(h.shape, np.inf), where=h > 0)
+    if not c.any():
+        lossy: NDArray[Any] = h / (1 + 1j * eta) if eta.any() else h
+        return lossy
+    rigid = h == 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        hc: NDArray[Any] = 1 / ((np.where(rigid, 1.0, stiffness) * (1 + 1j * eta))[:, None] + 1j * np.outer(c, w))
+    hc[rigid] = 0
+    return hc
+
+
+def status(amplification: FloatArray, residual: FloatArray) -> NDArray[np.uint8]:
+    """`Status` at each frequency, (frequencies,) uint8; a residual that is NaN is not judged.
+
+    Raises ValueError where the amplification is NaN: such a response was not checked.
+    """
+    if np.isnan(amplification).any():
+        raise ValueError("the response was computed without its check, so that it has no status")
+    loss = np.fmax(EPS * amplification, residual)
+    lines = np.where(loss > NEAR_SINGULAR_LOSS, Status.NEAR_SINGULAR, Status.OK)
+    lines[~(loss < 1)] = Status.SINGULAR
+    return lines.astype(np.uint8)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Everything but the sources, checked once."""
+
+    plan: Layout
+    inertia: FloatArray  # (stations,) kg m2
+    damping: FloatArray  # (stations,) or (stations, frequencies) N m s/rad to ground
+    damped: list[int]  # stations with such damping
+    compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
+    w: FloatArray  # (frequencies,) rad/s
+    tree: Tree
+    shaft_loss: FloatArray  # (shafts,) loss factor of each distributed shaft
+
+    def equations(self, part: Part, acting: "Sources") -> tuple[Equations, Pi | None]:
+        """The equations at the frequencies of `part`, and what the distributed shafts have brought to them."""
+        own, compliance, shafts = _own_stiffness(self, part), _columns(self.compliance, part), self.tree.shafts
+        if shafts is None:
+            return Equations(own, compliance, *acting.part(part)), None
+        square = self.w[part] * self.w[part]
+        lossy = self.shaft_loss.any()
+        flexibility, inner, outer = shafts.lossy(square, self.shaft_loss) if lossy else shafts.at(square)
+        pi = flexibility, inner * -square, outer * -square
+        own = own.astype(np.result_type(own, inner), copy=False)
+        self.tree.add_ends(own, *pi[1:])
+        rows = np.empty((self.tree.size, len(square)), dtype=np.result_type(compliance, flexibility))
+        rows[:] = compliance[:, None] if compliance.ndim == 1 else compliance
+        rows[shafts.node] = flexibility
+        return Equations(own, rows, *acting.part(part)), pi
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What acts: rows or numbers, None for a station on which nothing does at any frequency."""
+
+    force: list[Any]  # N m
+    twist: list[Any]  # rad
+
+    def part(self, part: Part) -> tuple[list[Any], list[Any]]:
+        """Force and twist at some frequencies."""
+        force, twist = (
+            [row[part] if isinstance(row, np.ndarray) else row for row in rows] for rows in (self.force, self.twist)
+        )
+        return force, twist
+
+
+def sources(problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None) -> Sources:
+    """Forces and twists by station; raises ValueError for a shape that does not fit."""
+    given = {"force": np.asarray(force), "twist": np.zeros(problem.plan.size) if twist is None else np.asarray(twist)}
+    _check_shapes(problem.plan.size, problem.w, given)
+    shafts = problem.tree.shafts
+    if shafts is not None and given["twist"][shafts.node].any():
+        raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span beside it")
+    return Sources(*(_acting(values) for values in given.values()))
+
+
+def _acting(values: NDArray[Any]) -> list[Any]:
+    rows = values_or_rows(values)
+    acts = _any_in_rows(values)
+    return [row if act else None for row, act in zip(rows, acts, strict=True)]
+
+
+def _any_in_rows(values: NDArray[Any]) -> list[bool]:
+    """Whether any value of each station differs from zero."""
+    if values.ndim == 1:
+        return list((values != 0).tolist())
+    return [row.size > 0 and bool(row[0] != 0 or row.any()) for row in values]
+
+
+def pose(
+    tree: Tree,
+    w: FloatArray,
+    ground_damping: FloatArray | None,
+    compliance: NDArray[Any] | None,
+    shaft_loss: FloatArray | None = None,
+) -> Problem:
+    """The problem in the arrays that the sweeps take; raises ValueError for a shape that does not fit."""
+    shafts = tree.shafts
+    damping = np.zeros(tree.size) if ground_damping is None else np.asarray(ground_damping, dtype=np.float64)
+    hc = tree.flexibility if compliance is None else np.asarray(compliance)
+    loss = np.zeros(len(tree.shaft_parent)) if shaft_loss is None else np.asarray(shaft_loss, dtype=np.float64)
+    w = np.asarray(w, dtype=np.float64)
+    if w.ndim != 1:
+        raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
+    _check_shapes(tree.size, w, {"compliance": hc, "ground_damping": damping})
+    damped = np.flatnonzero(_any_in_rows(damping)).tolist()
+    if loss.shape != tree.shaft_parent.shape:
+        raise ValueError(f"shaft_loss has shape {loss.shape}; expected {tree.shaft_parent.shape}")
+    rigid, highest = hc, float(np.max(w, initial=0.0))
+    if shafts is not None:
+        rigid = hc.copy()
+        rigid[shafts.node] = 1.0  # no shaft is
+        if highest > shafts.reach:
+            raise SolveError(
+                f"{highest:.6g} rad/s is above {shafts.reach:.6g} rad/s, to which the pieces of the shafts are short"
+                " enough; divide the shafts more finely"
+            )
+    return Problem(layout(tree, rigid), tree.moving_inertia, damping, damped, hc, w, tree, loss)
+
+
+def solve_part(
+    problem: Problem, acting: Sources, part: Part, block: TreeResponse, *, check: bool, guard: bool = False
+) -> None:
+    """Fill `block` with the response at the frequencies of `part`.
+
+    Amplification is 1 + 2 sum |own receptance| over the stations: twice the relative change of the determinant of the
+    dynamic stiffness under relative changes of every inertia and damper to ground. In a mode the springs hold as much
+    energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
+    """
+    given, pi = problem.equations(part, acting)
+    columns = block.angle.shape[1]
+    sensitivity = np.zeros(columns * given.own.itemsize // 8) if check else None
+    with np.errstate(all="ignore"):
+        solve(problem.plan, given, Answer(block.angle, block.torque, sensitivity), guard)
+        if sensitivity is None:
+            lost = ~np.isfinite(block.angle.sum(axis=0) + block.torque.sum(axis=0))
+        else:
+            found = Amplitudes(block.angle, block.torque, np.abs(block.angle), np.abs(block.torque))
+            block.residual[:] = equilibrium_residual(problem.plan, given, found)
+            block.amplification[:] = 1 + 2 * sensitivity.reshape(columns, -1).sum(axis=1)
+            lost = ~np.isfinite(found.angle_size.sum(axis=0) + found.torque_size.sum(axis=0) + block.amplification)
+        if pi is not None and problem.tree.shafts is not None:
+            node, block.torque_outer[:] = problem.tree.shafts.node, block.torque
+            block.torque_outer[node] -= pi[2] * block.angle[node]
+            block.torque[node] += pi[1] * block.angle[problem.tree.shaft_parent]
+    block.amplification[lost] = np.inf
+
+
+def residual_of(
+    problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None, response: TreeResponse
+) -> FloatArray:
+    """Worst relative residual of any equation, (frequencies,), of a response found in any way."""
+    given, pi = problem.equations(slice(None), sources(problem, force, twist))
+    torque = response.torque
+    if pi is not None and problem.tree.shafts is not None:
+        torque = torque.copy()
+        torque[problem.tree.shafts.node] -= pi[1] * response.angle[problem.tree.shaft_parent]
+    with np.errstate(all="ignore"):
+        sizes = np.abs(response.angle), np.abs(torque)
+        return equilibrium_residual(problem.plan, given, Amplitudes(response.angle, torque, *sizes))
+
+
+def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
+    """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
+    w, inertia = problem.w[part], problem.inertia[:, None]
+    square = -w * w
+    if not problem.damped and not problem.shaft_loss.any() and not np.iscomplexobj(problem.compliance):
+        return inertia * square
+    own = np.empty((problem.plan.size, w.size), dtype=np.complex128)
+    np.multiply(inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64))
+    damping = _columns(problem.damping, part)
+    for station in problem.damped:
+        own[station].imag = w * damping[station]
+    return own
+
+
+def blank_response(tree: Tree, frequencies: int) -> TreeResponse:
+    """A response to be filled in place."""
+    angle, torque = (np.zeros((tree.size, frequencies), dtype=np.complex128) for _ in range(2))
+    residual, amplification = (np.full(frequencies, np.nan) for _ in range(2))
+    chord_torque = np.zeros((0, frequencies), dtype=np.complex128)
+    outer = None if tree.shafts is None else torque.copy()
+    return TreeResponse(angle, torque, residual, amplification, chord_torque, outer)
+
+
+def _check_shapes(stations: int, w: FloatArray, arrays: Mapping[str, NDArray[Any]]) -> None:
+    allowed = ((stations,), (stations, w.size))
+    for name, values in arrays.items():
+        if values.shape not in allowed:
+            raise ValueError(f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}")
+
+
+def _chunks(problem: Problem) -> list[slice]:
+    """The frequencies in pieces whose rows stay in the cache."""
+    length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // problem.plan.size, LONGEST_CHUNK))
+    return [slice(start, start + length) for start in range(0, problem.w.size, length)]
+
+
+def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:
+    """The columns of `values` that `part` names; values that do not vary along the columns stay as they are."""
+    return values if values.ndim == 1 else values[:, part]

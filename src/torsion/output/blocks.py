@@ -1,0 +1,114 @@
+"""The blocks that a report is made of; every renderer prints the same list, the terminal those with a short form.
+
+Texts may hold `_{x}` for a subscript; names and values of the scene stand in cells, where nothing is interpreted.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A chapter (level 1) or a section of one (level 2); numbers are given by the renderer."""
+
+    text: str
+    level: Literal[1, 2] = 1
+    at_end: bool = False  # on the terminal this chapter stands last, where the eye is
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """Plain sentences; the kind sets how much they stand out."""
+
+    text: str
+    kind: Literal["plain", "note", "pass", "fail"] = "plain"
+    brief: bool = False  # stands on the terminal too
+
+
+@dataclass(frozen=True)
+class Points:
+    """A list of short statements."""
+
+    items: tuple[str, ...]
+    brief: bool = False
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table: what stands in it and its unit."""
+
+    title: str
+    unit: str = ""
+    align: Literal["left", "right", "center"] = "right"
+    short: str = ""  # its title on the terminal; '' where it is left out there
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of texts; `marks` says of every row how it stands out ('' is plain)."""
+
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str = ""
+    marks: tuple[str, ...] = ()  # "", "pass", "fail", "not kept", "outside", "note"
+    short: str = ""  # its title on the terminal; '' where it does not stand there
+
+    def __post_init__(self) -> None:
+        if any(len(row) != len(self.columns) for row in self.rows):
+            raise ValueError(f"a row of the table '{self.caption}' does not have {len(self.columns)} cells")
+
+
+@dataclass(frozen=True)
+class KeyValues:
+    """Pairs of a label and its value."""
+
+    pairs: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure, drawn when a renderer comes to it: the plot of that name, with these values."""
+
+    name: str  # distinguishes figures of one plot; a stable identifier
+    caption: str
+    plot: str  # a key of figures.PLOTS
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Verbatim:
+    """Text as it stands, with its line numbers."""
+
+    text: str
+
+
+Block = Heading | Paragraph | Points | Table | KeyValues | Figure | Verbatim
+
+
+def head(titles: str) -> tuple[Column, ...]:
+    """Columns of a table: '< Shaft -> | Critical speed [rpm] -> rpm'; '<' marks words, which stand to the left.
+
+    Behind '->' is the title on the terminal, by itself the same in small letters.
+
+    >>> head("< Shaft | Critical speed [rpm] -> rpm")[1]
+    Column(title='Critical speed', unit='rpm', align='right', short='rpm')
+    """
+    found = []
+    for words in titles.split("|"):
+        full, arrow, short = words.strip().partition(" ->")
+        title, _, unit = full.removesuffix("]").partition(" [")
+        name = title.removeprefix("<").strip()
+        align: Literal["left", "right"] = "left" if title.startswith("<") else "right"
+        found.append(Column(name, unit, align, short.strip() or (name.lower() if arrow else "")))
+    return tuple(found)
+
+
+def texts(title: str, short: str = "") -> Column:
+    """A column of words."""
+    return Column(title, align="left", short=short)
+
+
+def on_terminal(blocks: Iterable[Block]) -> list[Block]:
+    """The same blocks, sentences among them on the terminal too."""
+    return [replace(one, brief=True) if isinstance(one, Paragraph | Points) else one for one in blocks]

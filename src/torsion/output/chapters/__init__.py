@@ -1,0 +1,51 @@
+"""The chapters of a report: functions of the findings, which give no block where these have nothing for them."""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from importlib import import_module
+
+from torsion.analyses import ANALYSES
+from torsion.findings import Findings
+from torsion.output.blocks import Block
+from torsion.output.reports import REPORTS, Report
+
+Chapter = Callable[[Findings], list[Block]]
+OF_ANALYSIS, OF_THE_REST = "@", "@*"  # in a list of chapters: those of an analysis, or of all that it does not name
+
+
+def chapters(findings: Findings, report: Report = REPORTS["solve"], also: Collection[str] = ()) -> list[Block]:
+    """The blocks of a report's chapters in their order, each once; `also` of those that belong to these outputs."""
+    names = [name for name in report.chapters if report.on_request.get(name, "") in ("", *also)]
+    return [block for chapter in dict.fromkeys(_named(findings, names)) for block in chapter(findings)]
+
+
+def _named(findings: Findings, names: Sequence[str]) -> Iterator[Chapter]:
+    for name in names:
+        if name == OF_THE_REST:
+            rest = [key for key in ANALYSES if OF_ANALYSIS + key not in names]
+        elif name.startswith(OF_ANALYSIS):
+            rest = [name.removeprefix(OF_ANALYSIS)]
+        else:
+            rest = []
+            yield _function(name)
+        for key in rest:
+            yield from _of_analysis(findings, key)
+
+
+def _of_analysis(findings: Findings, key: str) -> Iterator[Chapter]:
+    """The chapters that an analysis declares, else its results as they are declared; nothing where it has none."""
+    analysis = ANALYSES[key]
+    if any(findings.results.get(name) is not None for name in analysis.results):
+        if analysis.chapters:
+            yield from map(_function, analysis.chapters)
+        else:
+            from torsion.output.chapters.declared_results import DeclaredResults
+
+            yield DeclaredResults(analysis.title, tuple(analysis.results))
+
+
+def _function(name: str) -> Chapter:
+    """`natural_frequencies`, `joint_motion:summary`, or the function of another module."""
+    module, _, function = name.partition(":")
+    place = module if "." in module else f"{__name__}.{module}"
+    made: Chapter = getattr(import_module(place), function or "chapter")
+    return made

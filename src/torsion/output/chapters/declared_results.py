@@ -1,0 +1,94 @@
+"""Chapter of an analysis that declares none: its results as they are declared, short arrays as tables by axis."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Column, Heading, Points, Table, texts
+from torsion.output.numbers import degrees, exact, number
+from torsion.output.plain import shown
+from torsion.output.selection import Selection
+from torsion.results import Quantity, is_declared, quantities
+
+MOST_ROWS = 60  # of a table; a longer array is named with its key of results.json
+MOST_COLUMNS = 5  # of a table on the terminal
+SCALARS = (texts("Quantity", "quantity"), Column("Value", short="value"), texts("Unit", "unit"), texts("Meaning"))
+
+
+@dataclass(frozen=True)
+class DeclaredResults:
+    """The chapter of some results, by their names in every output."""
+
+    title: str
+    names: tuple[str, ...]
+
+    def __call__(self, findings: Findings) -> list[Block]:
+        """Nothing where none of them was found."""
+        chosen = Selection(findings.system)
+        found = [(name, findings.results.get(name)) for name in self.names]
+        blocks = [block for name, held in found if held is not None for block in _blocks(name, held, chosen)]
+        return [Heading(self.title[:1].upper() + self.title[1:]), *blocks] if blocks else []
+
+
+def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
+    """Single values in one table, arrays in one for each axis, then the results that this one consists of."""
+    single: list[tuple[str, ...]] = []
+    arrays: dict[tuple[str, int], list[tuple[Quantity, Any]]] = {}
+    left, inner = list[str](), list[tuple[str, Any]]()
+    for one in quantities(type(held)):
+        value, key = shown(held, one, chosen), f"{path}.{one.key}" if one.key else path
+        if is_declared(value):
+            inner.append((key, value))
+        elif isinstance(value, list | tuple) and value and all(is_declared(record) for record in value):
+            inner += [(f"{key}[{k}]", record) for k, record in enumerate(value)]
+        elif np.ndim(value) == 1 and one.printed and len(value) <= MOST_ROWS:
+            arrays.setdefault((one.printed[0], len(value)), []).append((one, value))
+        elif np.ndim(value):
+            left.append(f"{one.meaning}: {' by '.join(map(str, np.shape(value)))} values, `{key}` of results.json")
+        else:
+            single.append((one.name.replace("_", " "), cell(value), one.unit, one.meaning))
+    if single:
+        yield Table(SCALARS, tuple(single), f"Single values of {path}", short=path)
+    for (axis, count), columns in arrays.items():
+        yield _table(path, _names(axis, count, chosen), columns)
+    if left:
+        yield Points(tuple(left))
+    for at, value in inner[:MOST_ROWS]:
+        yield from _blocks(at, value, chosen)
+
+
+def _table(path: str, names: list[str], columns: list[tuple[Quantity, Any]]) -> Table:
+    """Quantities over one axis, a row each place of it."""
+    axis = columns[0][0].printed[0]
+    heads = [texts(axis.capitalize(), axis)]
+    for place, (one, _) in enumerate(columns, start=2):
+        heads.append(Column(one.meaning, one.unit, short=one.key if place <= MOST_COLUMNS else ""))
+    rows = zip(names, *([cell(value) for value in values] for _, values in columns), strict=True)
+    return Table(tuple(heads), tuple(rows), f"Values of {path} by {axis}", short=f"{path} by {axis}")
+
+
+def _names(axis: str, count: int, chosen: Selection) -> list[str]:
+    """What stands at the places of an axis: names of stations, spans and elements, else numbers."""
+    stations = [chosen.system.stations[k].name for k in chosen.groups.stations.tolist()]
+    known = {"station": stations, "span": chosen.groups.names(), "element": [one.name for one in chosen.elements]}
+    names = known.get(axis, [])
+    return names if len(names) == count else [str(k) for k in range(1, count + 1)]
+
+
+def cell(value: Any) -> str:
+    """A single value: 2.5, 3 ∠ 40°, 1/2, yes."""
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, complex):
+        return f"{number(abs(value))} ∠ {degrees(float(np.angle(value)), 4)}°"
+    if isinstance(value, float):
+        return number(value)
+    if value is None or isinstance(value, Fraction):
+        return exact(value)
+    return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)

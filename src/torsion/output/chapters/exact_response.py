@@ -1,0 +1,182 @@
+"""Chapter: the exact periodic response of a train with joints, beside the first-order one."""
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.analyses.motion.periodic_orbits import PeriodicResponse
+from torsion.analyses.response.amplitudes import Response
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
+from torsion.output.elastic_elements import Element
+from torsion.output.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
+from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm
+
+if TYPE_CHECKING:
+    from torsion.output.first_order_and_exact import Compared
+
+MOST_ROWS = 60
+MOST_FIGURES = 6
+MOST_ORDERS = 4  # in one figure
+MOST_FLAGGED = 20  # speeds listed one by one
+MODEL = (
+    "The joints as they are, at any angle: Newton harmonic balance on the train's full equations of motion, with "
+    "every multiple of the common order and the drive's mean torque as unknown. Amplitudes are half ranges."
+)
+
+
+def chapter(findings: Findings) -> list[Block]:
+    """Nothing where no exact response was computed."""
+    if findings.get(PeriodicResponse) is None or findings.get(Response) is None:
+        return []
+    from torsion.output.first_order_and_exact import compared, first_order_judged
+
+    rows = compared(findings)
+    blocks: list[Block] = [Heading("Exact periodic response"), _introduction(findings)]
+    judged = first_order_judged(findings)
+    if judged:
+        blocks.append(Paragraph(judged, "note"))
+    blocks += [*_flagged(findings), *_others(findings)]
+    if rows:
+        unit = scale("N m", [point[0] for row in rows for point in (row.first, row.exact) if point is not None])
+        blocks.append(_table(findings, rows, unit))
+        blocks += [_figure(findings, element) for element in _drawn(findings, rows)]
+    return blocks
+
+
+def _introduction(findings: Findings) -> Paragraph:
+
+    found = findings.need(PeriodicResponse)
+    known = found.truncation[np.isfinite(found.truncation)]
+    harmonics = int(found.harmonics.max(initial=0))
+    kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
+    text = f"{MODEL} {counted(found.speed.size, 'speed')}, {kept}"
+    if known.size:
+        text += f"; largest harmonic left out, estimated: {number(float(known.max()), 2)} of the largest kept"
+    if np.isfinite(found.drive).any():
+        text += (
+            f"; mean torque of the drive {number(float(np.nanmin(found.drive)))} to "
+            f"{number(float(np.nanmax(found.drive)))} N m"
+        )
+    left_out = any(line.order is None for line in findings.need(Response).lines)
+    return Paragraph(text + "." + (" Torques of fixed frequency are left out of it." if left_out else ""))
+
+
+def _flagged(findings: Findings) -> list[Block]:
+    """The speeds without a periodic motion, with a coarse or an unstable one."""
+    from torsion.output.first_order_and_exact import WORDS, flagged
+
+    found, bad = findings.need(PeriodicResponse), np.flatnonzero(flagged(findings))
+    if not bad.size:
+        return []
+    columns = head("Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why")
+    rows, marks = [], []
+    told = told_apart([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
+    for k, speed in zip(bad[:MOST_FLAGGED].tolist(), told, strict=True):
+        unstable = bool(found.is_unstable[k])
+        growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
+        word = WORDS[found.status[k]] + (", unstable" if unstable else "")
+        why = found.why[k] or ("small deviations grow: the train does not settle in this motion" if unstable else
+                               "more harmonics would be needed")  # fmt: skip
+        rows.append((speed, word, growth, number(float(found.truncation[k]), 2), why))
+        marks.append("fail" if unstable or found.why[k] else "note")
+    rest = f"; the first {MOST_FLAGGED} of {bad.size}" if bad.size > MOST_FLAGGED else ""
+    caption = f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}"
+    return [Table(columns, tuple(rows), caption, tuple(marks))]
+
+
+def _others(findings: Findings) -> list[Block]:
+    """Further motions at the same speed; nothing where none was found."""
+    from torsion.output.first_order_and_exact import other_motions
+
+    if findings.need(PeriodicResponse).others is None:
+        return []
+    columns = head(
+        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | "
+        "Growth of deviations [1/s]"
+    )  # fmt: skip
+    rows = [
+        (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
+        for one in other_motions(findings)
+    ]
+    text = (
+        "At some peaks the equations have several periodic motions. Which of them the train settles in depends on how "
+        "it comes there; where deviations grow it does not stay. The curves and tables hold the one called `told`."
+    )
+    caption = "Periodic motions found at the same speed, at the highest peaks"
+    return [Paragraph(text, "note"), Table(columns, tuple(rows), caption)]
+
+
+def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Table:
+    from torsion.output.first_order_and_exact import flagged, signed
+
+    response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
+    columns = head(
+        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | "
+        f"At speed [rpm] | Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | "
+        "Difference [%] -> % | < Remark ->"
+    )  # fmt: skip
+    cells, marks = [], []
+    for row in sorted(rows, key=lambda row: row.order is not None)[:MOST_ROWS]:
+        first = (NONE, NONE) if row.first is None else (
+            unit.text(row.first[0]), rpm(float(response.speed[row.first[1]])))  # fmt: skip
+        there = (NONE, NONE) if row.exact is None else (
+            unit.text(row.exact[0]), rpm(float(exact.speed[row.exact[1]])))  # fmt: skip
+        remark = "" if row.exact is not None else "no periodic motion"
+        if row.exact is not None and bad[row.exact[1]]:
+            remark = "unstable there" if exact.is_unstable[row.exact[1]] else "coarse there"
+        change = signed(row.excess) if np.isfinite(row.excess) else NONE
+        line = "all" if row.order is None else order(row.order)
+        cells.append((row.element.name, line, *first, *there, change, remark))
+        marks.append("fail" if remark else "")
+    rest = f"; {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else ""
+    caption = (
+        f"First order against exact: largest torque over the speed range, of every order above 1 % and (all) of the "
+        f"sum true to phase{rest}"
+    )
+    return Table(columns, tuple(cells), caption, tuple(marks), "Exact periodic response, largest torque")
+
+
+def _drawn(findings: Findings, rows: "tuple[Compared, ...]") -> list[Element]:
+    """The elements with the largest exact torque referred to one speed, in the order of the train."""
+    flexibility = findings.system.flexibility
+    size: dict[Element, float] = {}
+    for row in rows:
+        if row.exact is not None and (flexibility[row.element.spans[0]] > 0 or row.element.kind == "gear"):
+            size[row.element] = max(size.get(row.element, 0.0), row.exact[0] * row.element.ratio)
+    strong = sorted(size, key=lambda element: -size[element])[:MOST_FIGURES]
+    return [element for element in size if element in strong]
+
+
+def joint_orders(findings: Findings) -> list[Fraction]:
+    """The orders of the joints and twice them: of two cross joints 2 and 4."""
+    system = findings.system
+    own = {n * system.stations[s.driving].ratio for s in system.spans for n, _ in s.error}
+    return sorted({n * order for order in own for n in (1, 2)})[:MOST_ORDERS]
+
+
+def _figure(findings: Findings, element: Element) -> Figure:
+    from torsion.analyses.motion.periodic_orbits import Found
+    from torsion.output.first_order_and_exact import exact_amplitude
+
+    response, found = findings.need(Response), findings.need(PeriodicResponse)
+    first, exact = amplitude(findings, element.spans), exact_amplitude(findings, element.spans)
+    unit = scale("N m", [float(np.nanmax(np.append(exact, 0.0)))])
+    lines = [line.order for line in response.lines]
+    pairs = [
+        (
+            f"order {order(n)}",
+            first[:, lines.index(n)] * unit.factor if n in lines else None,
+            exact[:, found.orders.index(n)] * unit.factor,
+        )
+        for n in joint_orders(findings)
+        if n in found.orders
+    ]
+    values = {
+        "first_speed": response.speed * RPM, "speed": found.speed * RPM, "lines": pairs, "unit": unit.unit,
+        "none": found.status == Found.NONE, "coarse": found.status == Found.COARSE, "grows": found.is_unstable,
+        "unstable": unstable_rpm(findings), "rated": rated_rpm(findings),
+    }  # fmt: skip
+    name = f"periodic-{element.part}-{element.spans[0]}"
+    return Figure(name, f"Torque in {element.name} by both methods, orders of the joints", "periodic", values)

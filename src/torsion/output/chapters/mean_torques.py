@@ -1,0 +1,58 @@
+"""Chapter: the mean torque of every element."""
+
+import numpy as np
+
+from torsion.analyses.steady import Steady
+from torsion.arrays import FloatArray
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
+from torsion.output.elastic_elements import Element, elements
+from torsion.output.numbers import RPM, number, rpm, scale
+from torsion.output.reported_values import rated, rated_rpm
+
+MOST_LINES = 10  # in the figure: the largest
+SAME = 1e-9  # of the largest torque: neighbours that differ by less are one line
+
+
+def chapter(findings: Findings) -> list[Block]:
+    """Nothing without a mean torque."""
+    steady = findings.get(Steady)
+    if steady is None or not np.any(steady.torque):
+        return []
+    found = elements(findings.system)
+    torque = [element.largest(np.abs(steady.torque).T) for element in found]
+    unit = scale("N m", [float(row.max()) for row in torque])
+    speed = rated(findings)
+    at = int(np.argmin(np.abs(steady.speed - speed))) if speed is not None else len(steady.speed) - 1
+    columns = head(
+        f"< Element | Own speed [rpm] | Mean torque [{unit.unit}] | Power [kW] | "
+        f"Largest over the range [{unit.unit}]"
+    )  # fmt: skip
+    rows = []
+    for element, values in zip(found, torque, strict=True):
+        own = float(steady.speed[at]) * element.ratio
+        signed = float(steady.torque[element.spans[0], at])
+        rows.append(
+            (element.name, rpm(own), unit.text(signed), number(signed * own / 1e3), unit.text(float(values.max())))
+        )
+    table = Table(columns, tuple(rows), f"Mean torque at {rpm(float(steady.speed[at]))} rpm, each at its own speed")
+    blocks: list[Block] = [Heading("Mean torque"), Paragraph(steady.sharing), table]
+    if len(steady.speed) > 1:
+        together = _together(found, [steady.torque[element.spans[0]] * unit.factor for element in found])
+        ranked = sorted(range(len(together)), key=lambda k: -float(np.abs(together[k][1]).max()))[:MOST_LINES]
+        lines = [together[k] for k in sorted(ranked)]
+        drawn = {"speed": steady.speed * RPM, "lines": lines, "unit": unit.unit, "rated": rated_rpm(findings)}
+        rest = "" if len(together) <= MOST_LINES else f" (the {MOST_LINES} largest of {len(together)})"
+        blocks.append(Figure("steady", f"Mean torque over the speed{rest}", "steady", drawn))
+    return blocks
+
+
+def _together(found: tuple[Element, ...], torque: list[FloatArray]) -> list[tuple[str, FloatArray]]:
+    """Neighbours that carry the same torque as one line."""
+    groups: list[tuple[list[str], FloatArray]] = []
+    for element, values in zip(found, torque, strict=True):
+        if groups and np.all(np.abs(groups[-1][1] - values) <= SAME * np.abs(values).max()):
+            groups[-1][0].append(element.name)
+        else:
+            groups.append(([element.name], values))
+    return [(names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}", values) for names, values in groups]

@@ -1,0 +1,141 @@
+"""Chapter: the plant, as a sketch and as a list of its components."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from torsion.components.lowering import Part
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
+from torsion.output.numbers import below_right, degrees, exact, given_rpm
+from torsion.output.reported_values import rated, reference
+from torsion.output.station_layout import Layout, layout
+
+MOST_NAMES = 14  # components up to which the sketch bears their names, not their numbers alone
+
+
+def chapter(findings: Findings) -> list[Block]:
+    """Sketch and components."""
+    figure = Figure(
+        "plant",
+        "The train from its driving end, numbered as in the table (not to scale; bars by the logarithm of the inertia)",
+        "sketch",
+        {"points": _points(findings), "links": _links(findings)},
+    )  # fmt: skip
+    speed = rated(findings)
+    parts = findings.study.train.parts
+    noted = any(part.note for part in parts)
+    columns = (
+        *head("No. | < Component | < Kind | Speed ratio"),
+        *([Column("Rated speed", "rpm")] if speed is not None else []),
+        *head("< Source of the figures"),
+        *([texts("Note")] if noted else []),
+    )  # fmt: skip
+    rows = []
+    for position, part in enumerate(parts, 1):
+        own = [given_rpm(speed * float(part.ratio))] if speed is not None else []
+        words = [part.source or "as in the input", *([part.note or ""] if noted else [])]
+        rows.append((str(position), part.name, part.kind, exact(part.ratio), *own, *words))
+    text = f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel."
+    table = Table(columns, tuple(rows), "Components")
+    return [Heading("The plant"), figure, Paragraph(text), table]
+
+
+def _label(findings: Findings, position: int, part: Part) -> str:
+    parts = findings.study.train.parts
+    return f"{position + 1} {part.name}" if len(parts) <= MOST_NAMES else str(position + 1)
+
+
+def _points(findings: Findings) -> list[dict[str, Any]]:
+    """Everything that the sketch draws as a disc."""
+    system, place = findings.system, layout(findings.system)
+    finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
+    extent = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
+    rings = _rings(findings)
+    grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
+    found = []
+    for position, part in enumerate(system.train.parts):
+        if not part.is_point or not part.stations:
+            continue
+        here = part.stations[0]
+        inertia = float(system.inertia[here])
+        ring = rings.get((position, here))
+        found.append({
+            "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, extent),
+            "label": _label(findings, position, part), "kind": part.kind,
+            "is_held": math.isinf(inertia), "is_grounded": here in grounds,
+            "ring": 0.0 if ring is None else max(_size(float(system.inertia[ring]), extent), 0.1),
+        })  # fmt: skip
+    return found
+
+
+def _size(inertia: float, extent: tuple[float, float]) -> float:
+    """0 for the smallest inertia of the train (or three decades below the largest), 1 for the largest."""
+    if not 0 < inertia < math.inf:
+        return 0.0
+    top = math.log10(extent[1])
+    low = max(math.log10(extent[0]), top - 3.0)
+    return 0.5 if top == low else min(max((math.log10(inertia) - low) / (top - low), 0.0), 1.0)
+
+
+def _rings(findings: Findings) -> dict[tuple[int, int], int]:
+    """The station of the ring that hangs on a damper's housing, by the damper and the station of its housing."""
+    found: dict[tuple[int, int], int] = {}
+    for span in findings.system.own_spans:
+        if not findings.system.stations[span.driven].is_ground:
+            found.setdefault((span.part, span.driving), span.driven)
+    return found
+
+
+def _links(findings: Findings) -> list[dict[str, Any]]:
+    """Everything that the sketch draws between two places."""
+    system, place = findings.system, layout(findings.system)
+    found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
+    for position, part in enumerate(system.train.parts):
+        if not part.is_point and len(part.stations) == 2:
+            found.extend(_link(findings, position, part, place))
+    for span in system.own_spans:
+        is_wheel = system.train.parts[span.part].kind == "gear"
+        if is_wheel and (span.driving, span.driven) != system.train.parts[span.part].stations:
+            found.append(_between(place, span.driving, span.driven, "gear", ratio=float(span.ratio)))
+    return found
+
+
+def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[dict[str, Any]]:
+    """A link, with the lines down to its row where it begins a branch or closes a loop."""
+    kind, more = _drawing(findings, position, part)
+    label = _link_label(findings, position, part)
+    drawn = _between(place, part.stations[0], part.stations[-1], kind, label=label, **more)
+    (x0, row0), (x1, row1) = drawn["start"], drawn["end"]
+    if part.path[0] == "links":
+        level = max(row0, row1) + 0.5
+        ties = [{"kind": "tie", "start": (x, row), "end": (x, level)} for x, row in ((x0, row0), (x1, row1))]
+        return [*ties, {**drawn, "start": (x0, level), "end": (x1, level)}]
+    if row0 != row1 and kind != "gear":
+        return [{"kind": "tie", "start": (x0, row0), "end": (x0, row1)}, {**drawn, "start": (x0, row1)}]
+    return [drawn]
+
+
+def _link_label(findings: Findings, position: int, part: Part) -> str:
+    label = _label(findings, position, part)
+    return label if (joint := part.joint) is None else f"{label} ({degrees(joint.angle, below_right(joint.angle, 3))}°)"
+
+
+def _drawing(findings: Findings, position: int, part: Part) -> tuple[str, dict[str, Any]]:
+    """How a link is drawn: by what it was made into."""
+    train = findings.system.train
+    bars = [bar for bar in train.bars if bar.part == position]
+    meshes = [mesh for mesh in train.constraints if mesh.part == position]
+    if bars:
+        widest = max(bars[0].outer)
+        taper = tuple(diameter / widest for diameter in bars[0].outer)
+        return "shaft", {"bore": bars[0].bore[0] / bars[0].outer[0], "taper": taper}
+    if part.joint is not None:
+        return "joint", {}
+    return ("gear", {"ratio": float(meshes[0].ratio)}) if meshes else ("coupling", {})
+
+
+def _between(place: Layout, driving: int, driven: int, kind: str, **more: Any) -> dict[str, Any]:
+    ends = [(float(place.x[s]), float(place.row[s])) for s in (driving, driven)]
+    return {"kind": kind, "start": ends[0], "end": ends[1], **more}

@@ -1,0 +1,34 @@
+"""The columns of a report as CSV: comments before the titles say what it is of; numbers keep every digit."""
+
+import csv
+import io
+from importlib import import_module
+
+import numpy as np
+
+import torsion
+from torsion.output.cover import checksum
+from torsion.output.document import Document
+
+
+def csv_text(document: Document) -> str | None:
+    """One row a place of the axis that all columns run over; None where the report has no columns."""
+    if not document.report.columns:
+        return None
+    module, _, name = document.report.columns.partition(":")
+    findings = document.source
+    columns, study = getattr(import_module(f"torsion.output.chapters.{module}"), name)(findings), findings.study
+    target = io.StringIO()
+    target.write(f"# scene: {one_line(study.name)}\n")
+    if study.text:
+        target.write(f"# file: {one_line(study.file)}, SHA-256 {checksum(study.text)}\n")
+    target.write(f"# torsion {torsion.__version__}; motion is that of the shaft behind the joint\n")
+    rows = csv.writer(target, lineterminator="\n")
+    rows.writerow([one_line(title) for title, _ in columns])
+    rows.writerows(np.column_stack([values for _, values in columns]).tolist())
+    return target.getvalue()
+
+
+def one_line(text: str) -> str:
+    """A text of the scene without breaks of lines."""
+    return " ".join(text.split())

@@ -1,0 +1,194 @@
+"""The plant sketch: discs as bars by their inertia, shafts, couplings, gears and joints in their places."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsion.output.figures.pen import Pen
+from torsion.output.figures.style import COLOURS, INK, page, thinned
+
+MANY = 60  # points and links from which lines are drawn thinner, and only some are labelled
+MOST_LABELS = 24  # of points, and of links, where there are many
+ROW = 2.9  # distance of the rows, in the unit of the places
+FILLS = {"motor": "#bcd5e8", "propeller": "#bfe3d5", "damper": "#ead2e0", "disc": "#dcdcdc"}
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A point of the train as it is drawn."""
+
+    x: float
+    row: float
+    size: float  # 0..1 by the logarithm of the inertia
+    label: str
+    kind: str
+    is_held: bool = False
+    is_grounded: bool = False  # a spring to ground
+    ring: float = 0.0  # size of a damper's ring
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link of the train as it is drawn."""
+
+    kind: str  # shaft, coupling, gear, joint, rigid, tie (down to a branch)
+    start: tuple[float, float]  # x, row
+    end: tuple[float, float]
+    label: str = ""
+    bore: float = 0.0  # of a shaft: bore / diameter
+    taper: tuple[float, float] = (1.0, 1.0)  # of a shaft: relative diameters at its ends
+    ratio: float = 1.0  # of a gear: speed of the driven / speed of the driving wheel
+
+
+def sketch(name: str, *, points: Sequence[Mapping[str, Any]], links: Sequence[Mapping[str, Any]]) -> str:
+    """The train from its driving end, branches on lower rows, not to scale: the fields of every Disc and Link."""
+    return _drawn(name, [Disc(**point) for point in points], [Link(**link) for link in links])
+
+
+def _drawn(name: str, discs: Sequence[Disc], links: Sequence[Link]) -> str:
+    rows = [0.0, *(disc.row for disc in discs), *(end[1] for link in links for end in (link.start, link.end))]
+    top, low = min(rows), max(rows)
+    with page(name, 0.55 + 1.45 * (1.0 + low - top)) as sheet:
+        axes = sheet.axes[0]
+        axes.axis("off")
+        number = len(discs) + len(links)
+        pen = Pen(axes, min(1.0, MANY / max(number, 1)) ** 0.5)
+        for link in links:
+            DRAWINGS[link.kind](pen, link)
+        for disc in discs:
+            _disc(pen, disc)
+        _labels(pen, discs, links, MOST_LABELS if number > MANY else number)
+        pen.put()
+        x = [d.x for d in discs] + [v for k in links for v in (k.start[0], k.end[0])]
+        axes.set_xlim(min(x, default=0.0) - 0.5, max(x, default=1.0) + 0.5)
+        axes.set_ylim(_y(low) - 1.55, _y(top) + 1.5)
+    return sheet.svg
+
+
+def _y(row: float) -> float:
+    return -ROW * row
+
+
+def _disc(pen: Pen, disc: Disc) -> None:
+    y, half, thick = _y(disc.row), 0.25 + 0.55 * disc.size, 0.17
+    if disc.is_held:
+        _ground(pen, disc.x, y, 0.5, vertical=True)
+        return
+    if disc.ring:
+        tall = half + 0.13 + 0.12 * disc.ring
+        _box(pen, disc.x, y, thick + 0.14, tall, "white", ls="--", zorder=2.9)
+    _box(pen, disc.x, y, thick, half, FILLS.get(disc.kind, FILLS["disc"]))
+    if disc.is_grounded:
+        _zigzag(pen, (disc.x, y - half), (disc.x, y - half - 0.45), 0.07)
+        _ground(pen, disc.x, y - half - 0.45, 0.2, vertical=False)
+
+
+def _box(pen: Pen, x: float, y: float, width: float, half: float, fill: str, **look: Any) -> None:
+    pen.area(_rectangle(x, y, width, half), **{"facecolor": fill, "edgecolor": INK, "lw": 0.8, "zorder": 3, **look})
+
+
+def _rectangle(x: float, y: float, width: float, half: float) -> list[tuple[float, float]]:
+    """Corners of a rectangle around a place."""
+    side = width / 2
+    return [(x - side, y - half), (x + side, y - half), (x + side, y + half), (x - side, y + half)]
+
+
+def _ground(pen: Pen, x: float, y: float, half: float, *, vertical: bool) -> None:
+    marks = np.linspace(-half, half, 6)
+    if vertical:
+        pen.stroke([x, x], [y - half, y + half], color=INK, lw=1.4)
+        for mark in marks:
+            pen.stroke([x, x + 0.12], [y + mark, y + mark - 0.14], color=INK, lw=0.6)
+    else:
+        pen.stroke([x - half, x + half], [y, y], color=INK, lw=1.4)
+        for mark in marks:
+            pen.stroke([x + mark, x + mark - 0.07], [y, y - 0.13], color=INK, lw=0.6)
+
+
+def _zigzag(pen: Pen, start: tuple[float, float], end: tuple[float, float], size: float = 0.16) -> None:
+    """A spring between two places."""
+    along = np.array([0.0, 0.2, 0.26, 0.38, 0.5, 0.62, 0.74, 0.8, 1.0])
+    across = np.array([0.0, 0.0, 1.0, -1.0, 1.0, -1.0, 1.0, 0.0, 0.0]) * size
+    span = np.subtract(end, start)
+    normal = np.array([-span[1], span[0]]) / max(float(np.hypot(*span)), 1e-9)
+    points = np.array(start) + along[:, None] * span + across[:, None] * normal
+    pen.stroke(points[:, 0].tolist(), points[:, 1].tolist(), color=INK, lw=0.9, solid_joinstyle="miter")
+
+
+def _coupling(pen: Pen, link: Link) -> None:
+    _zigzag(pen, (link.start[0], _y(link.start[1])), (link.end[0], _y(link.end[1])))
+
+
+def _shaft(pen: Pen, link: Link) -> None:
+    (x0, x1), y = (link.start[0], link.end[0]), (_y(link.start[1]), _y(link.end[1]))
+    first, last = (0.12 * share for share in link.taper)
+    corners = [(x0, y[0] - first), (x0, y[0] + first), (x1, y[1] + last), (x1, y[1] - last)]
+    pen.area(corners, facecolor="#f3f3f3", edgecolor=INK, lw=0.8, zorder=2)
+    for sign in (-1, 1) if link.bore else ():
+        ends = [y[0] + sign * first * link.bore, y[1] + sign * last * link.bore]
+        pen.stroke([x0, x1], ends, color=INK, lw=0.5, ls=(0, (3, 2)), zorder=3)
+
+
+def _gear(pen: Pen, link: Link) -> None:
+    """Two wheels that mesh; their heights follow the ratio."""
+    (x0, row0), (x1, row1) = link.start, link.end
+    small = 0.26
+    driving, driven = (small, small / link.ratio) if link.ratio < 1 else (small * link.ratio, small)
+    largest = max(driving, driven)
+    driving, driven = (0.75 * half / largest if largest > 0.75 else half for half in (driving, driven))
+    if row0 == row1:
+        middle = (x0 + x1) / 2
+        pen.stroke([x0, x1], [_y(row0), _y(row1)], color=INK, lw=1.1)
+        _wheel(pen, middle - 0.08, _y(row0), max(driving, 0.16))
+        _wheel(pen, middle + 0.08, _y(row1), max(driven, 0.16))
+    else:
+        pen.stroke([x0, x0, x1], [_y(row0), _y(row1), _y(row1)], color=INK, lw=0.7, ls=(0, (1, 2)))
+        _wheel(pen, x1 - 0.1, _y(row1), max(driven, 0.16))
+
+
+def _wheel(pen: Pen, x: float, y: float, half: float) -> None:
+    _box(pen, x, y, 0.14, half, "#fbe3c8", lw=0.7, hatch="-----")
+
+
+def _joint(pen: Pen, link: Link) -> None:
+    (x0, x1), y = (link.start[0], link.end[0]), _y(link.start[1])
+    middle = (x0 + x1) / 2
+    pen.stroke([x0, middle - 0.14], [y, y], color=INK, lw=1.1)
+    pen.stroke([middle + 0.14, x1], [y, y], color=INK, lw=1.1)
+    for sign in (-1, 1):
+        pen.stroke([middle - 0.14, middle + 0.14], [y - sign * 0.26, y + sign * 0.26], color=COLOURS[1], lw=1.8)
+    pen.stroke([middle], [y], marker="o", ls="none", color="white", markeredgecolor=COLOURS[1], markersize=4, zorder=4)
+
+
+def _line(pen: Pen, link: Link) -> None:
+    (x0, row0), (x1, row1) = link.start, link.end
+    style = {"rigid": "-", "tie": (0, (1, 2))}[link.kind]
+    pen.stroke([x0, x0, x1], [_y(row0), _y(row1), _y(row1)], color=INK, lw=1.1, ls=style)
+
+
+def _labels(pen: Pen, discs: Sequence[Disc], links: Sequence[Link], most: int) -> None:
+    """Points above, links below; neighbours on two heights so that names do not run into each other."""
+    above: Counter[float] = Counter()
+    for disc in thinned(discs, most):
+        level, top = above[disc.row] % 2, _y(disc.row) + 0.3
+        above[disc.row] += 1
+        _label(pen, disc.x, (top, top + 0.65 + 0.28 * level), disc.label, va="bottom", color=INK)
+    below: Counter[float] = Counter()
+    for link in thinned([link for link in links if link.label], most):
+        row = link.end[1]
+        level, top = below[row] % 2, _y(row) - 0.3
+        below[row] += 1
+        x = (link.start[0] + link.end[0]) / 2
+        _label(pen, x, (top, top - 0.55 - 0.28 * level), link.label, va="top", color="#33506b")
+
+
+def _label(pen: Pen, x: float, y: tuple[float, float], text: str, **look: Any) -> None:
+    """A text with the line that leads to it."""
+    pen.axes.text(x, y[1], text, ha="center", fontsize=7.5, **look)
+    pen.stroke([x, x], y, color="#bbbbbb", lw=0.4, zorder=0)
+
+
+DRAWINGS = {"shaft": _shaft, "coupling": _coupling, "gear": _gear, "joint": _joint, "rigid": _line, "tie": _line}

@@ -1,0 +1,162 @@
+"""The train twisted by one mode, seen from its driven end and from above: coloured by angle, with stripes that turn."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from numpy.typing import NDArray
+
+from torsion.output.figures.style import COLOURS, INK, WIDTH, page
+
+Array = NDArray[np.float64]
+Label = tuple[Sequence[float], float, str]
+ASIDE, ABOVE = np.radians(30.0), np.radians(14.0)  # from where the train is looked at
+LIGHT = np.array([0.45, -0.5, 0.74])
+AROUND, STRIPE = 64, 8  # sides of every body; one side in so many is dark
+HIGHEST = 3.9  # inch: of the surface
+DOTS = 220  # per inch, of the surface; words stay words
+LETTER, LINE, BAR = 0.064, 0.15, 0.55  # inch: mean width of a letter, distance of two lines, height of the colour bar
+SCALE = LinearSegmentedColormap.from_list("angle", [COLOURS[0], "#9fc6de", "#f2f1ec", "#f0b48a", COLOURS[1]])
+
+
+def twisted_shaft(
+    name: str, *, x: Array, radius: Array, place: Array, turn: Array, angle: Array, strip: NDArray[np.int64],
+    body: NDArray[np.int64], labels: Sequence[Label],
+    ties: Sequence[tuple[Sequence[float], Sequence[float]]] = (),
+) -> str:  # fmt: skip
+    """x, radius, place (y, z), turn (rad about x), angle (-1..1): of every ring; first ring and body of every strip.
+
+    labels: point on the axis, how far above it (or below) there is free room, text; ties: from point to point.
+    """
+    corners = _corners(x, radius, place, turn)
+    flat = corners @ _screen().T
+    low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
+    metre = float(min(0.97 * WIDTH / (high - low)[0], HIGHEST / (high - low)[1]))  # inch
+    words = _lines(labels, metre)
+    bottom = min([float(low[1]), *(word.tip - LINE / metre for word in words)])
+    top = max([float(high[1]), *(word.tip + LINE / metre for word in words)])
+    with page(name, (top - bottom) * metre + BAR) as sheet:
+        sheet.figure.set_dpi(DOTS)
+        axes = sheet.axes[0]
+        axes.axis("off")
+        axes.set_aspect("equal")
+        middle = float(low[0] + high[0]) / 2
+        axes.set_xlim(middle - WIDTH / metre / 2, middle + WIDTH / metre / 2)
+        axes.set_ylim(bottom, top)
+        for first, last in ties:
+            axes.plot(*(np.array([first, last]) @ _screen().T).T, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=0)
+        _draw(axes, corners, flat, _order(x, place, strip, body), strip, angle)
+        for word in words:
+            axes.plot([word.x, word.x], [word.foot, word.tip], color="#999999", lw=0.4, zorder=0)
+            up = "bottom" if word.tip > word.foot else "top"
+            axes.text(word.x, word.tip, word.text, ha="center", va=up, fontsize=7.5, color=INK)
+        bar = sheet.figure.colorbar(
+            ScalarMappable(Normalize(-1.0, 1.0), SCALE), ax=axes, orientation="horizontal", shrink=0.35, aspect=32,
+            pad=0.02, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0],
+        )  # fmt: skip
+        bar.set_label("angle / largest, each at its own speed", fontsize=7.5)
+        bar.ax.tick_params(labelsize=7.5, length=2)
+        bar.outline.set_linewidth(0.4)
+    return sheet.svg
+
+
+def _screen() -> Array:
+    """(2, 3) what goes to the right and what goes up."""
+    (s, c), (t, d) = ((np.sin(a), np.cos(a)) for a in (ASIDE, ABOVE))
+    return np.array([[c, s, 0.0], [-s * t, c * t, d]])
+
+
+def _eye() -> Array:
+    """(3,) the direction to who looks."""
+    return np.cross(*_screen())
+
+
+def _corners(x: Array, radius: Array, place: Array, turn: Array) -> Array:
+    """(rings, AROUND, 3) points of the twisted surface."""
+    at = turn[:, None] + 2.0 * np.pi / AROUND * np.arange(AROUND)
+    y, z = (place[:, k, None] + radius[:, None] * f(at) for k, f in enumerate((np.cos, np.sin)))
+    return np.stack([np.broadcast_to(x[:, None], y.shape), y, z], axis=2)
+
+
+def _order(x: Array, place: Array, strip: NDArray[np.int64], body: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The strips from the farthest to the nearest: of two bodies side by side the one whose axis is farther, of two
+    one after another that towards the driving end; inside a body from its driving end."""
+    count = int(body[-1]) + 1
+    first = np.searchsorted(body, np.arange(count))
+    last = np.append(first[1:], body.size) - 1
+    start, end = x[strip[first]], x[strip[last] + 1]
+    depth = place[strip[first]] @ _eye()[1:]
+    reach = 1e-9 * float(np.ptp(x))
+    rank = np.lexsort((start, depth))
+    hidden = (end[:, None] <= start + reach) | (
+        ~(end <= start[:, None] + reach) & (depth[:, None] < depth - reach)
+    )  # (bodies, bodies): the row is drawn before the column
+    np.fill_diagonal(hidden, False)
+    waiting, drawn = hidden.sum(axis=0), list[int]()
+    left = rank.tolist()
+    while left:
+        free = next((one for one in left if waiting[one] == 0), left[0])
+        left.remove(free)
+        drawn.append(free)
+        waiting -= hidden[free]
+    return np.concatenate([np.arange(first[one], last[one] + 1) for one in drawn])
+
+
+def _draw(
+    axes: Axes, corners: Array, flat: Array, order: NDArray[np.int64], strip: NDArray[np.int64], angle: Array
+) -> None:
+    """The sides that can be seen, over each other in that order."""
+    here = strip[order]
+    along = np.roll(np.arange(AROUND), -1)
+
+    def sides(values: Array) -> Array:
+        a, b = values[here], values[here + 1]
+        return np.stack([a, a[:, along], b[:, along], b], axis=2).reshape(-1, 4, values.shape[2])
+
+    seen, solid = sides(flat), sides(corners)
+    across, up = seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1]
+    towards = across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0] > 0
+    normal = np.cross(solid[:, 2] - solid[:, 0], solid[:, 3] - solid[:, 1])[towards]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    light = 0.62 + 0.43 * np.clip(normal @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
+    middle = np.repeat((angle[here] + angle[here + 1]) / 2, AROUND)[towards]
+    dark = np.tile(np.arange(AROUND) % STRIPE == 0, len(here))[towards]
+    colour = SCALE((middle + 1.0) / 2.0)
+    colour[:, :3] *= np.where(dark, 0.45, 1.0)[:, None] * light[:, None]
+    colour = np.clip(colour, 0.0, 1.0)
+    axes.add_collection(
+        PolyCollection(list(seen[towards]), facecolors=colour, edgecolors=colour, lw=0.25, rasterized=True)
+    )
+
+
+@dataclass(frozen=True)
+class Word:
+    """A label with its line from the axis."""
+
+    x: float
+    foot: float
+    tip: float
+    text: str
+
+
+def _lines(labels: Sequence[Label], metre: float) -> list[Word]:
+    """Labels above the train (below it where their room is below), moved away until they are clear of each other."""
+    taken: list[tuple[Array, Array]] = []
+    found = []
+    for point, room, text in labels:
+        foot = _screen() @ np.asarray(point)
+        tip = foot + room * _screen()[:, 2]
+        sign, half = np.sign(room), np.array([LETTER * len(text) + 0.08, LINE]) / metre / 2
+        away = 0.2 * LINE / metre * sign
+        while True:
+            middle = np.array([foot[0], tip[1] + away + half[1] * sign])
+            if not any(np.all(np.abs(middle - other) < half + size) for other, size in taken):
+                break
+            away += LINE / metre * sign
+        taken.append((middle, half))
+        found.append(Word(float(foot[0]), float(foot[1]), float(tip[1] + away), text))
+    return found

@@ -1,0 +1,61 @@
+"""The report as one self-contained HTML page: style and figures are in the page, which prints on A4."""
+
+import re
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from torsion.output.blocks import Block, Heading
+from torsion.output.document import Document
+from torsion.output.figures.drawing import svg
+from torsion.output.numbering import Numbered
+
+LONG_WORD = 20  # characters
+SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")
+
+
+def html(document: Document) -> str:
+    """The page."""
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters.update(
+        words=words, css_text=css_text, drawn=drawn, kind=kind, anchor=anchor, has_long_word=has_long_word
+    )
+    style = Markup((Path(__file__).parent / "templates" / "report.css").read_text(encoding="utf-8"))
+    chapters = [item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1]
+    return environment.get_template("report.html").render(
+        cover=document.cover, body=document.body, chapters=chapters, style=style
+    )
+
+
+def words(text: str) -> Markup:
+    """Text escaped, with its subscripts."""
+    return Markup(SUBSCRIPT.sub(r"<sub>\1</sub>", str(escape(text))))
+
+
+def css_text(text: str) -> Markup:
+    """A string of a style sheet: whatever could end it is written by its code point."""
+    return Markup("".join(c if c.isalnum() or c in " -.,:()" else f"\\{ord(c):x} " for c in text))
+
+
+def drawn(item: Numbered) -> Markup:
+    """The figure of a numbered block."""
+    return Markup(svg(item.block))  # type: ignore[arg-type]
+
+
+def kind(block: Block) -> str:
+    """By which part of the template a block is printed."""
+    return type(block).__name__
+
+
+def has_long_word(text: str) -> bool:
+    """A word that would push a table over the edge of the page, and may be broken anywhere."""
+    return any(len(word) > LONG_WORD for word in text.split())
+
+
+def anchor(item: Numbered) -> str:
+    """A stable name to link to."""
+    return "s" + item.number.replace(" ", "-").replace(".", "-").lower()

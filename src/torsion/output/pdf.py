@@ -1,0 +1,82 @@
+"""The report as PDF on A4, set by Typst from the same blocks."""
+
+import json
+import tempfile
+from pathlib import Path
+
+from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, Verbatim
+from torsion.output.document import Document
+from torsion.output.figures.drawing import svg
+from torsion.output.html import SUBSCRIPT
+from torsion.output.numbering import Numbered
+
+COLOURS = {"fail": "#b3261e", "pass": "#14693f", "not kept": "#b3261e", "outside": "#8a6500", "note": "#8a6500"}
+WIDE = 8  # columns from which a table is set smaller
+
+
+def pdf(document: Document) -> bytes:
+    """The file; the figures are drawn beside its source for the time of its setting."""
+    import typst
+
+    style = (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        source, figures = Path(folder) / "report.typ", list[Path]()
+        body = [_block(item, Path(folder), figures) for item in document.body]
+        source.write_text("\n".join([style, _cover(document), *body]), encoding="utf-8")
+        made: bytes = typst.compile(str(source), root=folder)
+    return made
+
+
+def text(value: str) -> str:
+    """A text of the scene as a Typst expression: a string literal, in which nothing is markup."""
+    return json.dumps(value, ensure_ascii=False)
+
+
+def words(value: str) -> str:
+    """A text with its subscripts as a Typst expression."""
+    pieces = SUBSCRIPT.split(value)
+    parts = [f"sub({text(p)})" if k % 2 else f"text({text(p)})" for k, p in enumerate(pieces) if p]
+    return " + ".join(parts) or '""'
+
+
+def _cover(document: Document) -> str:
+    cover = document.cover
+    facts = "".join(f"({text(key)}, {text(value)}), " for key, value in cover.facts)
+    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, ({facts}), {text(cover.disclaimer)})"
+
+
+def _block(item: Numbered, folder: Path, figures: list[Path]) -> str:
+    block: Block = item.block
+    match block:
+        case Heading(text=title, level=level):
+            return f"#title({level}, {text(item.number)}, {words(title)})"
+        case Paragraph(text=sentences, kind=kind):
+            return f"#sentences({text(kind)}, {words(sentences)})"
+        case Points(items=items):
+            return f"#points(({''.join(f'{words(point)}, ' for point in items)}))"
+        case KeyValues(pairs=pairs):
+            return f"#facts(({''.join(f'({text(key)}, {text(value)}), ' for key, value in pairs)}))"
+        case Table():
+            return _table(block, item.number)
+        case Figure():
+            path = folder / f"figure-{len(figures)}.svg"
+            path.write_text(svg(block), encoding="utf-8")
+            figures.append(path)
+            return f"#drawing({text(path.name)}, {text(item.number)}, {words(block.caption)})"
+        case Verbatim(text=lines):
+            return f"#verbatim({text(lines)})"
+
+
+def _table(table: Table, number: str) -> str:
+    head = "".join(f"({words(c.title)}, {words(c.unit)}), " for c in table.columns)
+    align = "".join(f"{c.align}, " for c in table.columns)
+    marks = table.marks or ("",) * len(table.rows)
+    cells = []
+    for row, mark in zip(table.rows, marks, strict=True):
+        colour = COLOURS.get(mark)
+        *plain, last = (text(cell) for cell in row)
+        cells.extend(plain)
+        cells.append(f'marked("{colour}", {last})' if colour else last)
+    size = "7pt" if len(table.columns) >= WIDE else "8pt"
+    caption = words(table.caption)
+    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, ({''.join(f'{c}, ' for c in cells)}))"

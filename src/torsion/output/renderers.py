@@ -1,0 +1,46 @@
+"""Every form of a report in one registry: what renders it, and the file that it is written to."""
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from torsion.output.document import Document
+
+Content = str | bytes | Callable[[Path], list[Path]]  # or what writes it into a file, and others beside it
+
+
+@dataclass(frozen=True)
+class Output:
+    """A form of a report, rendered by `module:function` of a document; None where the document has nothing for it."""
+
+    render: str
+    suffix: str = ""  # of its file; "" for what is printed
+    on_request: bool = False  # written where it is asked for by its name
+
+    def __call__(self, document: Document) -> Any:
+        """The document in this form: text, bytes, or what the terminal prints."""
+        module, _, name = self.render.partition(":")
+        return getattr(import_module(module), name)(document)
+
+
+OUTPUTS = {
+    "json": Output("torsion.output.results_json:rendered", ".json"),
+    "html": Output("torsion.output.html:html", ".html"),
+    "csv": Output("torsion.output.csv_table:csv_text", ".csv"),
+    "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
+    "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True),
+    "terminal": Output("torsion.output.terminal.screen:screen"),
+}
+
+
+def files(document: Document, also: Collection[str] = ()) -> dict[str, Content]:
+    """Name and content of every file of a report, `also` of the outputs that are written on request."""
+    found = {}
+    for name, output in OUTPUTS.items():
+        if output.suffix and (not output.on_request or name in also):
+            content = output(document)
+            if content is not None:
+                found[document.report.files.get(name, document.report.stem + output.suffix)] = content
+    return found

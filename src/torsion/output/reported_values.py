@@ -1,0 +1,164 @@
+"""What several chapters read from the findings."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.arrays import BoolArray, FloatArray
+from torsion.findings import Findings
+from torsion.kernels.tree_response import Status
+from torsion.output.numbers import RPM, given, number
+from torsion.rules import needed
+from torsion.rules.verdict_line import BarredRange, Check, Checks
+
+Band = tuple[float, float]
+NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
+NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
+CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
+
+
+def reference(findings: Findings) -> str:
+    """Name of the component whose speed is the speed axis."""
+    return findings.study.operation.at or findings.study.train.parts[0].name
+
+
+def rated(findings: Findings) -> float | None:
+    """Rated speed, rad/s of the reference component."""
+    point = findings.study.operation.rated
+    return None if point is None else point.speed
+
+
+def rated_rpm(findings: Findings) -> float | None:
+    """Rated speed, rpm."""
+    speed = rated(findings)
+    return None if speed is None else speed * RPM
+
+
+def barred(findings: Findings) -> tuple[BarredRange, ...]:
+    """The barred ranges that the verdicts stand on, each once, in rising order."""
+    found = {band: None for check in findings.need(Checks).lines for band in check.barred}
+    return tuple(sorted(found, key=lambda band: (band.lower, band.upper)))
+
+
+def barred_rpm(findings: Findings) -> tuple[Band, ...]:
+    """The barred ranges as bands of rpm, overlapping ones as one."""
+    bands: list[Band] = []
+    for band in barred(findings):
+        low, high = band.lower * RPM, band.upper * RPM
+        if bands and low <= bands[-1][1]:
+            bands[-1] = (bands[-1][0], max(bands[-1][1], high))
+        else:
+            bands.append((low, high))
+    return tuple(bands)
+
+
+def band_words(band: Band) -> str:
+    """A range in rpm, rounded outward to a tenth so that nothing of it is lost."""
+    return "{} to {} rpm".format(*outward(band))
+
+
+def outward(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]:
+    """Both ends of a range in rpm, rounded outward to a tenth, but not beyond two speeds (rpm).
+
+    What the conversion of units adds is not rounded outward.
+    """
+    low = math.floor(10.0 * band[0] * (1.0 + CONVERSION)) / 10.0
+    high = math.ceil(10.0 * band[1] * (1.0 - CONVERSION)) / 10.0
+    return (
+        given(within[0], 6) if low < within[0] else f"{low:.1f}",
+        given(within[1], 6) if high > within[1] else f"{high:.1f}",
+    )
+
+
+def unreliable(findings: Findings) -> BoolArray:
+    """(speeds,) where any line of the response is not ok."""
+    response = findings.get(Response)
+    if response is None:
+        return np.zeros(0, dtype=bool)
+    return np.asarray(np.any(response.status != Status.OK, axis=1))
+
+
+def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
+    """(speeds, lines) N m: largest torque amplitude in the spans; NaN where the line is not ok."""
+    response = findings.get(Response)
+    if response is None:
+        return np.zeros((0, 0))
+    size = np.abs(response.torque[:, :, list(spans)]).max(axis=2)
+    return np.where(response.status == Status.OK, size, np.nan)
+
+
+def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
+    """(speeds,) N m: largest half range of all lines together in the spans; NaN where any line is not ok."""
+    if findings.get(Synthesis) is None:
+        return np.zeros(0)
+    size = findings.need(Synthesis).half_range[:, list(spans)].max(axis=1)
+    return np.where(unreliable(findings), np.nan, size)
+
+
+def judged(findings: Findings) -> bool:
+    """A rule read the response over speed."""
+    return "response" in needed(findings.study)
+
+
+def orders_together(findings: Findings) -> str:
+    """Of which lines the synthesis is made, in words."""
+    some = findings.get(Response) is not None and findings.need(Response).left_out
+    return "the orders asked for" if some else "all orders"
+
+
+def rounding(findings: Findings) -> FloatArray:
+    """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, told as 0."""
+    response, ratio = findings.get(Response), findings.system.span_ratio
+    if response is None or not response.lines:
+        return np.zeros(len(ratio))
+    size = np.zeros(len(ratio))
+    for torque, status in zip(response.torque, response.status, strict=True):
+        np.maximum(size, np.abs(torque[status == Status.OK]).max(axis=0, initial=0.0), out=size)
+    size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
+    return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
+
+
+def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
+    """The values of some spans with 0 for what is `nothing` (spans,) in each of them."""
+    return np.where(values < nothing.min(initial=np.inf), 0.0, values)
+
+
+def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
+    """The unstable ranges of speed, rpm."""
+    found = () if findings.get(Stability) is None else findings.need(Stability).ranges
+    return tuple((one.first * RPM, one.last * RPM) for one in found)
+
+
+def failed(findings: Findings) -> tuple[Check, ...]:
+    """The checks that failed."""
+    return tuple(check for check in findings.need(Checks).lines if check.fails)
+
+
+def joint_model(findings: Findings) -> str:
+    """What the joint model says of its own error, in a sentence; empty without joints."""
+    error = (
+        0.0 if findings.get(Response) is None else float(np.nanmax(findings.need(Response).joint_error, initial=0.0))
+    )
+    if error == 0:
+        return ""
+    if error > 1:
+        return (
+            "At some resonances the vibration is so large that the first-order joint model does not hold there "
+            "(its own "
+            "estimate of its error exceeds 100 %); amplitudes at those peaks are no prediction."
+        )
+    return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
+
+
+def per_minute(frequency: float) -> float:
+    """A frequency in Hz as cycles per minute."""
+    return 60.0 * frequency
+
+
+def largest(values: FloatArray) -> int | None:
+    """Where the largest value stands; None where there is none, or one is not known, which may be the largest."""
+    at = int(np.argmax(values)) if values.size else 0  # the first NaN, where there is one
+    return at if values.size and np.isfinite(values[at]) else None

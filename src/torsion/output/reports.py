@@ -1,0 +1,42 @@
+"""What the commands report: of each report its title, its chapters in their order, and the names of its files."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Report:
+    """A report of some findings.
+
+    A chapter is a module of output/chapters, or a function `module:function`; `@modes` stands for the chapters of that
+    analysis, `@*` for those of all analyses that are not named.
+    """
+
+    title: str
+    chapters: tuple[str, ...]
+    stem: str  # of its files
+    files: Mapping[str, str] = field(default_factory=dict)  # output: name of its file, where that is not the stem's
+    keys: tuple[str, ...] = ()  # of the results in JSON, beside the head; () for all
+    columns: str = ""  # chapter's function that gives the columns of the CSV; "" for no CSV
+    on_request: Mapping[str, str] = field(default_factory=dict)  # chapter: the output that it is printed with
+
+
+REPORTS = {
+    "solve": Report(
+        "Torsional vibration calculation",
+        (
+            "verdict", "plant", "mass_elastic", "@modes", "twisted_train", "@critical", "excitations", "damping_given",
+            "@*", "barred_ranges", "conclusion", "steps_done", "input_file",
+        ),
+        "report", {"json": "results.json", "vtu": "modes.vtu"}, on_request={"twisted_train": "vtu"},
+    ),
+    "joint": Report(
+        "Universal joints",
+        ("joint_motion:summary", "verdict:judged", "joint_motion:alone", "steps_done", "input_file"),
+        "joints", keys=("joints", "checks"), columns="joint_tables:columns",
+    ),
+    "check": Report(
+        "Models of a shaft train compared", ("model_comparison", "steps_done", "input_file"), "check", keys=("check",),
+    ),
+    "study": Report("Error against run time", ("input_file",), "study"),  # behind the blocks of the run times
+}  # fmt: skip

@@ -1,0 +1,176 @@
+"""Where the bodies of a train stand: one after another along axes that are parallel, and apart so that none overlap.
+
+The train goes on along x. A gear, a branch and a link that closes a loop begin an axis beside the one they hang on; the
+wheels of a gear touch, their diameters in the ratio of its speeds.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from torsion.assembly.system import System
+from torsion.components.lowering import Part
+from torsion.errors import Path
+from torsion.output.surface import bodies
+from torsion.output.surface.bodies import Body, Sizes
+from torsion.output.surface.room import GROWTH, Box, Place, Room, sides
+from torsion.primitives import Bar
+
+TRIES = 40  # at larger and larger wheels
+CLEARANCE = 0.3  # between bodies of two axes, in the mean diameter of the shafts
+
+
+@dataclass
+class Axis:
+    """A line on which bodies turn."""
+
+    parent: int | None = None
+    ties: list[float] = field(default_factory=list)  # x where it hangs on its parent without a gear
+    bodies: list[Body] = field(default_factory=list)
+    place: Place = (0.0, 0.0)
+
+    @property
+    def boxes(self) -> list[Box]:
+        """What its bodies fill."""
+        return [(float(body.x[0]), float(body.x[-1]), body.widest) for body in self.bodies]
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A driving wheel with every wheel that it drives."""
+
+    part: int
+    x: float
+    driving: tuple[int, int]  # axis, station
+    driven: tuple[tuple[int, int, float], ...]  # axis, station, diameter / diameter of the driving wheel
+
+
+@dataclass
+class _Walk:
+    """How far the train has been laid out."""
+
+    system: System
+    size: Sizes
+    axes: list[Axis] = field(default_factory=list)
+    meshes: list[Mesh] = field(default_factory=list)
+    line: dict[Path, tuple[int, float]] = field(default_factory=dict)  # of every list of components: axis, x
+    station: dict[int, tuple[int, float]] = field(default_factory=dict)  # axis, x
+
+    def begin(self, parent: int | None, *ties: float) -> int:
+        """A new axis."""
+        self.axes.append(Axis(parent, list(ties)))
+        return len(self.axes) - 1
+
+
+def axes(system: System) -> list[Axis]:
+    """The axes of a train with all their bodies, in place."""
+    walk = _Walk(system, bodies.sizes(system))
+    spans: dict[int, list[int]] = {}
+    for k, span in enumerate(system.spans):
+        spans.setdefault(span.part, []).append(k)
+    bars = {bar.part: bar for bar in system.train.bars}
+    for index, part in enumerate(system.train.parts):
+        if not part.stations:
+            continue
+        axis, x = _arrived(walk, part)
+        mine = spans.get(index, [])
+        if part.kind == "gear":
+            _mesh(walk, index, mine, axis, x)
+            continue
+        made = _made(walk, index, mine, bars.get(index), x)
+        walk.axes[axis].bodies.extend(made)
+        after = float(made[0].x[-1])
+        walk.line[part.path[:-2]] = axis, after
+        walk.station.setdefault(part.stations[0], (axis, x))
+        walk.station.setdefault(part.stations[-1], (axis, after))
+    _put_apart(walk)
+    return walk.axes
+
+
+def _made(walk: _Walk, index: int, spans: list[int], bar: Bar | None, x: float) -> list[Body]:
+    """The bodies of a component that is no gear."""
+    part = walk.system.train.parts[index]
+    if part.is_point:
+        return bodies.point(walk.system, index, spans, x, walk.size)
+    if bar is not None:
+        return [bodies.shaft(walk.system, bar, spans, x)]
+    ends = part.stations[0], part.stations[-1]
+    drawn = bodies.joint if part.joint is not None else bodies.coupling
+    return [drawn(index, ends, spans[0], x, walk.size)]
+
+
+def _arrived(walk: _Walk, part: Part) -> tuple[int, float]:
+    """Axis and place at which a component begins."""
+    line = part.path[:-2]
+    if part.path[0] == "links":
+        (axis, first), (_, last) = (walk.station[end] for end in (part.stations[0], part.stations[-1]))
+        return walk.begin(axis, first, last), min(first, last)
+    if line not in walk.line:
+        on, x = walk.line.get(line[:-3], (None, 0.0))
+        walk.line[line] = walk.begin(on, *([] if on is None else [x])), x
+    return walk.line[line]
+
+
+def _mesh(walk: _Walk, index: int, spans: Sequence[int], axis: int, x: float) -> None:
+    """A gear: the train goes on along the axis of its driven wheel, each of its branches along that of its own."""
+    system, path = walk.system, walk.system.train.parts[index].path
+    after = x + bodies.length_of("gear", walk.size)
+    driven = []
+    for position, k in enumerate(spans):
+        span = system.spans[k]
+        new = walk.begin(axis)
+        driven.append((new, span.driven, 1.0 / float(span.ratio)))
+        walk.station[span.driven] = new, after
+        line = path[:-2] if position == 0 else (*path, "branches", position - 1, "train")
+        walk.line[line] = new, after
+    walk.station.setdefault(system.spans[spans[0]].driving, (axis, x))
+    walk.meshes.append(Mesh(index, x, (axis, system.spans[spans[0]].driving), tuple(driven)))
+
+
+def _put_apart(walk: _Walk) -> None:
+    """Give every axis its place, one after another, at the least distance at which nothing overlaps."""
+    room = Room(CLEARANCE * walk.size.diameter, 1.5 * walk.size.diameter)
+    behind = {index: mesh for mesh in walk.meshes for index, _, _ in mesh.driven}
+    for index, axis in enumerate(walk.axes):
+        if index not in behind:
+            if axis.parent is not None:
+                axis.place = room.free(index, walk.axes[axis.parent].place, axis.boxes)
+            room.fill(index, axis.place, axis.boxes)
+        elif index == behind[index].driven[0][0]:
+            _put_gear(walk, room, behind[index])
+
+
+def _put_gear(walk: _Walk, room: Room, mesh: Mesh) -> None:
+    """The least wheels with which every axis behind the gear finds a place; apart from each other if there are none."""
+    end = mesh.x + bodies.length_of("gear", walk.size)
+    driving, station = mesh.driving
+    start = walk.axes[driving].place
+    least = radius = 0.9 * walk.size.diameter * max(1.0, *(1.0 / ratio for _, _, ratio in mesh.driven))
+    places = _around(walk, room, mesh, end, radius)
+    while places is None and radius < least * GROWTH**TRIES:
+        radius *= GROWTH
+        places = _around(walk, room, mesh, end, radius)
+    if places is None:
+        radius = least
+    walk.axes[driving].bodies.append(bodies.wheel(mesh.part, station, mesh.x, walk.size, radius))
+    room.fill(driving, start, [(mesh.x, end, radius)])
+    for position, (index, driven, ratio) in enumerate(mesh.driven):
+        axis = walk.axes[index]
+        axis.bodies.insert(0, bodies.wheel(mesh.part, driven, mesh.x, walk.size, radius * ratio))
+        axis.place = room.free(index, start, axis.boxes) if places is None else places[position]
+        room.fill(index, axis.place, axis.boxes)
+
+
+def _around(walk: _Walk, room: Room, mesh: Mesh, end: float, radius: float) -> list[Place] | None:
+    """Places of the driven axes around a driving wheel of that radius; None where there are none."""
+    start, taken = walk.axes[mesh.driving[0]].place, room.copy()
+    if not room.is_free(mesh.driving[0], start, [(mesh.x, end, radius)]):
+        return None
+    found = []
+    for index, _, ratio in mesh.driven:
+        boxes = [(mesh.x, end, radius * ratio), *walk.axes[index].boxes]
+        place = next((p for p in sides(start, radius * (1.0 + ratio)) if taken.is_free(index, p, boxes)), None)
+        if place is None:
+            return None
+        taken.fill(index, place, boxes)
+        found.append(place)
+    return found

@@ -1,0 +1,59 @@
+"""Writes a report so that a failed or killed run leaves the earlier one whole."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Collection, Mapping
+from datetime import date
+from pathlib import Path
+
+from torsion.findings import Findings
+from torsion.output.document import Document, document
+from torsion.output.json_text import SERIES
+from torsion.output.renderers import Content, files
+from torsion.output.reports import REPORTS
+
+
+def write(
+    findings: Findings, folder: str | Path, report: str = "solve", *,
+    also: Collection[str] = (), today: date | None = None,
+) -> Document:  # fmt: skip
+    """Write every file of a report into the folder, `also` those of outputs on request; the report.
+
+    Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
+    """
+    made = document(findings, today or date.today(), also, REPORTS[report])
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    write_texts(files(made, also), folder)
+    return made
+
+
+def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Path]:
+    """Write contents under their names into the folder, all or none; raises OSError where it cannot be written.
+
+    Every file is finished in a temporary folder inside the target before the first is put in its place.
+    """
+    target = Path(folder)
+    target.mkdir(parents=True, exist_ok=True)
+    workshop = Path(tempfile.mkdtemp(prefix=".report-", dir=target))
+    try:
+        finished = [path for name, content in contents.items() for path in _finished(workshop / name, content)]
+        placed = [Path(shutil.move(path, target / path.name)) for path in finished]
+        if not any(path.name == SERIES for path in placed):
+            (target / SERIES).unlink(missing_ok=True)  # of an earlier report
+        return placed
+    finally:
+        shutil.rmtree(workshop, ignore_errors=True)
+
+
+def _finished(path: Path, content: Content) -> list[Path]:
+    """The files of a content, after all of them are on the disk."""
+    if callable(content):
+        made = content(path)
+    else:
+        path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+        made = [path]
+    for one in made:
+        with one.open("rb+") as file:
+            os.fsync(file.fileno())
+    return made

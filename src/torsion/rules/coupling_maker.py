@@ -1,0 +1,128 @@
+"""Rule `coupling-maker`: the limits in a coupling's catalogue (terms of DIN 740-2: T_KN, T_KW, T_Kmax, P_KW)."""
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.analyses.steady import Steady
+from torsion.arrays import FloatArray, IntArray
+from torsion.components.lowering import Part
+from torsion.components.part_records import CouplingRatings
+from torsion.errors import Fault
+from torsion.fields import Declared, given
+from torsion.findings import Results
+from torsion.rules.judgement import (
+    MOSTLY,
+    RATED,
+    Clause,
+    Continuous,
+    RuleOverSpeed,
+    continuous_faults,
+    continuous_words,
+    curve_of,
+    rule_path,
+    spans_of,
+    vibration,
+    vibration_faults,
+    within,
+)
+from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.analyses.response.over_speed import Response
+
+RULE = "coupling-maker"
+LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
+
+
+class CouplingSettings(Declared):
+    """Settings of `coupling-maker`."""
+
+    continuous: Continuous | None = given("speeds of continuous use, for T_KW and P_KW: {from, to} (default: all)")
+
+
+class CouplingMaker(RuleOverSpeed):
+    """The rule, as the study reads it."""
+
+    settings = CouplingSettings
+
+    def faults(self, study: Study, asked: CouplingSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        judged = [(part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything]
+        if not judged:
+            hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
+            return [Fault(rule_path(study, asked), "no coupling has a limit of its maker", hint)]
+        found = continuous_faults(study, asked, RULE, asked.continuous)
+        if any(ratings.limit_vibration for _, ratings in judged):
+            found += vibration_faults(study, asked, RULE)
+        means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
+        if means and not study.operation.has_mean_torque:
+            message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
+            found.append(Fault(("operation", "rated", "power"), message, RATED))
+        return found
+
+    def left_out(self, study: Study, asked: CouplingSettings) -> tuple[tuple[str, str], ...]:
+        """What was not judged, and why."""
+        silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
+        return tuple((f"{RULE} for {name}", "its maker's limits are not given") for name in silent)
+
+    def clauses(self, evidence: Results, asked: CouplingSettings) -> Iterator[Clause]:
+        """Of every coupling, as far as its limits are given.
+
+        Mean torque, vibratory torque and heat in continuous use, and greatest torque always.
+        """
+        steady = evidence.get(Steady)
+        for number, part, ratings in _couplings(evidence.study):
+            spans = spans_of(evidence.system, number)
+            if ratings.rated_torque is not None and steady is not None:
+                mean = curve_of(steady.speed, np.abs(steady.torque[spans]).max(axis=0), ratings.rated_torque)
+                always = np.ones(len(mean.speed), dtype=bool)
+                yield Clause(RULE, "T_KN", part.name, "mean torque", "maker", mean, always)
+            if ratings.limit_vibration:
+                yield from _vibration(evidence, part, ratings, spans, asked)
+
+
+def heat(response: "Response", flexibility: float, viscous: float, loss_factor: float, span: int) -> FloatArray:
+    """(speeds,) W: mean power that a span turns into heat, all lines together.
+
+    Of each line omega k eta |twist|^2/2 + omega^2 c |twist|^2/2 with twist = torque/(k (1 + i eta) + i omega c); with
+    damping by hysteresis alone it is psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
+    """
+    omega = 2.0 * math.pi * response.frequency
+    if flexibility == 0:
+        return np.zeros(len(response.speed))
+    stiffness = 1.0 / flexibility
+    loss = stiffness * loss_factor + omega * viscous
+    dynamic = stiffness + 1j * loss
+    lossy = loss > 0
+    twist = np.divide(response.torque[:, :, span], dynamic, out=np.zeros(omega.shape, complex), where=lossy)
+    return np.asarray(np.sum(0.5 * omega * loss * np.abs(twist) ** 2, axis=1))
+
+
+def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
+    """Every coupling with its position in the train's parts, and its maker's limits."""
+    return ((k, part, part.ratings) for k, part in enumerate(study.train.parts) if part.ratings is not None)
+
+
+def _vibration(
+    evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, asked: CouplingSettings
+) -> Iterator[Clause]:
+    """The clauses about the vibration of one coupling; that the tolerance of its stiffness was not varied is noted."""
+    response, synthesis = vibration(evidence)
+    use, words = within(asked.continuous, response.speed), continuous_words(asked.continuous)
+    half_range, peak = synthesis.half_range[:, spans].max(axis=1), synthesis.peak[:, spans].max(axis=1)
+    system, tolerance = evidence.system, ratings.tolerance
+    laws = zip(system.flexibility[spans], system.viscous[spans], system.loss_factor[spans], spans.tolist(), strict=True)
+    power = np.asarray(np.sum([heat(response, *law) for law in laws], axis=0))
+    varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
+    rows = (
+        ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, words),
+        ("P_KW", "power loss, sum of all harmonic components", "W", ratings.heat_limit, power, use, words),
+        ("T_Kmax", "greatest torque, mean and vibration", "N m", ratings.max_torque, peak, use | True, ""),
+    )
+    for clause, what, unit, limit, value, judged, where in rows:
+        if limit is not None:
+            curve, notes = curve_of(response.speed, value, limit, response), (where, MOSTLY, varied)
+            yield Clause(RULE, clause, part.name, what, "maker", curve, judged, unit, notes, spans)

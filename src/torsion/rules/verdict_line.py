@@ -1,0 +1,111 @@
+"""A rule: what it needs, what it does not judge, and the lines of its verdict."""
+
+from fractions import Fraction
+from typing import Any, Literal
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.errors import Fault
+from torsion.fields import Declared
+from torsion.findings import Results
+from torsion.results import reported, result
+from torsion.study import Study
+
+Verdict = Literal["pass", "fail", "not kept", "outside"]  # not kept: a limit to be verified is exceeded
+Standing = Literal[
+    "rule text",  # compared with the published text of the rule
+    "to be verified",  # from memory or a handbook: against the edition in force
+    "maker",  # rated or published by a maker
+    "setting",  # set in the file
+    "by definition",  # of stability: that nothing grows
+]
+TO_BE_VERIFIED: Standing = "to be verified"
+
+
+def verdict_of(kept: bool, standing: Standing) -> Verdict:
+    """Of a value that is known and its limit."""
+    if kept:
+        return "pass"
+    return "not kept" if standing == TO_BE_VERIFIED else "fail"
+
+
+@reported
+class BarredRange:
+    """Speeds that are not for continuous use and are to be passed rapidly; rad/s of the reference station."""
+
+    lower: float = result("rad/s", (), "lower end, reference speed")
+    upper: float = result("rad/s", (), "upper end")
+    critical: float = result("rad/s", (), "speed of the worst stress, from which the rule's width follows")
+    shaft: str = result("", (), "shaft for which a range is barred")
+
+
+@reported
+class Check:
+    """One line of the verdict table."""
+
+    rule: str = result("", (), "name of the rule")
+    clause: str = result("", (), "its clause")
+    where: str = result("", (), "component")
+    what: str = result("", (), "what was compared")
+    value: float = result("", (), "worst value; null where the response has none")
+    limit: float = result("", (), "null where the rule has none")
+    unit: str = result("", (), "of value and limit")
+    verdict: Verdict = result("", (), "pass, fail, not kept (a limit to be verified is exceeded) or outside")
+    standing: Standing = result(
+        "", (), "where the limit is from: rule text, to be verified, maker, setting or by definition"
+    )
+    speed: float | None = result("rad/s", (), "reference speed of the worst value, or null", default=None)
+    order: Fraction | None = result("", (), "of the worst value; null for all orders together", default=None)
+    note: str = result("", (), "remarks", default="")
+    at_least: bool = result(
+        "", (), "the value must not be below the limit", key="limit_is_a_least_value", default=False
+    )
+    barred: tuple[BarredRange, ...] = result("", (), "ranges that the verdict stands on", default=())
+
+    @property
+    def fails(self) -> bool:
+        """The limit is exceeded, whatever its standing, or no value is known that keeps it."""
+        return self.verdict in ("fail", "not kept")
+
+
+@reported
+class Checks:
+    """The verdict table."""
+
+    lines: tuple[Check, ...] = result("", (), "every verdict", key="")
+
+    @property
+    def fails(self) -> bool:
+        """A limit is not kept."""
+        return any(check.fails for check in self.lines)
+
+
+class Rule:
+    """Base of all rules, which need nothing, leave nothing out and judge nothing until they say so.
+
+    `asked` are the settings of the file, of the class `settings`.
+    """
+
+    settings: type[Declared] = Declared
+    needs: tuple[str, ...] = ()  # analyses that it reads
+
+    def faults(self, study: Study, asked: Any) -> list[Fault]:
+        """What the file lacks."""
+        return []
+
+    def left_out(self, study: Study, asked: Any) -> tuple[tuple[str, str], ...]:
+        """What it does not judge, and why."""
+        return ()
+
+    def speeds(self, study: Study, asked: Any) -> tuple[float, ...]:
+        """Speeds (rad/s of the reference station) that must be computed, where they lie in the range."""
+        return ()
+
+    def speeds_between(self, evidence: Results, asked: Any) -> FloatArray:
+        """(speeds,) rad/s between those computed at which it may find more."""
+        return np.empty(0)
+
+    def check(self, evidence: Results, asked: Any) -> tuple[Check, ...]:
+        """Its verdicts."""
+        return ()

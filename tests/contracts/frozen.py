@@ -1,0 +1,72 @@
+"""The digits of results, in few words: written anew by `python -m tests.contracts.frozen` where they are to change."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import torsion
+from torsion.findings import Findings
+from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.tree import Tree
+from torsion.output.results_json import results
+
+FILE = Path(__file__).with_name("frozen_digits.json")
+SCENES = {path.stem: path for path in sorted((Path(__file__).parents[2] / "shafting_specs").glob("**/*.yaml"))}
+TAKEN = {  # of the results of a scene
+    "modes": ("frequency_Hz", "lower_Hz", "upper_Hz", "torque_Nm"),
+    "damped_modes": ("frequency_Hz", "damping_ratio"),
+    "synthesis": ("half_range_Nm", "peak_Nm"),
+    "stability": ("growth_per_s",),
+}
+Digits = list[Any]  # digest of every bit; how many numbers, their sum, the sum of their magnitudes
+
+
+def digits(values: Any) -> Digits:
+    """Of an array, or nested lists with None for no value."""
+    array = np.array(values, dtype=float).ravel()
+    known = array[np.isfinite(array)]
+    digest = hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()[:10]
+    return [digest, int(known.size), float(known.sum()), float(np.abs(known).sum())]
+
+
+def of_scene(found: Findings) -> dict[str, Digits]:
+    """Frequencies with their bounds, torques, half ranges, growth rates and verdicts."""
+    made, taken = results(found), {}
+    for key, names in TAKEN.items():
+        if made[key] is not None:
+            taken |= {f"{key}.{name}": digits(made[key][name]) for name in names}
+    if made["response"] is not None:
+        for place, line in enumerate(made["response"]["lines"]):
+            taken[f"response.lines[{place}].torque_Nm"] = digits(line["torque_Nm"])
+    if made["checks"]:
+        taken["checks"] = digits([[line["value"], line["limit"]] for line in made["checks"]])
+        taken["verdicts"] = [line["verdict"] for line in made["checks"]]
+    return taken
+
+
+def of_trains() -> dict[str, Digits]:
+    """All modes of random trains: chains and trees, benign and of stiffness ratio 1e12."""
+    taken = {}
+    for size in (10, 100):
+        for shape in ("chain", "tree"):
+            for spread in (1.0, 12.0):
+                rng = np.random.default_rng(size)
+                behind = np.arange(size) - 1
+                parent = behind if shape == "chain" else np.array([-1, *(rng.integers(0, k) for k in range(1, size))])
+                flexibility, inertia = 10.0 ** (-spread * rng.random(size)), rng.uniform(0.5, 2.0, size)
+                found = tree_modes(Tree(parent, flexibility, inertia, np.zeros(size, dtype=bool)), None)
+                name = f"{shape} of {size}, spread 1e{spread:g}"
+                taken |= {
+                    f"{name}: {what}": digits(getattr(found, what))
+                    for what in ("frequency", "lower", "upper", "torque")
+                }
+    return taken
+
+
+if __name__ == "__main__":
+    every = {name: of_scene(torsion.run(torsion.read(path))) for name, path in SCENES.items()}
+    lines = (f'"{name}": {json.dumps(value)}' for name, value in {**every, "random trains": of_trains()}.items())
+    FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")

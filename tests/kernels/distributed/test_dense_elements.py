@@ -1,0 +1,147 @@
+"""The dense way of finite elements in any tree, its decomposition, scaled elements, and a start for counts."""
+
+from dataclasses import replace
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
+from torsion.kernels.distributed.dense_elements import (
+    dense_modes,
+    estimated_frequencies,
+    largest_right_vectors,
+    static_bends,
+)
+from torsion.kernels.distributed.span_laws import Shafts
+from torsion.kernels.mode_shapes import TreeModes
+from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.reduction import rigidity
+from torsion.kernels.tree import Tree
+
+
+def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:
+    return tree_modes(replace(tree, shafts=shafts), count)
+
+
+def _part(modes: TreeModes, name: str) -> np.ndarray:
+    return getattr(modes if hasattr(modes, name) else modes.shafts, name)
+
+
+def _random_train(random_tree, trains, seed: int, held: str) -> tuple[Tree, Shafts]:
+    """Elements of degree 5, springs, rigid spans and massless stations in a branched tree."""
+    rng = np.random.default_rng(seed)
+    plain = random_tree(seed, size=12, held=held)
+    inertia = np.where(rng.random(12) < 0.4, 0.0, rng.uniform(0.1, 5.0, 12))
+    kind = rng.integers(0, 4, 12)
+    node = np.array([i for i in range(1, 12) if kind[i] > 1])
+    flexibility = np.where((kind == 0) & ~plain.held, 0.0, 10.0 ** rng.uniform(-2, 1, 12))
+    flexibility[node] = 0.0
+    unit = condensed_elements(*(part[None] for part in trains.element(5, 1.0, np.exp, np.ones_like)))
+    law = unit.scaled(10.0 ** rng.uniform(0, 2, len(node)), 10.0 ** rng.uniform(-1, 0, len(node)))
+    return Tree(plain.parent, flexibility, inertia, plain.held), Shafts(node, (law,))
+
+
+@pytest.mark.parametrize("held", ["none", "root", "leaves"])
+@pytest.mark.parametrize("seed", range(6))
+def test_in_any_tree_the_dense_way_finds_what_the_counts_find(random_tree, trains, seed: int, held: str) -> None:
+    train, bars = _random_train(random_tree, trains, seed, held)
+    sure, dense = _modes(train, bars, 3), dense_modes(replace(train, shafts=bars), 3)
+    assert sure.certified
+    assert np.allclose(dense.frequency, sure.frequency, rtol=2e-14)
+    for name in ("angle", "torque", "torque_outer", "kinetic", "elastic", "shaft_kinetic", "rigid_angle"):
+        one, other = _part(dense, name), _part(sure, name)
+        assert np.allclose(one, other, rtol=0, atol=1e-11 * np.abs(other).max(initial=0.0)), name
+
+
+@pytest.mark.parametrize("held", ["none", "root", "leaves"])
+def test_angles_of_the_coordinates_leave_rigid_motions_and_held_stations_at_rest(random_tree, trains, held) -> None:
+    train, bars = _random_train(random_tree, trains, 3, held)
+    whole, element = replace(train, shafts=bars), bars.laws[0]
+    found = static_bends(whole, bars, element)
+    spring = found.spring
+    twist = found.angle[spring] - found.angle[train.parent[spring]]
+    scale = np.abs(found.angle).max()
+    assert np.allclose(twist, found.root[:, None] * found.bend, rtol=0, atol=1e-14 * scale)
+    assert np.all(found.angle[rigidity(whole.static).fixed] == 0.0)
+    momentum = whole.static.moving_inertia @ found.angle
+    momentum[found.inside.reshape(-1)] += element.coupling_turn.reshape(-1)
+    if held == "none":
+        assert np.abs(momentum).max() < 1e-13 * scale * whole.static.moving_inertia.sum()
+
+
+VALUES = {
+    "the square and its correction": np.concatenate((10.0 ** -np.linspace(0, 2.5, 6), 10.0 ** -np.linspace(2.7, 4, 8))),
+    "close ones before the gap": np.array([1.0, 0.3, 1e-2, 1e-2 * (1 + 1e-9), 5e-3, 4.99e-3, *np.full(8, 1e-4)]),
+    "without a gap": 0.98 ** np.arange(14),
+    "too far apart for the square": 10.0 ** -np.arange(14.0),
+}
+
+
+@pytest.mark.parametrize("which", VALUES)
+def test_vectors_are_as_right_as_those_of_a_decomposition(which: str) -> None:
+    """To eps times the largest singular value over the least wanted one, times the reach of its gap."""
+    rng, values, wanted = np.random.default_rng(1), VALUES[which], 6
+    left, right = (np.linalg.qr(rng.standard_normal((size, 14)))[0] for size in (16, 14))
+    matrix = (left * values) @ right.T
+    exact = mp.svd_r(mp.matrix(matrix.tolist()))[2]
+    found = largest_right_vectors(matrix, wanted)
+    assert found.shape == (14, wanted)
+    assert np.allclose(found.T @ found, np.eye(wanted), rtol=0, atol=1e-14)
+    behind = np.array([[float(exact[k, i]) for i in range(14)] for k in range(wanted, 14)])
+    tolerance = 20 * 2.0**-53 * values[0] / values[wanted - 1] / (1.0 - values[wanted] / values[wanted - 1])
+    assert np.abs(behind @ found).max() < tolerance
+
+
+@pytest.mark.parametrize("degree", [1, 2, 7])
+def test_an_element_scales_with_its_stiffness_and_its_inertia(trains, degree: int) -> None:
+    k, m = trains.element(degree, 1.0, np.exp, np.ones_like)
+    stiffness, inertia = np.array([3e6, 20.0]), np.array([0.7, 5e3])
+    scaled = condensed_elements(k[None], m[None]).scaled(stiffness, inertia)
+    plain = condensed_elements(k * stiffness[:, None, None], m * inertia[:, None, None])
+    s = 0.3 * np.array([1.0, 0.5]) * (plain.limit if degree > 1 else 1.0) ** 2
+    for one, other in zip(scaled.at(s), plain.at(s), strict=True):
+        assert np.allclose(one, other, rtol=2e-14)
+    together = CondensedElements.joined([scaled, plain])
+    assert np.array_equal(together.at(s)[0], np.concatenate([scaled.at(s)[0], plain.at(s)[0]]))
+
+
+def test_many_equal_elements_have_the_values_of_few(trains) -> None:
+    law = trains.elements(6, 80, rigidity=lambda x: 1.0 + np.floor(4 * x)).laws[0]
+    s = np.linspace(0.0, 0.5, 40) * law.limit**2
+    few = [law.at(s[k : k + 1]) for k in range(0, 40, 13)]
+    for k, values in zip(range(0, 40, 13), few, strict=True):
+        for one, other in zip(law.at(s), values, strict=True):
+            assert np.allclose(one[:, k], other[:, 0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-4, 0.2])
+def test_counts_prove_or_correct_the_frequencies_they_start_from(trains, off: float) -> None:
+    train, bars = trains.chain(6, {0: 0.3, 3: 2.0}), trains.elements(5, 6)
+    sure, dense = _modes(train, bars, 4), dense_modes(replace(train, shafts=bars), 4)
+    found = tree_modes(replace(train, shafts=bars), 4, start=dense.frequency * (1.0 + off))
+    assert found.certified
+    assert np.all((sure.lower <= found.upper) & (found.lower <= sure.upper))
+    assert np.allclose(found.frequency, sure.frequency, rtol=4e-15)
+    assert np.allclose(found.angle, sure.angle, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("number", [6, 12])
+@pytest.mark.parametrize("law", ["uniform", "profile", "elements"])
+def test_one_mode_inside_each_bar_estimates_the_frequencies(trains, law: str, number: int) -> None:
+    """Of a free shaft with two discs: they come out too high, by the fourth power of the frequency over the limit."""
+    section = lambda x: (1.0 + 0.2 * x) ** 4  # noqa: E731
+    bars = {
+        "uniform": lambda: trains.pieces(1.0, 1.0, 1.0, number),
+        "profile": lambda: trains.tapered(section, number),
+        "elements": lambda: trains.elements(4, number),
+    }[law]()
+    train = trains.chain(number, {0: 0.4, number // 2: 1.0})
+    exact, found = _modes(train, bars, 3), estimated_frequencies(replace(train, shafts=bars), 3)
+    assert np.all(np.diff(found) > 0.0)
+    error = found / exact.frequency - 1.0
+    assert np.all((error > 0.0) & (error < 0.08 * (exact.frequency / bars.limit) ** 4))
+    started = tree_modes(replace(train, shafts=bars), 3, start=found)
+    assert started.certified
+    assert np.allclose(started.frequency, exact.frequency, rtol=2e-15)
+    assert np.allclose(started.angle, exact.angle, rtol=0, atol=1e-13)

@@ -1,0 +1,84 @@
+"""The results as JSON: documented, finite, exact, and without the libraries of the page."""
+
+import json
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings
+from torsion.output.results_json import documented, results, text
+
+KEYS = {key.path: key.meaning for key in documented()}
+NOT_IN_THIS_TRAIN = (
+    "frequency_response", "check.", "checks[].barred", "lateral", "joints.lines[].optimum", "periodic", "stability",
+    "plan.unanswered",
+)  # fmt: skip
+LIGHT = """
+import sys, torsion
+from torsion.output.results_json import text
+text(torsion.run(torsion.parse({scene!r})))
+heavy = ("matplotlib", "jinja2", "typst", "rich", "torsion.kinematics")
+print([name for name in sys.modules if name.split(".")[0] in heavy or name in heavy])
+"""
+
+
+def paths(value: Any, at: str = "") -> set[str]:
+    """Every path down to the documented leaves."""
+    if at in KEYS:
+        return {at}
+    if isinstance(value, dict):
+        return set().union(*(paths(v, f"{at}.{k}" if at else k) for k, v in value.items()))
+    if isinstance(value, list):
+        return set().union(*(paths(v, f"{at}[]") for v in value))
+    return {at} if value is not None else set()
+
+
+def test_every_key_is_documented_and_every_documented_key_is_there(train: Findings) -> None:
+    found = paths(results(train))
+    assert found <= set(KEYS)
+    left = {key for key in KEYS if not key.startswith(NOT_IN_THIS_TRAIN)} - found
+    assert left == set()
+
+
+def test_the_text_is_strict_json_without_infinities(train: Findings, undamped: Findings) -> None:
+    for findings in (train, undamped):
+        back = json.loads(text(findings), parse_constant=pytest.fail)
+        assert back == json.loads(json.dumps(results(findings)))
+        assert back["format"] == 1
+
+
+def test_numbers_come_back_to_the_last_digit(train: Findings) -> None:
+    back = json.loads(text(train))
+    np.testing.assert_array_equal(back["modes"]["frequency_Hz"], train.need(Modes).frequency)
+    pairs = np.array(back["response"]["lines"][0]["torque_Nm"])
+    spans = back["response"]["span"]
+    np.testing.assert_array_equal(pairs[..., 0] + 1j * pairs[..., 1], train.need(Response).torque[:, 0, spans])
+
+
+def test_orders_are_exact_texts(train: Findings) -> None:
+    told = [line["order"] for line in results(train)["response"]["lines"]]
+    assert told == [str(line.order) for line in train.need(Response).lines]
+    assert "80/41" in told
+
+
+def test_a_line_that_is_not_ok_has_its_word_and_no_number(undamped: Findings) -> None:
+    line = results(undamped)["response"]["lines"][0]
+    words = line["status"]
+    assert set(words) >= {"ok"}
+    assert "singular" in words or "near-singular" in words
+    together = results(undamped)["synthesis"]["half_range_Nm"][0]
+    for word, torque, half_range in zip(words, line["torque_Nm"], together, strict=True):
+        unknown = [part is None for pair in torque for part in pair] + [half_range is None]
+        assert all(unknown) if word != "ok" else not any(unknown)
+
+
+def test_json_alone_loads_neither_plots_nor_templates() -> None:
+    scene = "name: a\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
+    script = LIGHT.format(scene=scene)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,66 @@
+"""Long arrays among the results: as text piece by piece, and in a file of their own."""
+
+import json
+from itertools import repeat
+
+import numpy as np
+import pytest
+
+from torsion.kernels.tree_response import Status
+from torsion.output.json_text import SERIES, lines, listed, pieces, write_json
+from torsion.output.plain import numbers
+from torsion.results import words
+
+
+def _data() -> dict:
+    rng = np.random.default_rng(1)
+    values = rng.normal(size=(3, 7001))
+    values[1, 5] = np.nan
+    return {
+        "few": {"number": 1.5, "word": 'x"y', "none": None, "list": [1, [2.0, "z"]], "empty": np.empty((0, 3))},
+        "long": [
+            {"torque": values, "complex": numbers(values[0] + 1j), "at": np.arange(23_456), "flag": values[0] > 0}
+        ],
+        "status": words(np.array([0, 2, 1]), Status),
+    }
+
+
+def test_text_in_pieces_is_that_of_the_lists():
+    data = _data()
+    assert "".join(pieces(data)) == json.dumps(listed(data), allow_nan=False)
+    back = listed(data)
+    assert back["long"][0]["torque"][1][5] is None
+    assert back["status"] == ["ok", "singular", "near-singular"]
+    assert np.shape(back["long"][0]["complex"]) == (7001, 2)
+
+
+def test_no_piece_of_a_long_array_is_long():
+    assert max(map(len, pieces(np.ones((40, 5000))))) < 30_000
+    assert max(map(len, pieces(np.ones(200_000)))) < 60_000
+
+
+def test_long_arrays_stand_in_a_file_of_their_own_under_their_keys(tmp_path):
+    data = _data()
+    parts = {key: repeat(value).__next__ for key, value in data.items()}
+    written = write_json(parts, tmp_path / "results.json", most=10_000)
+    assert [path.name for path in written] == ["results.json", SERIES]
+    back = json.loads(written[0].read_text())
+    assert back["few"] == listed(data["few"])
+    with np.load(written[1]) as series:
+        assert sorted(series) == ["long[0].at", "long[0].complex", "long[0].torque"]
+        for name, place in back["long"][0].items():
+            if name != "flag":
+                assert place == {"file": SERIES, "array": f"long[0].{name}", "shape": list(data["long"][0][name].shape)}
+                np.testing.assert_array_equal(series[place["array"]], data["long"][0][name])
+    assert back["long"][0]["flag"] == data["long"][0]["flag"].tolist()
+
+
+def test_without_long_arrays_there_is_one_file_of_a_line_for_each_key(tmp_path):
+    parts = {"a": lambda: [1, 2], "b": lambda: {"c": np.ones(2)}}
+    (file,) = write_json(parts, tmp_path / "results.json")
+    assert file.read_text() == '{\n"a": [1, 2],\n"b": {"c": [1.0, 1.0]}\n}\n' == "".join(lines(parts))
+
+
+def test_an_infinite_number_outside_of_arrays_is_refused():
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        list(pieces({"a": float("inf")}))

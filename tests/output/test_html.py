@@ -1,0 +1,146 @@
+"""The page: self-contained, escaped, complete, true to the results."""
+
+import re
+from datetime import date
+from html import escape
+from html.parser import HTMLParser
+
+import pytest
+
+from torsion.analyses.response.amplitudes import Synthesis
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings
+from torsion.output.blocks import Figure, Heading, Table
+from torsion.output.document import document
+from torsion.output.elastic_elements import elements
+from torsion.output.html import css_text, html
+from torsion.output.numbers import number
+from torsion.rules.verdict_line import Checks
+
+VOID = {"meta", "br", "link", "img", "hr"}
+
+
+@pytest.fixture(scope="module")
+def page(train: Findings) -> str:
+    return html(document(train, date(2024, 2, 29)))
+
+
+class Outline(HTMLParser):
+    """Checks that every element is closed, and notes what is loaded from elsewhere and what runs."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.loads: list[str] = []
+        self.tags: set[str] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        for key, value in attrs:
+            if key in ("src", "href", "xlink:href", "data") and not (value or "").startswith("#"):
+                self.loads.append(f"{tag} {key}={value}")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open
+        assert self.open.pop() == tag
+
+
+def test_the_page_needs_nothing_from_elsewhere_and_runs_nothing(page: str) -> None:
+    outline = Outline()
+    outline.feed(page)
+    assert outline.open == []
+    assert outline.loads == []
+    assert "script" not in outline.tags
+    assert "url(http" not in page
+    assert "@import" not in page
+
+
+def test_names_are_escaped_everywhere(page: str, nasty: str) -> None:
+    assert "<script>" not in page
+    assert "<b>#1</b>" not in page
+    assert escape(nasty, quote=False).replace('"', "&#34;") in page
+    assert page.count("</style>") >= 1
+    assert "a &lt;/style&gt; b" in page
+
+
+def test_a_name_cannot_end_the_style_sheet() -> None:
+    assert "<" not in css_text('"; } </style><b>')
+    assert '"' not in css_text('"; } </style><b>')
+
+
+def test_no_chapter_is_empty_and_numbers_have_no_gap(train: Findings) -> None:
+    body = document(train).body
+    chapters = [item for item in body if isinstance(item.block, Heading) and item.block.level == 1]
+    assert [item.number for item in chapters] == [str(k + 1) for k in range(len(chapters))]
+    for item, after in zip(body, [*body[1:], None], strict=True):
+        if isinstance(item.block, Heading):
+            assert after is not None
+            assert not (isinstance(after.block, Heading) and after.block.level <= item.block.level), item.block.text
+
+
+def test_what_a_scene_does_not_have_is_not_printed(bare: Findings) -> None:
+    titles = [i.block.text for i in document(bare).body if isinstance(i.block, Heading) and i.block.level == 1]
+    assert titles == [
+        "Verdict", "The plant", "Mass-elastic system", "Natural frequencies", "What was computed",
+        "Appendix: the input as read",
+    ]  # fmt: skip
+
+
+def _table(findings: Findings, caption: str) -> Table:
+    found = [i.block for i in document(findings).body if isinstance(i.block, Table) and caption in i.block.caption]
+    assert found, caption
+    return found[0]
+
+
+def test_the_frequencies_in_the_table_are_those_found(train: Findings, page: str) -> None:
+    rows = _table(train, "Natural frequencies of the undamped").rows
+    assert [row[1] for row in rows] == [number(f, 7) for f in train.need(Modes).frequency.tolist()]
+    assert all(f">{row[1]}<" in page for row in rows)
+
+
+def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
+    rows = _table(train, "Checks against").rows
+    assert len(rows) == len(train.need(Checks).lines) > 5
+    for row, check in zip(rows, train.need(Checks).lines, strict=True):
+        assert row[1] == check.where
+        assert row[8:] == (check.standing, check.verdict.upper())
+        assert row[3] == number(check.value)
+
+
+def test_the_largest_torque_in_the_table_is_that_of_the_synthesis(train: Findings) -> None:
+    table = _table(train, "Largest vibratory torque of every element")
+    factor = {"N m": 1.0, "kN m": 1e-3}[table.columns[1].unit]
+    by_name = {element.name: element for element in elements(train.system)}
+    for row in table.rows:
+        top = train.need(Synthesis).half_range[:, list(by_name[row[0]].spans)].max()
+        assert row[1] == number(float(top) * factor)
+
+
+def test_every_number_of_the_input_stands_in_the_appendix(train: Findings, page: str) -> None:
+    for word in re.findall(r"[\w.]+", train.study.text):
+        assert word in page
+
+
+def test_a_resonance_without_an_answer_is_said_and_not_plotted(undamped: Findings) -> None:
+    body = document(undamped).body
+    figures = [i.block for i in body if isinstance(i.block, Figure) and i.block.plot == "torque"]
+    assert figures
+    for figure in figures:
+        bad = figure.values["bad"]
+        assert bad.any()
+        for _, values in figure.values["lines"]:
+            assert not (values[bad] == values[bad]).any()  # NaN where the answer is not reliable
+    text = html(document(undamped))
+    assert "no reliable finite value" in text
+    assert "url(#h" in text  # the hatch
+
+
+def test_the_same_findings_give_the_same_page(bare: Findings) -> None:
+    assert html(document(bare, date(2024, 1, 1))) == html(document(bare, date(2024, 1, 1)))

@@ -1,0 +1,136 @@
+"""Very long shafts in a report: segment groups stand for their segments."""
+
+import json
+from datetime import date
+from typing import Any
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.undamped_modes import Modes
+from torsion.assembly.segment_groups import segment_groups
+from torsion.findings import Findings
+from torsion.output.blocks import Figure, Table
+from torsion.output.chapters.natural_frequencies import MOST_SEGMENTS, chapter
+from torsion.output.document import document
+from torsion.output.html import html
+from torsion.output.results_json import text
+
+SCENE = """
+name: two long shafts
+operation: {rated: {speed: 100 rad/s, power: 1 kW}}
+train:
+  - disc: {name: a, inertia: 1.0}
+  - shaft: {name: long, length: 20 m, diameter: 0.1 m, segments: 5003}
+  - disc: {name: b, inertia: 2.0}
+  - shaft: {name: short, length: 1 m, diameter: 0.1 m, segments: 3}
+  - disc: {name: c, inertia: 1.0}
+analyses: {modes: {count: 3}}
+"""
+
+
+@pytest.fixture(scope="module")
+def long() -> Findings:
+    """Two shafts, one of more segments than are told."""
+    return torsion.run(torsion.parse(SCENE))
+
+
+@pytest.fixture(scope="module")
+def results(long: Findings) -> dict[str, Any]:
+    """Its results as they are read back."""
+    return json.loads(text(long))
+
+
+def test_the_results_of_a_long_shaft_are_few_and_sum_to_the_same(long, results):
+    system, modes = long.system, long.need(Modes)
+    system, modes = long.system, long.need(Modes)
+    whole = system.whole
+    assert (len(system.stations), len(whole.stations)) == (1673, 5007)
+    assert len(results["stations"]) < 2100
+    assert len(results["spans"]) < 2100
+    inertia = [station["inertia_kg_m2"] for station in results["stations"]]
+    assert sum(inertia) == pytest.approx(whole.inertia.sum(), rel=1e-13)
+    flexibility = [span["flexibility_rad_per_Nm"] for span in results["spans"]]
+    assert sum(flexibility) == pytest.approx(whole.flexibility.sum(), rel=1e-13)
+    for key, number in (("kinetic_share", inertia), ("elastic_share", flexibility)):
+        share = np.array(results["modes"][key])
+        assert share.shape == (3, len(number))
+        np.testing.assert_allclose(share.sum(axis=1), 1.0, rtol=1e-13)
+    assert np.array(results["mean"]["torque_Nm"]).shape[0] == len(flexibility)
+    by_name = {station.name: k for k, station in enumerate(whole.stations)}
+    place = [by_name[station["name"]] for station in results["stations"]]
+    alone = torsion.modes(whole, 3)
+    np.testing.assert_array_equal(results["modes"]["shape_rad"], alone.shape[place].T)
+    np.testing.assert_array_equal(modes.shape, alone.shape[place])
+
+
+def test_stretches_follow_one_another_from_the_driving_to_the_driven_station(long, results):
+    row = [span for span in results["spans"] if span["component"] == "long"]
+    names = [station["name"] for station in results["stations"]]
+    assert (row[0]["name"], row[-1]["name"]) == ("long [1..3]", "long [5003]")
+    assert [span["driving_station"] for span in row[1:]] == [span["driven_station"] for span in row[:-1]]
+    assert names[row[0]["driven_station"]] == "long 3/5003"
+    ends = long.system.train.part("long").stations
+    assert (row[0]["driving_station"], row[-1]["driven_station"]) == (ends[0], ends[-1])
+    assert [span["name"] for span in results["spans"] if span["component"] == "short"] == [
+        f"short [{k}]" for k in (1, 2, 3)
+    ]
+
+
+def test_a_train_without_long_shafts_is_told_whole(long):
+    every = segment_groups(long.system, 6000)
+    assert every.is_whole
+    np.testing.assert_array_equal(every.stations, np.arange(len(long.system.stations)))
+    np.testing.assert_array_equal(every.ends, np.column_stack([long.system.driving, long.system.driven]))
+    assert every.names() == [span.name for span in long.system.spans]
+
+
+def test_a_mode_of_a_long_shaft_is_drawn_in_stretches_and_the_caption_says_so(long):
+    figure = next(block for block in chapter(long) if isinstance(block, Figure))
+    values = figure.values
+    assert len(values["x"]) == len(values["angle"]) <= MOST_SEGMENTS + 20
+    assert len(values["ends"]) == len(values["torque"]) <= MOST_SEGMENTS + 20
+    assert "every 12th segment is drawn" in figure.caption
+    assert np.abs(values["angle"]).max() == pytest.approx(1.0, rel=1e-3)
+
+
+def _value(cell: str) -> float:
+    """A printed number: "−1.2346·10⁷"."""
+    plain = cell.translate(str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789"))
+    return float(plain.replace("·10", "e"))
+
+
+def test_the_holzer_table_sums_all_segments_into_the_row_of_their_end(long):
+    printed = next(b for b in chapter(long) if isinstance(b, Table) and b.caption.startswith("Holzer"))
+    assert [row[0] for row in printed.rows] == ["a", "b", "c"]
+    inertia, angle, torque = (np.array([_value(row[k]) for row in printed.rows]) for k in (1, 2, 3))
+    flexibility, twist = (np.array([_value(row[k]) for row in printed.rows[1:]]) for k in (6, 7))
+    assert inertia.sum() == pytest.approx(long.system.inertia.sum(), rel=1e-4)
+    assert flexibility.sum() == pytest.approx(long.system.flexibility.sum(), rel=1e-4)
+    np.testing.assert_allclose(angle[:-1] - twist, angle[1:], atol=1e-4)
+    assert torque.sum() == pytest.approx(0.0, abs=1e-4 * np.abs(torque).max())
+
+
+@pytest.mark.parametrize("inertia", ["inertia: 1, damping: 2", "inertia: 1", "held: true"])
+def test_a_train_of_one_station_and_no_span_has_a_report(inertia):
+    excited = "" if "held" in inertia else ", ripple: [{order: 1, torque: 3}, {order: 2, torque: 1}]"
+    speeds = "operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 3}}\n"
+    found = torsion.run(torsion.parse(f"name: x\n{speeds}train: [motor: {{{inertia}{excited}}}]\n"))
+    every = segment_groups(found.system, MOST_SEGMENTS)
+    assert (every.names(), every.ends.shape, every.spans.size) == ([], (0, 2), 0)
+    assert [station["name"] for station in json.loads(text(found))["stations"]] == ["motor-1"]
+    assert "motor-1" in html(document(found, date(2026, 1, 1)))
+
+
+def test_a_train_of_one_station_has_a_response_over_frequency():
+    asked = "{response: {frequencies: {from: 1, to: 20, steps: 20}}}"
+    found = torsion.run(
+        torsion.parse(
+            f"name: x\ntrain: [disc: {{name: wheel, inertia: 2}}]\nanalyses: {asked}\n"
+            "excitations: [{at: wheel, torque: 10}]\n"
+        )
+    )
+    page = html(document(found, date(2026, 1, 1)))
+    assert "Largest angular amplitude" in page
+    assert "Largest torque amplitude" not in page

@@ -1,0 +1,85 @@
+"""Numbers as an engineer reads them."""
+
+import math
+from fractions import Fraction
+
+import pytest
+
+from torsion.output import numbers
+from torsion.output.reported_values import band_words
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"), (1.0, "1.0000"), (123456.7, "123460"), (0.00012345678, "0.00012346"),
+        (0.000012345678, "1.2346·10⁻⁵"),
+        (12345678.0, "1.2346·10⁷"), (-2.5, "−2.5000"), (99999.6, "100000"), (math.inf, "∞"), (math.nan, "–"),
+        (None, "–"),
+    ],
+)  # fmt: skip
+def test_five_significant_digits(value: float | None, text: str) -> None:
+    assert numbers.number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(300.0, "300"), (2.5, "2.5"), (1e-9, "1.0000·10⁻⁹"), (0.0, "0"), (100.0, "100")]
+)
+def test_a_given_figure_has_no_zeros_that_nobody_wrote(value: float, text: str) -> None:
+    assert numbers.given(value) == text
+
+
+@pytest.mark.parametrize(
+    ("order", "text"), [(Fraction(2), "2"), (Fraction(1, 2), "0.5"), (Fraction(40, 21), "40/21 ≈ 1.9048")]
+)
+def test_an_order_is_exact_and_readable(order: Fraction, text: str) -> None:
+    assert numbers.order(order) == text
+
+
+@pytest.mark.parametrize(
+    ("values", "unit"), [([12.0], "N m"), ([999.0, 1000.0], "kN m"), ([3e6, math.inf], "MN m"), ([], "N m")]
+)
+def test_one_prefix_suits_the_largest_value(values: list[float], unit: str) -> None:
+    assert numbers.scale("N m", values).unit == unit
+
+
+@pytest.mark.parametrize(
+    ("angle", "digits"), [(89.0, 5), (89.999, 5), (89.9999, 6), (89.99999, 7), (89.9999999999, 12), (90.0, 5)]
+)
+def test_an_angle_below_a_right_one_does_not_read_as_a_right_one(angle: float, digits: int) -> None:
+    assert numbers.below_right(math.radians(angle)) == digits
+    assert (float(f"{angle:.{digits - 1}e}") < 90.0) == (angle < 90.0)
+
+
+def test_a_prefix_does_not_change_the_value() -> None:
+    scale = numbers.scale("N m", [25e3])
+    assert scale.text(12345.0) == "12.345"
+
+
+def test_a_barred_range_is_rounded_outward() -> None:
+    assert band_words((298.46, 368.41)) == "298.4 to 368.5 rpm"
+
+
+def test_a_range_that_ends_at_a_round_speed_is_not_rounded_by_the_conversion_of_units() -> None:
+    for speed in (300.0, 780.0, 900.0, 1234.5):
+        there = speed * math.pi / 30.0 * numbers.RPM
+        for near in (there, math.nextafter(there, 0.0), math.nextafter(there, 2.0 * there)):
+            assert band_words((near, near)) == f"{speed} to {speed} rpm"
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ([337.62], ["337.62"]),
+        ([337.62, 337.62], ["337.62", "337.62"]),
+        ([1.0, 2.0], ["1.0000", "2.0000"]),
+        ([337.62021, 337.62024], ["337.62021", "337.62024"]),
+        ([300.0, 300.002], ["300.000", "300.002"]),
+    ],
+)
+def test_different_values_read_differently(values: list[float], texts: list[str]) -> None:
+    assert numbers.told_apart(values) == texts
+
+
+def test_a_count_has_its_noun_in_the_right_number() -> None:
+    assert [numbers.counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]

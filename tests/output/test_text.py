@@ -1,0 +1,57 @@
+"""The tables of the terminal."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings
+from torsion.output.document import document
+from torsion.output.numbers import number, rpm
+from torsion.output.reported_values import unreliable
+from torsion.output.terminal.screen import progress, show
+from torsion.rules.verdict_line import Checks
+
+
+def printed(findings: Findings) -> str:
+    """What the terminal shows."""
+    stream = io.StringIO()
+    show(document(findings), Path("reports/x"), Console(file=stream, width=200, color_system=None))
+    return stream.getvalue()
+
+
+def test_the_terminal_shows_verdicts_frequencies_and_the_place_of_the_report(train: Findings, nasty: str) -> None:
+    text = printed(train)
+    for check in train.need(Checks).lines:
+        assert check.verdict.upper() in text
+        assert check.standing in text
+    for frequency in train.need(Modes).frequency.tolist():
+        assert number(frequency, 7) in text
+    assert str(Path("reports/x/report.html")) in text
+
+
+def test_a_name_is_no_markup_of_the_terminal(train: Findings, nasty: str) -> None:
+    assert "[a](b)" in "".join(printed(train).split())  # rich would take [a] for a style
+
+
+def test_no_amplitude_is_told_at_a_speed_without_a_reliable_one(undamped: Findings) -> None:
+    """The torque grows without limit towards the resonance: the largest of the range is not that of any speed."""
+    assert np.any(unreliable(undamped))
+    assert not np.all(unreliable(undamped))
+    assert "coupling-1 no reliable value –" in " ".join(printed(undamped).split())
+    assert "No amplitude is stated there, nor a largest one of the range" in " ".join(printed(undamped).split())
+
+
+def test_the_largest_torque_is_that_of_the_synthesis_at_its_speed(train: Findings) -> None:
+    told = printed(train).split("Largest vibratory torque")[1].split("rubber")[1].split()[:2]
+    (span,) = [k for k, span in enumerate(train.system.spans) if span.name == "rubber"]
+    half = train.need(Synthesis).half_range[:, span]
+    assert told == [number(float(half.max())), rpm(float(train.need(Response).speed[half.argmax()]))]
+
+
+def test_progress_is_silent_where_there_is_no_terminal(capsys: object) -> None:
+    with progress() as tell:
+        tell("response [bold]", 0.5)

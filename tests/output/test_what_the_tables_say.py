@@ -1,0 +1,107 @@
+"""What single tables of the report say: the tooth load, the rows of a Holzer table, entrained water."""
+
+import re
+from collections.abc import Sequence
+
+import pytest
+
+import torsion
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Paragraph, Table
+from torsion.output.chapters import coupling_loads as couplings
+from torsion.output.chapters import gear_meshes as gears
+from torsion.output.chapters import mass_elastic
+from torsion.output.chapters.holzer_table import holzer_table
+from torsion.output.elastic_elements import elements
+from torsion.rules.verdict_line import Checks
+
+GEARED = """
+name: a geared train
+operation: {at: screw, speeds: {from: 60 rpm, to: 220 rpm, steps: 41}, rated: {speed: 200 rpm, power: 1.2 MW}}
+train:
+  - motor: {name: m, inertia: 30, ripple: [{order: 2, torque: 2 %}]}
+  - gear:
+      name: g
+      teeth: [23, 101]
+      inertia: [1.5, 60]
+      mesh_stiffness: 20 MN*m/rad
+      branches:
+        - teeth: 37
+          inertia: 2
+          mesh_stiffness: 11 MN*m/rad
+          train:
+            - shaft: {name: pto, length: 1 m, diameter: 80 mm, segments: 3}
+            - motor: {name: n, inertia: 10}
+            - damper: {name: dmp, housing: 0.4, ring: 1.2, damping: 30, stiffness: 40 kN*m/rad}
+        - ratio: 7/3
+          train: [coupling: {name: c, stiffness: 1e5, psi: 0.9}, disc: {name: alt, inertia: 4, damping: 12}]
+  - shaft: {name: tail, length: 4 m, diameter: 230 mm, segments: 5}
+  - propeller:
+      {name: screw, inertia: 900, entrained: 200, blades: 4, damping: 3e3, excitation: [{blade_order: 1, torque: 8 %}]}
+"""
+
+
+@pytest.fixture(scope="module")
+def geared() -> Findings:
+    return solved(GEARED)
+
+
+def solved(text: str) -> Findings:
+    return torsion.run(torsion.parse(text, "scene.yaml"))
+
+
+def table(blocks: Sequence[Block]) -> Table:
+    return next(block for block in blocks if isinstance(block, Table))
+
+
+def test_load_of_an_unloaded_mesh_reverses_everywhere(geared) -> None:
+    told = table(gears.chapter(geared))
+    rows = {row[0]: (row, mark) for row, mark in zip(told.rows, told.marks, strict=True)}
+    idle, mark = rows["g wheel 3"]
+    assert (idle[3], idle[4], idle[6], mark) == ("0", "∞", "yes, everywhere", "fail")
+    assert (rows["g"][0][6], rows["g"][1]) == ("no", "")
+
+
+def test_load_of_a_mesh_without_any_torque_does_not_reverse() -> None:
+    still = GEARED.replace("ripple: [{order: 2, torque: 2 %}]", "ripple: [{order: 2, torque: 0 %}]")
+    told = table(gears.chapter(solved(still.replace("torque: 8 %", "torque: 0 %"))))
+    assert {row[6] for row in told.rows} == {"no"}
+
+
+def test_holzer_table_names_the_elements_as_the_table_of_elements_does(geared) -> None:
+    (block,) = holzer_table(geared, geared.need(Modes), 0)
+    through = [row[4] for row in block.rows if row[4] != "–"]
+    assert len(set(through)) == len(through)
+    assert {element.name for element in elements(geared.system)} <= set(through)
+
+
+@pytest.mark.parametrize(
+    ("entrained", "words"),
+    [
+        ("entrained: 200,", "screw: J 900 dry + 200 entrained water = 1100 kg m² (22.22 % of dry)."),
+        ("entrained: 25 %,", "screw: J 900 dry + 225 entrained water = 1125 kg m² (25 % of dry)."),
+        ("", "screw: J dry, no entrained water is given."),
+    ],
+)
+def test_dry_inertia_and_entrained_water_are_told_apart(entrained, words) -> None:
+    found = solved(GEARED.replace("entrained: 200,", entrained))
+    told = [block.text for block in mass_elastic.chapter(found) if isinstance(block, Paragraph)]
+    assert words in told
+
+
+def test_heat_at_an_undamped_resonance_has_no_value() -> None:
+    text = """
+name: undamped
+operation: {speeds: {from: 5 rad/s, to: 15 rad/s, steps: 11}}
+train:
+  - disc: {inertia: 2}
+  - coupling: {name: k, stiffness: 120, heat_limit: 5 W, vibratory_torque: 100}
+  - disc: {name: far, inertia: 3}
+excitations: [{at: far, order: 1, torque: 1}]
+rules: [coupling-maker]
+"""
+    found = solved(text)
+    values = {check.clause: (check.value, check.verdict) for check in found.need(Checks).lines}
+    assert values == {"T_KW": (float("inf"), "fail"), "P_KW": (float("inf"), "fail")}
+    assert not re.search(r"\b0 W", str(couplings.chapter(found)))

@@ -1,0 +1,106 @@
+"""The words of the field in place of private ones: what not to write, checked in pages, comments and strings."""
+
+import ast
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+CHECKED = ("README.md", "shafting_specs/README.md", "docs", "reports", "benchmarks")  # files; folders of *.md and *.py
+GENERATED = ("docs/format.md",)  # from the declarations in src: checked once src is
+WORDS = (
+    (r"told|tells?|telling", "reports, states, names; reported, stated"),
+    (r"asks?|asked|asking", "requests; requested, settings"),
+    (r"(?:in|out)wards?", "toward the root, toward the leaves"),
+    (r"(?:sub)?divisions?", "discretisation"),
+    (r"brothers?", "siblings"),
+    (r"hung|hangs?", "re-rooted; is carried by, follows"),
+    (r"closing spans?", "chord of a loop"),
+    (r"(?:first|second|both|one|two|backward|forward|upward|downward) pass(?:es)?", "sweep; seen from both sides"),
+    (r"proofs?", "enclosure"),
+    (r"(?:per|a|an|one|two|each|every|half|quarter|the|whole) turns?(?! (?:of|to) )", "revolution"),
+    (r"turns (?:of|per) (?:the|a) (?:shaft|reference|motor|cycle)", "revolutions"),
+    (r"held", "fixed, grounded; compared with, kept"),
+    (r"stations? (?:left )?alone", "free node"),
+    (
+        r"(?:response|harmonic|synthesis) lines?|lines? of (?:fixed frequency|an order|the response)",
+        "harmonic component",
+    ),
+    (r"sw(?:ings?|inging|ung)", "amplitude, range; oscillates"),
+    (r"stretch(?:es)?", "segment group, range"),
+    (r"(?<!-)fold(?:s|ed|ing)?", "condensed"),
+    (r"bars?", "distributed shaft; rod"),
+)  # a word, whole, without its case; what to write in its place
+QUOTED = re.compile(r"```.*?^```|`[^`\n]*`|\]\([^)\n]*\)", re.MULTILINE | re.DOTALL)  # keys, code, targets of links
+
+
+def private_words(text: str) -> list[tuple[int, str, str]]:
+    """Line, word and what to use instead, of every private word outside code, keys in backticks and targets."""
+    prose = QUOTED.sub(lambda match: re.sub(r"[^\n]", "_", match[0]), text)
+    found = []
+    for pattern, instead in WORDS:
+        for match in re.finditer(rf"\b(?:{pattern})\b".replace(" ", r"\s+"), prose, re.IGNORECASE):
+            found.append((prose.count("\n", 0, match.start()) + 1, match[0], instead))
+    return sorted(found)
+
+
+def prose_of(source: str) -> Iterator[tuple[int, str]]:
+    """Line and text of the comments of a module and of its strings; a string of one word is a key, not prose."""
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and re.search(r"\w\s+\w", node.value):
+            yield node.lineno, node.value
+
+
+def checked_files() -> list[Path]:
+    found: list[Path] = []
+    for name in CHECKED:
+        root = ROOT / name
+        found += [root] if root.is_file() else sorted(path for path in root.rglob("*") if path.suffix in {".md", ".py"})
+    return [path for path in found if path.relative_to(ROOT).as_posix() not in GENERATED]
+
+
+@pytest.mark.parametrize("path", checked_files(), ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_a_page_is_written_in_the_words_of_the_field(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    parts = [(1, text)] if path.suffix == ".md" else prose_of(text)
+    faults = [
+        f"{path.relative_to(ROOT)}:{start + line - 1}: '{word}': write {instead}"
+        for start, part in parts
+        for line, word, instead in private_words(part)
+    ]
+    assert not faults, "\n".join(faults)
+
+
+def test_the_roots_that_are_checked_exist() -> None:
+    assert all((ROOT / name).exists() for name in (*CHECKED, *GENERATED))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["The value is told.", "speeds asked for", "counted outward", "a second\npass", "cycles per turn", "a held end",
+     "the swing of the yoke", "Lines of fixed frequency", "folded into one", "a bar of steel"],
+)  # fmt: skip
+def test_a_private_word_is_found(text: str) -> None:
+    assert len(private_words(text)) == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["`held: true` grounds it", "every check passes", "programs taken in turn", "it turns at its own speed",
+     "in a barred range", "twofold, an e-fold", "[page](told/held.md)", "joints in line", "line 3 of the file",
+     "```\nasked = held\n```", "half a revolution", "tasked, withheld, foretold"],
+)  # fmt: skip
+def test_ordinary_words_and_quoted_keys_are_no_fault(text: str) -> None:
+    assert private_words(text) == []
+
+
+def test_prose_of_a_module_is_its_comments_and_sentences() -> None:
+    source = 'key = "held"  # a comment\nwords = f"is {key} told here"\nasked = 1\n'
+    assert [line for line, _ in prose_of(source)] == [1, 2]
