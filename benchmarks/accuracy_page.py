@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.accuracy_methods import PEER
 from benchmarks.page_file import verdict
 from benchmarks.papers.writing import table
-from torsion.analyses.compare.frontier import TimedRow, fastest, unbeaten
+from torsion.analyses.compare.timing import TimedRow, fastest, unbeaten
 from torsion.output.figures.error_curves import error_over_time
 from torsion.output.figures.style import legend_below, page
 from torsion.output.pages.run_time_blocks import cells, curves

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from torsion.analyses.compare.frontier import TimedRow
-from torsion.analyses.compare.timing import Candidate, Pace, timed
+from torsion.analyses.compare.timing import Candidate, Pace, TimedRow, timed
 from torsion.errors import SolveError
 
 

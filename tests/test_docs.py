@@ -13,7 +13,7 @@ from torsion.components import KINDS
 from torsion.output import results_manual
 from torsion.rules.m68_formulas import DETAILS
 from torsion.schema.manual import EXAMPLES, manual
-from torsion.schema.read import Scene
+from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.response.amplitudes import part_of
+from torsion.analyses.response.amplitudes import SMALL_BLOCK, blocks, part_of
 from torsion.analyses.response.over_speed import response, response_at
 from torsion.analyses.response.requested_response import _in_blocks
-from torsion.analyses.response.size import SMALL_BLOCK, blocks
 from torsion.analyses.response.synthesis import synthesis
 from torsion.assembly import assemble
 from torsion.study import bytes_of
@@ -35,9 +34,9 @@ def _scene(steps: int) -> str:
 
 def test_a_response_above_the_limit_is_refused_with_its_count_and_what_to_change():
     study = torsion.parse(_scene(1_000_000))
-    with pytest.raises(torsion.InputError) as caught:
-        torsion.run(study, memory="300 MB")
-    text = str(caught.value)
+    (refused,) = torsion.run(study, memory="300 MB").plan.unanswered
+    assert (refused.analysis, refused.is_named, refused.is_input) == ("response", True, True)
+    text = refused.text
     for part in ("speeds", "x 4 orders x 2 stations", "0.3 GB are allowed", "fewer steps", "--memory 0."):
         assert part in text
     number = int(text.split("up to ")[1].split(" speeds", maxsplit=1)[0])
@@ -97,7 +96,7 @@ def test_too_little_memory_is_status_3_with_a_message(tmp_path: Path):
     orders = ", ".join(f"{{at: a, torque: 10, order: {order}}}" for order in range(1, 31))
     file.write_text(SCENE.format(steps=1_000_000, orders=orders))
     limited = (
-        "import resource, sys, torsion.cli, torsion.findings, torsion.schema.read;"
+        "import resource, sys, torsion.cli, torsion.findings, torsion.schema.scene_reader;"
         "import torsion.analyses.response.over_speed;"
         "size = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize() + 500_000_000;"
         "resource.setrlimit(resource.RLIMIT_AS, (size, size));"

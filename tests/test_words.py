@@ -10,7 +10,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-CHECKED = ("README.md", "shafting_specs/README.md", "docs", "reports", "benchmarks")  # files; folders of *.md and *.py
+CHECKED = (  # files; folders of *.md and *.py
+    "README.md", "shafting_specs/README.md", "docs", "reports", "benchmarks",
+    "src/torsion/arrays.py", "src/torsion/kinematics", "tests/kinematics",
+    *(f"src/torsion/kernels/{name}" for name in ("damping", "distributed", "long_chain", "loops")),
+    *(f"tests/kernels/{name}" for name in ("damping", "distributed", "long_chain", "loops")),
+)  # fmt: skip
 GENERATED = ("docs/format.md",)  # from the declarations in src: checked once src is
 WORDS = (
     (r"told|tells?|telling", "reports, states, names; reported, stated"),

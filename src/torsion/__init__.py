@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from torsion.assembly import assemble
     from torsion.commands import solve
     from torsion.runner import run
-    from torsion.schema.read import parse, read
+    from torsion.schema.scene_reader import parse, read
 
 __version__ = "0.1.0"
 __all__ = [
@@ -22,8 +22,8 @@ __all__ = [
 _PLACES = {
     "assemble": "torsion.assembly",
     "modes": "torsion.analyses.undamped_modes",
-    "parse": "torsion.schema.read",
-    "read": "torsion.schema.read",
+    "parse": "torsion.schema.scene_reader",
+    "read": "torsion.schema.scene_reader",
     "response": "torsion.analyses.response.over_speed",
     "run": "torsion.runner",
     "solve": "torsion.commands",

@@ -12,15 +12,15 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Progress, silent
 from torsion.plan import Plan
 from torsion.runner import run
-from torsion.schema.read import located, read
+from torsion.schema.scene_reader import located, read
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.compare.frontier import Timings
+    from torsion.analyses.compare.timing import Timings
     from torsion.output.document import Document
 
 JOINT_RULES = ("universal-joints",)
-REST = ("everything but the joints", "`torsion joint` tells of the joints alone; `torsion solve` does the rest")
+REST = ("everything but the joints", "`torsion joint` reports the joints alone; `torsion solve` does the rest")
 ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
 ELSEWHERE = ("natural frequencies", "damped modes", "response over speed", "critical speeds", "mean torque", "rules")
 
@@ -93,16 +93,16 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
     """
     from torsion.analyses.joints.joint_analysis import JointsSettings
-    from torsion.rules.joint_tubes import tubes
+    from torsion.rules.universal_joints import tubes
 
     study = read(file)
     if not study.has_joints:
-        fault = Fault(("train",), "the train has no joint", "`torsion joint` tells of joints; use `torsion solve`")
+        fault = Fault(("train",), "the train has no joint", "`torsion joint` reports joints; use `torsion solve`")
         raise located(InputError([fault]), study)
     settings = study.analyses.get("joints") or JointsSettings()
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
-    rules = tuple((name, asked) for name, asked in study.rules if name in JOINT_RULES)
+    rules = tuple((name, given) for name, given in study.rules if name in JOINT_RULES)
     findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",))
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
     supported = [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks] if rules else []
@@ -111,7 +111,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
 
 
 def check(file: str | Path, *, progress: Progress = silent) -> Findings:
-    """Read a scene and compare the models of its shafts, whether it asks that or not; nothing is written.
+    """Read a scene and compare the models of its shafts, whether it requests that or not; nothing is written.
 
     Raises InputError, also for closed loops, of which there is no exact model, and SolveError.
     """
@@ -133,8 +133,7 @@ def study(
     SolveError.
     """
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
-    from torsion.analyses.discretisation import assembled
-    from torsion.analyses.requests import highest_excited, no_response
+    from torsion.analyses.discretisation import assembled, highest_excited, no_response
     from torsion.rules import needed
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)

@@ -1,5 +1,7 @@
 """The two ways in which a computation can end without an answer, and what a fault of the input is."""
 
+import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 Path = tuple[str | int, ...]  # keys and list positions from the top of the file, e.g. ("train", 2, "shaft", "length")
@@ -17,6 +19,13 @@ class Fault:
     column: int | None = None
     other: Path = ()  # another place that the fault is about; the reader quotes its line
 
+    @property
+    def sentence(self) -> str:
+        """The fault in words, without the file."""
+        where = ".".join(map(str, self.path)) or "input"
+        other = f" by {'.'.join(map(str, self.other))}" if self.other else ""
+        return f"{where}: {self.message}{other}" + (f" ({self.hint})" if self.hint else "")
+
 
 class TorsionError(Exception):
     """Base of every error that `torsion` raises on purpose."""
@@ -27,7 +36,7 @@ class InputError(TorsionError):
 
     def __init__(self, faults: list[Fault] | tuple[Fault, ...], text: str = "") -> None:
         self.faults = tuple(faults)
-        super().__init__(text or "\n".join(_sentence(fault) for fault in self.faults))
+        super().__init__(text or "\n".join(fault.sentence for fault in self.faults))
 
 
 class SolveError(TorsionError):
@@ -38,8 +47,18 @@ class SolveError(TorsionError):
         super().__init__(f"{message}; {hint}" if hint else message)
 
 
-def _sentence(fault: Fault) -> str:
-    where = ".".join(str(step) for step in fault.path) or "input"
-    other = f" by {'.'.join(str(step) for step in fault.other)}" if fault.other else ""
-    hint = f" ({fault.hint})" if fault.hint else ""
-    return f"{where}: {fault.message}{other}{hint}"
+def nearest(word: str, candidates: Iterable[str]) -> str | None:
+    """The candidate that `word` was probably meant to be, for 'did you mean'; capitals, '-' and '_' do not count."""
+    known = {_plain(candidate): candidate for candidate in candidates}
+    close = difflib.get_close_matches(_plain(word), known, 1)
+    return known[close[0]] if close else None
+
+
+def _plain(word: str) -> str:
+    return word.casefold().replace("-", "_").replace(" ", "_")
+
+
+def printable(text: str, longest: int = 60) -> str:
+    """The text as a message quotes it: cut, and '?' for what cannot be shown."""
+    shown = "".join(sign if sign.isprintable() else "?" for sign in text[:longest])
+    return shown if len(text) <= longest else f"{shown}…"

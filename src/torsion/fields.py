@@ -23,6 +23,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
 from torsion import units
+from torsion.errors import printable
 
 
 class Declared(BaseModel):
@@ -93,27 +94,25 @@ class Quantity:
                 raise refuse(fault.message, fault.hint) from None
         elif isinstance(value, bool) or not isinstance(value, int | float):
             hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
-            raise refuse(f"{_shown(value)} is not {units.speak(self.unit)}", hint)
+            raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
         else:
             if units.needs_unit(self.unit):
                 raise refuse(
-                    f"{_shown(value)} has no unit; {units.speak(self.unit)} must carry one",
+                    f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one",
                     "deg or rad" if self.unit == "rad" else "rpm or rad/s",
                 )
-            number = _finite(value)
+            try:
+                number = float(value)
+            except OverflowError:
+                raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
         return self._within(number, *units.written(value, self.unit) if isinstance(value, str) else (self.unit, 1.0))
 
     def _within(self, number: float, unit: str, size: float) -> float:
-        """The number, where the limits allow it; they are told in the unit it was written in, of that size."""
+        """The number, where the limits allow it; they are stated in the unit it was written in, of that size."""
         if not math.isfinite(number):
             raise refuse(f"{number} is not a finite number")
-        for limit, holds, words in (
-            (self.above, operator.gt, "more than"),
-            (self.at_least, operator.ge, "at least"),
-            (self.below, operator.lt, "less than"),
-            (self.at_most, operator.le, "at most"),
-        ):
-            if limit is not None and not holds(number, limit):
+        for words, limit, holds in self.limits:
+            if not holds(number, limit):
                 must = f"must be {words} {_with_unit(limit / size, unit)}"
                 raise refuse(f"{_with_unit(number / size, unit)} is out of range", must)
         what, meant = _READING.get()
@@ -123,6 +122,15 @@ class Quantity:
             hint = f"{guess}{' ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
             raise refuse(f"{_with_unit(number / size, unit)} is outside the usual range", hint)
         return number
+
+    @property
+    def limits(self) -> list[tuple[str, float, Callable[[float, float], bool]]]:
+        """Every limit with the words for it and what must hold of a value and it."""
+        known = (
+            ("more than", self.above, operator.gt), ("at least", self.at_least, operator.ge),
+            ("less than", self.below, operator.lt), ("at most", self.at_most, operator.le),
+        )  # fmt: skip
+        return [(words, limit, holds) for words, limit, holds in known if limit is not None]
 
     def _is_usual(self, number: float) -> bool:
         low, high = self.usual
@@ -166,17 +174,13 @@ def _with_unit(amount: float | str, unit: str) -> str:
     return shown if unit in ("", "1") else f"{shown} {unit}"
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
+    """A value as it is quoted in a message."""
     if isinstance(value, dict | list | tuple):
         return "a mapping" if isinstance(value, dict) else "a list"
-    return str(value).lower() if isinstance(value, bool) else repr(value)
-
-
-def _finite(value: float) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
+    if value is None:
+        return "nothing"
+    return f"'{printable(value)}'" if isinstance(value, str) else str(value).lower()[:60]
 
 
 _EXACT = re.compile(r" *[+-]?[0-9]{0,20}(\.[0-9]{0,20}|/[0-9]{1,20})? *")  # no exponent: 1e999999 is beyond any memory
@@ -192,9 +196,9 @@ def read_exact(value: object) -> Fraction:
             raise ValueError
         exact = Fraction(written)
     except (ValueError, ZeroDivisionError):
-        raise refuse(f"{_shown(value)} is not a number", "write 2, 0.5 or 21/8") from None
+        raise refuse(f"{shown(value)} is not a number", "write 2, 0.5 or 21/8") from None
     if not 1e-9 < exact < 1e9:
-        raise refuse(f"{_shown(value)} is out of range", "must be a positive number")
+        raise refuse(f"{shown(value)} is out of range", "must be a positive number")
     return exact
 
 
@@ -227,7 +231,7 @@ def read_amount(value: object) -> Amount:
 
 
 def _plain(read: Callable[[Any], Any], schema: JsonSchemaValue) -> Any:
-    """A pydantic schema of one reading function, with the JSON Schema that the editor is told."""
+    """A pydantic schema of one reading function, with the JSON Schema for the editor."""
 
     class Plain:
         @staticmethod

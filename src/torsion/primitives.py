@@ -75,7 +75,7 @@ class Bar:
     shear_modulus: float  # Pa
     density: float  # kg/m3
     loss_factor: float = 0.0
-    segments: int | None = None  # None: as many as the highest frequency asked for needs
+    segments: int | None = None  # None: as many as the highest frequency requested needs
     section: SectionMesh | Section | None = None  # None: round, by its diameters
 
 
@@ -111,7 +111,7 @@ class Damper:
 
 @dataclass(frozen=True, slots=True)
 class Torque:
-    """A harmonic torque at a station: by order of its own speed, at a fixed frequency, or at every frequency asked.
+    """A harmonic torque at a station: by order of its own speed, at a fixed frequency, or at every frequency requested.
 
     Amplitude = torque + of_mean * mean torque there, or the table over the station's own speed.
     """

@@ -10,7 +10,7 @@ from torsion.findings import Findings, Progress, Work, silent
 from torsion.plan import Unanswered
 from torsion.rules import judged_speeds
 from torsion.rules.verdict_line import Checks
-from torsion.schema.read import located
+from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
 
 ESSENTIAL = ("sections", "assembly")  # without which nothing else stands

@@ -1,17 +1,17 @@
-"""What is asked: the train, how it is operated, which analyses and which rules."""
+"""What is to be computed: the train, how it is operated, which analyses and which rules."""
 
 import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
 from torsion.arrays import FloatArray
-from torsion.components.excitation import Table, read_table
+from torsion.components.harmonic_torques import Table, read_table
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, Sized, given, refuse, required
 from torsion.train import Train
@@ -19,40 +19,39 @@ from torsion.train import Train
 MEMORY = 2e9  # bytes that a response may need where nothing else is said
 
 
-class SpeedRange(Declared):
-    """Speeds of the component `at`, evenly spaced."""
+class Range(Declared):
+    """Values from one to another, evenly spaced."""
+
+    if TYPE_CHECKING:
+        first: float
+        last: float
+        steps: int
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.first >= self.last:
+            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
+        return self
+
+    def values(self) -> FloatArray:
+        """(steps,) in the unit of both ends."""
+        return np.linspace(self.first, self.last, self.steps)
+
+
+class SpeedRange(Range):
+    """Speeds (rad/s) of the component `at`."""
 
     first: fields.Speed = required("lowest speed", alias="from")
     last: fields.Speed = required("highest speed", alias="to")
     steps: Annotated[int, Field(ge=2, le=1_000_000)] = given("number of speeds", 201)
 
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        if self.first >= self.last:
-            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
-        return self
 
-    def values(self) -> FloatArray:
-        """(steps,) rad/s."""
-        return np.linspace(self.first, self.last, self.steps)
-
-
-class FrequencyRange(Declared):
-    """Frequencies, evenly spaced."""
+class FrequencyRange(Range):
+    """Frequencies (Hz)."""
 
     first: fields.Frequency = required("lowest frequency", alias="from")
     last: fields.Frequency = required("highest frequency", alias="to")
     steps: Annotated[int, Field(ge=2, le=10_000_000)] = given("number of frequencies", 1000)
-
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        if self.first >= self.last:
-            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
-        return self
-
-    def values(self) -> FloatArray:
-        """(steps,) Hz."""
-        return np.linspace(self.first, self.last, self.steps)
 
 
 class Rated(Declared):
@@ -94,7 +93,7 @@ class Operation(Sized):
 
 
 class FiniteElements(Declared):
-    """How the model `fem` divides every shaft."""
+    """How finely the model `fem` takes every shaft."""
 
     degree: Annotated[int, Field(ge=1, le=10)] | None = given(
         "degree of the elements (default: 4, or what the number of elements needs)"
@@ -102,6 +101,20 @@ class FiniteElements(Declared):
     elements: Annotated[int, Field(ge=1, le=20_000)] | None = given(
         "elements of every shaft (default: as many as needed)"
     )
+
+
+class ShaftModel(Declared):
+    """The model of the shafts, in `analyses`."""
+
+    model: Literal["lumped", "fem", "exact"] = given("the model of the shafts", "lumped")
+    fem: FiniteElements | None = given("{degree, elements} of the model fem")
+
+    @model_validator(mode="after")
+    def _fem_is_the_model(self) -> Self:
+        if self.fem is not None and self.model != "fem":
+            message = f"`fem` sets the elements of the model fem, and the model is {self.model}"
+            raise refuse(message, "write `model: fem` too, or leave `fem` out", "fem")
+        return self
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from fractions import Fraction
 
-from torsion.components.base import Component
-from torsion.components.excitation import Excitation
+from torsion.components.component import Component
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.lowering import Lowering, Part
 from torsion.components.material import STEEL, Material
 from torsion.components.part_records import ShaftRecord
-from torsion.errors import Fault, InputError, Path
+from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
 
 
@@ -48,14 +47,10 @@ class Train:
         return ((number, part) for number, part in enumerate(self.parts) if part.kind == kind)
 
     def shaft(self, bar: Bar) -> ShaftRecord:
-        """What is known of the shaft that a bar is of; raises LookupError where a bar is of another component."""
+        """What is known of the shaft that a `Bar` is of; raises LookupError where it is of another component."""
         if (found := self.parts[bar.part].shaft) is None:
             raise LookupError(bar.name)
         return found
-
-    def ratio(self, name: str) -> Fraction:
-        """Speed of a component / speed of the reference station."""
-        return self.part(name).ratio
 
 
 def train(
@@ -86,7 +81,7 @@ def lowered(
     materials: Mapping[str, Material] | None,
     reference: str | None,
 ) -> tuple[Train | None, list[Fault]]:
-    """The train as far as it can be told, and its faults; None stands for what cannot be read, and is left out."""
+    """The train as far as it is known, and its faults; None stands for what cannot be read, and is left out."""
     build = Lowering({"steel": STEEL, **(materials or {})})
     build.walk(components, ("train",))
     if not build.stations:
@@ -98,28 +93,24 @@ def lowered(
     for position, excitation in enumerate(excitations):
         point = None if excitation is None else _point(build, excitation.at, ("excitations", position, "at"))
         if excitation is not None and point is not None:
-            build.add(excitation.on(point.stations[0], ("excitations", position)))
+            build.add(excitation.primitive(excitation.at, point.stations[0], ("excitations", position)))
     _names(build)
     unit = _reference(build, reference)
     return _train(build, unit), build.faults
 
 
 def _train(build: Lowering, unit: Fraction) -> Train:
+    """The train with its speeds counted from one that is `unit` of the first."""
+
     def of(kind: type) -> tuple:  # type: ignore[type-arg]
         return tuple(p for p in build.primitives if isinstance(p, kind))
 
+    referred = [None if part.referred_to is None else part.referred_to / unit for part in build.parts]
     return Train(
-        parts=tuple(_counted(part, unit) for part in build.parts),
-        stations=tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
-        inertias=of(Inertia), springs=of(Spring), bars=of(Bar), constraints=of(Constraint),
-        dampers=of(Damper), torques=of(Torque), materials=build.materials,
+        tuple(replace(p, ratio=p.ratio / unit, referred_to=to) for p, to in zip(build.parts, referred, strict=True)),
+        tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
+        of(Inertia), of(Spring), of(Bar), of(Constraint), of(Damper), of(Torque), build.materials,
     )  # fmt: skip
-
-
-def _counted(part: Part, unit: Fraction) -> Part:
-    """The part with its speeds counted from the reference component's."""
-    referred_to = None if part.referred_to is None else part.referred_to / unit
-    return replace(part, ratio=part.ratio / unit, referred_to=referred_to)
 
 
 def name_fault(name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, point: bool = True) -> Fault | None:
@@ -133,8 +124,8 @@ def name_fault(name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, 
     listed = f"points: {', '.join(names)}" if point else "the name of a component"
     if name in known:
         return Fault(path, f"'{name}' is a {known[name][0]}, not a point", listed)
-    near = get_close_matches(name, names, 1)
-    return Fault(path, f"no component is called '{name}'", f"did you mean '{near[0]}'?" if near else listed)
+    near = nearest(name, names)
+    return Fault(path, f"no component is called '{name}'", f"did you mean '{near}'?" if near else listed)
 
 
 def _kinds(build: Lowering) -> dict[str, tuple[str, bool]]:

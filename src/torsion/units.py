@@ -5,13 +5,14 @@ is in exact fractions and rounded once. The commonest spellings need no unit lib
 with the definitions of units.txt.
 """
 
-import difflib
 import re
 from collections import Counter
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from torsion.errors import nearest, printable
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -113,14 +114,6 @@ def written(text: str, unit: str) -> tuple[str, float]:
     return (unit, 1.0) if size is None else (spelled, float(size))
 
 
-def number(text: str) -> float:
-    """The number that `text` is, without any unit; raises UnitFault."""
-    amount, written = _parts(text)
-    if written:
-        raise UnitFault(f"{_quoted(text)} is not a number", "leave the unit out")
-    return _rounded(amount, text)
-
-
 def needs_unit(unit: str) -> bool:
     """A bare number in this unit could be read in two ways: degrees or radians, rpm or rad/s."""
     return unit in {"rad", "rad/s"}
@@ -136,8 +129,7 @@ def _expected(unit: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    shown = text.strip() if len(text.strip()) <= 40 else text.strip()[:40] + "…"
-    return "'" + "".join(sign if sign.isprintable() else "?" for sign in shown) + "'"
+    return f"'{printable(text.strip(), 40)}'"
 
 
 def _parts(text: str) -> tuple[Fraction, str]:
@@ -238,9 +230,8 @@ def _remedy(text: str, found: "UnitsContainer", unit: str) -> str:
 def _similar(name: str) -> str:
     registry = _registry()
     plain = (spelling for spelling in registry if spelling.isalpha() and not registry.parse_unit_name(spelling)[0][0])
-    known = {spelling.casefold(): spelling for spelling in (*plain, *_TRADE)}
-    close = difflib.get_close_matches(name.casefold(), known, 1)
-    return f"did you mean '{known[close[0]]}'?" if close else "units are written like kN*m/rad, kg*m**2, rpm"
+    near = nearest(name, (*plain, *_TRADE))
+    return f"did you mean '{near}'?" if near else "units are written like kN*m/rad, kg*m**2, rpm"
 
 
 def _powers(written: str) -> Counter[str]:

@@ -10,7 +10,7 @@ from torsion.analyses.response.harmonic_components import Line, lines
 from torsion.analyses.undamped_modes import modes
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
-from torsion.components.excitation import Excitation
+from torsion.components.harmonic_torques import Excitation
 from torsion.study import Operation
 
 LINES = (Line(Fraction(2), None, ("joint",)), Line(Fraction(4), None, ("propeller",)), Line(None, 3.0, ("hum",)))

@@ -16,13 +16,13 @@ from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
-from torsion.components.excitation import Excitation
 from torsion.components.gear import Gear
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.joint import Joint
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.runner import run
-from torsion.schema.read import parse
+from torsion.schema.scene_reader import parse
 from torsion.train import train
 
 WALL, RIGID = Disc(held=True), Coupling(flexibility=0)
@@ -161,8 +161,8 @@ def test_a_wall_amid_elastic_spans_to_a_wall_parts_the_train(dense) -> None:
 
 
 FAULTS = {
-    "side by side": ([WALL, WALL, SOFT, BODY], ("train", 1, "disc", "held"), "'disc-2' is held"),
-    "rigid coupling": ([WALL, RIGID, WALL, SOFT, BODY], ("train", 2, "disc", "held"), "'disc-1', which is held too"),
+    "side by side": ([WALL, WALL, SOFT, BODY], ("train", 1, "disc", "held"), "'disc-2' is fixed"),
+    "rigid coupling": ([WALL, RIGID, WALL, SOFT, BODY], ("train", 2, "disc", "held"), "'disc-1', which is fixed too"),
     "rigid gear": ([WALL, Gear(ratio=2), WALL, SOFT, BODY], ("train", 2, "disc", "held"), "rigid parts alone"),
     "joint": ([WALL, Joint(angle="5 deg"), WALL], ("train", 1, "joint"), "'joint-1' cannot turn"),
     "joint in line": ([WALL, Joint(angle="0 deg"), WALL], ("train", 2, "disc", "held"), "rigid parts"),

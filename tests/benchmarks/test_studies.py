@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from torsion.analyses.compare.frontier import TimedRow
-from torsion.analyses.compare.timing import Effort, run
+from torsion.analyses.compare.timing import Effort, TimedRow, run
 
 
 @pytest.fixture(scope="module")

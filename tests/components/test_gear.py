@@ -12,8 +12,8 @@ from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper
 from torsion.components.disc import Disc
-from torsion.components.excitation import Excitation
 from torsion.components.gear import Gear, GearBranch
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.motor import Motor
 from torsion.components.propeller import Propeller
 from torsion.errors import InputError

@@ -26,7 +26,7 @@ ANALYSIS = '''
 """Toy: how fast the rim of each disc runs."""
 import numpy as np
 from torsion.fields import Across, Declared, given
-from torsion.kernels.tree import FloatArray
+from torsion.arrays import FloatArray
 from torsion.results import reported, result
 
 class RimSettings(Declared):
@@ -47,8 +47,7 @@ RULE = '''
 """Toy: no rim runs faster than allowed."""
 from typing import Annotated
 from torsion.fields import Declared, Quantity, required
-from torsion.rules.base_rule import Rule
-from torsion.rules.verdict_line import Check, verdict_of
+from torsion.rules.verdict_line import Check, Rule, verdict_of
 
 class Allowed(Declared):
     speed: Annotated[float, Quantity("m/s", above=0)] = required("highest speed of a rim")
@@ -114,8 +113,8 @@ def test_an_analysis_without_a_chapter_is_reported_as_declared(toys: Path) -> No
     by_station = dict(tables["Values of rims by station"].rows)
     assert (by_station["near"], by_station["far"]) == ("18.000", "9.0000")
     text = [point for item in made.body for point in getattr(item.block, "items", ())]
-    assert f"speed of the rims over the speed range: 2 by {len(by_station)} values, `rims.series_m_per_s` of " \
-        "results.json" in text  # fmt: skip
+    size = f"2 by {len(by_station)} values"
+    assert f"speed of the rims over the speed range: {size}, `rims.series_m_per_s` of results.json" in text
     stream = io.StringIO()
     show(made, None, Console(file=stream, width=80, color_system=None))
     assert "fastest" in stream.getvalue()

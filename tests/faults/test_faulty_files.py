@@ -6,7 +6,7 @@ import pytest
 
 from torsion.components import KINDS
 from torsion.errors import InputError
-from torsion.schema.read import parse
+from torsion.schema.scene_reader import parse
 
 HERE = Path(__file__).parent
 GOOD = (HERE / "good.yaml").read_text(encoding="utf-8")

@@ -184,7 +184,7 @@ def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findin
     found = several.need(PeriodicResponse).others
     rows = table(periodic.chapter(several), "at the same speed").rows
     assert [row[1] for row in rows].count("another") == found.speed.size > 0
-    assert rows[0][1] == "told"
+    assert rows[0][1] == "reported"
     told, another = (float(row[2]) for row in rows[:2])
     assert another == pytest.approx(np.abs(found.torque[0]).max(), rel=1e-4)
     assert abs(told - another) > 0.01 * told

@@ -13,8 +13,9 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.document import document
 from torsion.output.figures.style import hatch, page
-from torsion.output.reported_values import NO_VALUE, unreliable
+from torsion.output.reported_values import unreliable
 from torsion.output.results_json import results
+from torsion.output.selection import NO_VALUE
 from torsion.rules.verdict_line import Checks
 
 SCENE = """
@@ -90,8 +91,8 @@ def test_sum_of_all_lines_is_not_finite_where_a_line_is_not_ok(geared: Findings)
 def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
     status = geared.need(Response).status.copy()
     status[0, 1], status[1, 0] = Status.NEAR_SINGULAR, Status.SINGULAR
-    flags = replace(geared.need(Response), status=status)
-    flagged = geared.having(response=flags, synthesis=synthesis(geared.system, flags))
+    response = replace(geared.need(Response), status=status)
+    flagged = geared.having(response=response, synthesis=synthesis(geared.system, response))
     found = results(flagged)
     assert found["response"]["lines"][1]["status"][0] == "near-singular"
     for line in found["response"]["lines"]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.rules.judgement import Curve
-from torsion.rules.m68_barred import barring
+from torsion.rules.m68 import barring
 from torsion.rules.m68_formulas import barred_range
 
 RATED = 1000.0

@@ -80,7 +80,7 @@ def test_range_that_is_unstable_at_the_first_speed_operated_fails():
 def test_part_of_the_operation_that_was_not_looked_at_is_no_pass():
     check = stability_check(found([-1.0] * 5, first=100.0, last=190.0), OPERATED)
     assert check.verdict == "fail"
-    assert "not asked" in check.note
+    assert "not requested" in check.note
 
 
 def test_rounding_of_a_train_that_nothing_damps_is_no_growth():

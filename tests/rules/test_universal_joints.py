@@ -11,8 +11,7 @@ from torsion.assembly import assemble
 from torsion.components.joint import Joint
 from torsion.components.material import Material
 from torsion.findings import Results
-from torsion.rules.joint_tubes import critical_speed, tubes
-from torsion.rules.universal_joints import JointRuleSettings, UniversalJoints
+from torsion.rules.universal_joints import JointRuleSettings, UniversalJoints, critical_speed, tubes
 
 RULE = UniversalJoints()
 

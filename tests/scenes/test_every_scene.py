@@ -18,7 +18,7 @@ from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
-from torsion.schema.source import parse_source
+from torsion.schema.yaml_source import parse_source
 
 SCENES = {path.stem: path for path in sorted((Path(__file__).parents[2] / "shafting_specs").glob("**/*.yaml"))}
 TABLE = (Path(__file__).parents[2] / "shafting_specs" / "README.md").read_text(encoding="utf-8")

@@ -3,7 +3,7 @@
 import pytest
 
 from torsion.errors import InputError
-from torsion.schema.read import parse
+from torsion.schema.scene_reader import parse
 
 TRAIN = """name: x
 operation: {speeds: {from: 100 rpm, to: 900 rpm, steps: 21}}

@@ -7,7 +7,7 @@ import pytest
 from torsion.components import KINDS, component
 from torsion.schema.example import example
 from torsion.schema.json_schema import json_schema
-from torsion.schema.source import parse_source
+from torsion.schema.yaml_source import parse_source
 
 jsonschema = pytest.importorskip("jsonschema")
 ROOT = Path(__file__).parents[2]

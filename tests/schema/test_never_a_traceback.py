@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from torsion.components import KINDS, component
 from torsion.errors import InputError
 from torsion.schema.example import example
-from torsion.schema.read import parse
+from torsion.schema.scene_reader import parse
 from torsion.study import Study
 
 ROOT = Path(__file__).parents[2]

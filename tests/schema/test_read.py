@@ -13,7 +13,7 @@ from torsion.fields import Amount
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 from torsion.schema.example import example
-from torsion.schema.read import located, parse, read
+from torsion.schema.scene_reader import located, parse, read
 
 SCENES = sorted((Path(__file__).parents[2] / "shafting_specs").glob("**/*.yaml"))
 TWO = "name: two discs\ntrain:\n  - disc: {inertia: 1}\n  - coupling: {stiffness: 2e4}\n  - disc: {inertia: 2.5}\n"
@@ -78,7 +78,7 @@ def test_figures_arrive_in_si_units():
 )
 def test_speed_ratios_are_exact_fractions_of_what_is_written(gear, speed):
     train = train_of(f"  - disc: {{inertia: 1}}\n  - gear: {{{gear}}}\n  - disc: {{name: last, inertia: 1}}\n")
-    assert train.ratio("last") == speed
+    assert train.part("last").ratio == speed
 
 
 def test_orders_are_exact_fractions_of_what_is_written():
@@ -108,7 +108,7 @@ def test_branches_of_branches_are_read_where_they_stand():
         "  - disc: {name: slow, inertia: 5}\n"
     )
     assert train.part("disc-3").path == ("train", 1, "branch", "train", 2, "branch", "train", 0, "disc")
-    assert (train.ratio("fast"), train.ratio("slow")) == (2, Fraction(1, 2))
+    assert (train.part("fast").ratio, train.part("slow").ratio) == (2, Fraction(1, 2))
 
 
 def test_link_closes_a_loop_between_points():
@@ -122,7 +122,7 @@ def test_link_closes_a_loop_between_points():
 def test_speeds_count_from_the_component_of_operation():
     text = "name: a\noperation: {at: disc-2}\ntrain: [disc: {inertia: 1}, gear: {ratio: 3}, disc: {inertia: 2}]\n"
     train = parse(text).train
-    assert (train.ratio("disc-1"), train.ratio("disc-2")) == (3, 1)
+    assert (train.part("disc-1").ratio, train.part("disc-2").ratio) == (3, 1)
 
 
 def test_analysis_without_settings_runs_with_its_defaults_and_rules_keep_their_order():
@@ -179,7 +179,7 @@ def test_example_reads_with_every_optional_key_that_it_shows():
 
 def test_reading_imports_only_the_kinds_that_the_file_names():
     code = (
-        "import sys, torsion.schema.read as reader\n"
+        "import sys, torsion.schema.scene_reader as reader\n"
         f"reader.parse({TWO!r})\n"
         "named = ('pint', 'matplotlib', 'jinja2', 'torsion.components.joint', 'torsion.components.gear',"
         " 'torsion.components.shaft', 'torsion.kinematics.cross', 'torsion.rules.m68',"

@@ -10,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from torsion.errors import InputError
-from torsion.schema import source
-from torsion.schema.source import Source, parse_source, read_source, resolved
+from torsion.schema import yaml_source as source
+from torsion.schema.yaml_source import Source, parse_source, read_source, resolved
 
 SCENE = """\
 # a comment

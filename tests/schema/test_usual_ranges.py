@@ -7,14 +7,14 @@ from pydantic import ValidationError
 
 from torsion.components import KINDS, component
 from torsion.components.coupling import Coupling
-from torsion.components.excitation import Excitation
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import Material
 from torsion.components.propeller import Propeller
 from torsion.components.shaft import Shaft
 from torsion.errors import InputError
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import manual
-from torsion.schema.read import parse
+from torsion.schema.scene_reader import parse
 
 SCENE = """name: a
 operation: {OPERATIONrated: {speed: 1500 rpm, power: 12 GW}, speeds: {from: 300 rpm, to: 1800 rpm}}

@@ -63,7 +63,8 @@ class Analysis:
 
 ANALYSES: dict[str, Analysis] = {
     "sections": Analysis(
-        "cross-sections", "torsion.analyses.mesh_sections", wanted=lambda study: study.has_meshed_sections
+        "cross-sections", "torsion.analyses.discretisation", "run_sections",
+        wanted=lambda study: study.has_meshed_sections,
     ),
     "assembly": Analysis(
         "assembly", "torsion.analyses.discretisation", "run_assembly", needs=("sections",), wanted=always

@@ -38,7 +38,7 @@ class CriticalSpeeds:
 def critical_speeds(
     modes: Modes | DampedModes, lines: tuple[Line, ...], operation: Operation
 ) -> tuple[CriticalSpeed, ...]:
-    """Every crossing of an order with a mode, by ascending speed; lines of fixed frequency cross nothing."""
+    """Every crossing of an order with a mode, by ascending speed; fixed frequencies cross nothing."""
     found = []
     for line in lines:
         if line.order is None:

@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.requests import modes_settings
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
-from torsion.analyses.undamped_modes import modes_as_discretised, span_torques
+from torsion.analyses.undamped_modes import modes_as_discretised, modes_settings, span_torques
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.segment_groups import SegmentGroups
 from torsion.assembly.system import System
@@ -16,7 +15,7 @@ from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.results import reported, result
 
-MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to the accuracy asked of them
+MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to their accuracy
 LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
 
 
@@ -50,8 +49,8 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         raise SolveError(f"{message}; use the lumped model, the response is right with all of them")
     folded = system.folded
     if folded.extra.size:
-        message = "damped modes of a train with closed loops, or held behind rigid spans at several points"
-        raise SolveError(f"{message}, are not built; ask for `modes: {{damped: false}}`, the response is right")
+        message = "damped modes of a train with closed loops, or grounded behind rigid spans at several points"
+        raise SolveError(f"{message}, are not built; request `modes: {{damped: false}}`, the response is right")
     if folded.tree.size > MOST_STATIONS:
         raise SolveError(too_many_stations(system))
     own = ground_damping(system, np.array([speed]), steady)[:, 0]

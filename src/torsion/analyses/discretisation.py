@@ -1,9 +1,14 @@
-"""The discretisation of a study: its system for a highest frequency, and what the plan says of it."""
+"""The discretisation of a study: what it requests, its system for a highest frequency, and what the plan says of it."""
+
+import math
+
+import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.requests import has_inertia, highest_excited, modes_settings
-from torsion.analyses.undamped_modes import Modes, condensed_modes, modes
+from torsion.analyses.response.harmonic_components import excitations
+from torsion.analyses.undamped_modes import Modes, Ruled, condensed_modes, modes, modes_settings
 from torsion.assembly import assemble
+from torsion.assembly.section.solved_sections import section_results
 from torsion.assembly.segment_groups import MOST_GROUPS, condensed
 from torsion.assembly.system import System
 from torsion.findings import Work
@@ -12,30 +17,70 @@ from torsion.study import Study
 LARGEST_ESTIMATE = 0.1  # relative error; the estimate holds for small ones
 
 
+def highest_excited(study: Study, system: System, ruled: Ruled) -> float:
+    """The highest frequency (Hz) of the response that is requested; 0 where none is."""
+    if not response_is_requested(study, ruled):
+        return 0.0
+    frequencies = getattr(study.analyses.get("response"), "frequencies", None)
+    highest = frequencies.last if frequencies is not None else 0.0
+    speeds = study.operation.speeds
+    for excitation in excitations(system):
+        if excitation.line.frequency is not None:
+            highest = max(highest, excitation.line.frequency)
+        elif excitation.line.order is not None and speeds is not None:
+            highest = max(highest, float(excitation.line.order) * speeds.last / (2.0 * math.pi))
+    return float(highest)
+
+
+def response_is_requested(study: Study, ruled: Ruled) -> bool:
+    """The file names a response, or a rule reads it, or something excites and no analysis is named."""
+    if "response" in study.analyses or "response" in ruled:
+        return True
+    return (study.excites or bool(study.train.torques)) and not study.analyses
+
+
+def no_response(study: Study, system: System, ruled: Ruled) -> str:
+    """Why there is no response over speed; empty where there is one."""
+    if not study.excites:
+        return "nothing excites"
+    if not response_is_requested(study, ruled):
+        return "it is not requested"
+    if not has_inertia(system):
+        return "no component has an inertia"
+    return "" if study.operation.speeds is not None else "`operation` has no speeds"
+
+
+def has_inertia(system: System) -> bool:
+    """Something can vibrate."""
+    if any(bar.density > 0 for bar in system.train.bars):
+        return True
+    return bool(np.any(np.isfinite(system.inertia) & (system.inertia > 0)))
+
+
 def assembled(study: Study, frequency: float = 0.0) -> System:
     """The system of a study in its model, for a highest frequency (Hz)."""
     return assemble(study.train, study.model, frequency=frequency, degree=study.fem.degree, elements=study.fem.elements)
 
 
-def told_model(system: System) -> str:
+def model_words(system: System) -> str:
     """The model and how its shafts are treated, in words."""
     words = {
         "lumped": "lumped, kept in factors",
-        "exact": "exact: shafts as continua, no error of division",
+        "exact": "exact: shafts as continua, no error of discretisation",
     }
     if system.model != "fem" or system.bars is None:
         return words.get(system.model, system.model)
     return f"fem: elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
 
 
-def told_method(system: System, found: Modes) -> str:
+def method_words(system: System, found: Modes) -> str:
     """How the modes were found, in words."""
     if system.bars is not None and not found.certified:
         return "dense problem of all unknowns, not certified: the elements are too few for counts"
     return "tree elimination in mixed form, certified by Sturm counts"
 
 
-def told_division(system: System) -> str:
+def discretisation_words(system: System) -> str:
     """How many pieces every shaft has, in words."""
     if not system.segments:
         return "no distributed shaft"
@@ -54,7 +99,7 @@ def run_assembly(work: Work) -> None:
         highest = highest_excited(work.study, system, work.ruled)
         if highest:
             system = assembled(work.study, highest)
-        step.method = told_model(system)
+        step.method = model_words(system)
         step.size = _size(system)
     _ = system.folded  # raises where the train as a whole is at fault: a loop of rigid links
     work.put(system=system)
@@ -71,11 +116,11 @@ def run_modes(work: Work) -> None:
     if settings is None:
         work.log.without("natural frequencies", "`analyses` does not name modes")
         return
-    with work.log.step("natural frequencies", "asked" if "modes" in study.analyses else "the default") as step:
+    with work.log.step("natural frequencies", "requested" if "modes" in study.analyses else "the default") as step:
         found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
         system = found.system
-        step.method = told_method(system, found)
-        step.size = f"{found.frequency.size} of {_size(system)}; {told_division(system)}"
+        step.method = method_words(system, found)
+        step.size = f"{found.frequency.size} of {_size(system)}; {discretisation_words(system)}"
     work.put(system=system, modes=found)
 
 
@@ -95,3 +140,11 @@ def run_groups(work: Work) -> None:
 
 def _size(system: System) -> str:
     return f"{len(system.stations)} stations, {len(system.spans)} spans"
+
+
+def run_sections(work: Work) -> None:
+    """Solve every one; the assembly reads what is found."""
+    with work.log.step("cross-sections", "a shaft has a `section`") as step:
+        found = section_results(work.study.train)
+        step.method = "stress function and warping by finite elements, on refined meshes"
+        step.size = "; ".join(f"{name}: {one.words}" for name, one in found.items())

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.shares import STANDS_STILL
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.undamped_modes import STANDS_STILL, Modes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.kernels.tree import Tree
@@ -18,21 +17,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HolzerTable:
-    """One mode, row by row from the root of the tree outward.
+    """One mode, row by row from the root of the tree toward its leaves.
 
     A row is a station and the span that leads to it from a row above: angle = angle of that row - twist (+ what a
-    rigid span does not twist), and the torque of the span is what all stations inward of it exert on it.
+    rigid span does not twist), and the torque of the span is what all stations on the side of the root exert on it.
     """
 
     frequency: float  # Hz
     station: IntArray  # (rows,) position of the station in the system
     before: IntArray  # (rows,) row from which the span leads here, -1 at a start
     span: IntArray  # (rows,) position of that span in the system, -1 at a start
-    inertia: FloatArray  # (rows,) kg m2 at own speed; infinite where held
+    inertia: FloatArray  # (rows,) kg m2 at own speed; infinite where grounded
     referred_inertia: FloatArray  # (rows,) kg m2
     angle: FloatArray  # (rows,) at reference speed; the first row is 1, or the largest where the first stands still
     inertia_torque: FloatArray  # (rows,) N m per radian of the scale: omega^2 J angle
-    torque: FloatArray  # (rows,) N m that twists the span, from inward to outward
+    torque: FloatArray  # (rows,) N m that twists the span, positive toward the leaves
     flexibility: FloatArray  # (rows,) rad/(N m) of the span, referred
     twist: FloatArray  # (rows,) rad: flexibility * torque
 
@@ -45,7 +44,7 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     inertias at its ends (of the exact model h = L/(G I) sin(mu)/mu, J = rho I L/2 tan(mu/2)/(mu/2), mu = omega L/c).
     """
     folded = system.folded
-    nodes = _outward(folded.tree)
+    nodes = _from_root(folded.tree)
     place = np.full(folded.tree.size, -1, dtype=np.int64)
     place[nodes] = np.arange(len(nodes))
     span, station = _spans_and_stations(system)
@@ -56,7 +55,9 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     place = np.cumsum(keep[nodes])[place] - 1
     ratio = system.speed_ratio[station]
     angle = np.where(folded.is_held_copy, 0.0, modes.shape[station, mode] / ratio)
-    scale = _scale(angle[rows])
+    scale = float(angle[rows][np.argmax(np.abs(angle[rows]))])  # the largest where the first stands still
+    if abs(angle[rows][0]) > STANDS_STILL * abs(scale):
+        scale = float(angle[rows][0])
     omega = 2.0 * math.pi * modes.frequency[mode]
     torque = np.zeros(folded.tree.size)
     has = span >= 0
@@ -78,7 +79,7 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
 
 
 def _stiffened(tree: Tree, bars: "Shafts", omega: float) -> tuple[FloatArray, FloatArray]:
-    """Inertia (tree stations,) kg m2 and flexibility (tree stations,) rad/(N m) with the bars as they are at omega."""
+    """(tree stations,) inertia, kg m2, and flexibility, rad/(N m), with the distributed shafts as they are at omega."""
     inertia, flexibility = tree.inertia.copy(), tree.flexibility.copy()
     across, inner, outer = bars.at(np.array([omega**2]))
     flexibility[bars.node] = across[:, 0]
@@ -87,7 +88,7 @@ def _stiffened(tree: Tree, bars: "Shafts", omega: float) -> tuple[FloatArray, Fl
     return inertia, flexibility
 
 
-def _outward(tree: Tree) -> IntArray:
+def _from_root(tree: Tree) -> IntArray:
     """Tree stations, each branch to its end before the next."""
     if tree.is_chain:
         return np.arange(tree.size)
@@ -113,9 +114,3 @@ def _spans_and_stations(system: System) -> tuple[IntArray, IntArray]:
         by = int(span[copy])
         station[copy] = system.driven[by] if folded.sign[by] > 0 else system.driving[by]
     return span, station
-
-
-def _scale(angle: FloatArray) -> float:
-    """The first amplitude, or the largest where the first stands still."""
-    largest = float(angle[np.argmax(np.abs(angle))])
-    return float(angle[0]) if abs(angle[0]) > STANDS_STILL * abs(largest) else largest

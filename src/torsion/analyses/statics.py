@@ -27,7 +27,7 @@ class Statics:
 
 @dataclass(frozen=True)
 class _Walk:
-    """A spanning tree of stations and spans, outward from the reference station."""
+    """A spanning tree of stations and spans, rooted at the reference station."""
 
     order: list[int]  # stations, every one after its parent
     span: list[int]  # (stations,) the span towards the parent, -1 at a start
@@ -38,7 +38,7 @@ class _Walk:
 def statics(system: System, applied: Shares, reference: int) -> Statics:
     """Torques and twists under shares (stations,) of the mean torque that sum to zero.
 
-    A held station that neither drives nor loads takes no mean torque: it turns at the mean speed by definition.
+    A grounded station that neither drives nor loads takes no mean torque: it turns at the mean speed by definition.
     Raises SolveError where the mean torque has to pass a span without stiffness, or cannot reach its load.
     """
     walk = _walk(system, reference)

@@ -1,20 +1,117 @@
-"""Mean torque in every span (order 0) from the load law and the gear ratios."""
+"""Mean torque in every span (order 0): where the power enters and leaves, the load law, and faults of both."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.power import flow
 from torsion.analyses.statics import Shares, statics
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
+from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
+from torsion.primitives import Torque
 from torsion.results import reported, result
 from torsion.study import Operation, Study
 from torsion.train import Train
 
+Shared = list[tuple[int, Fraction]]  # stations with their shares of the power
+SAME_POWER = 0.01  # relative: the sum of rounded ratings of motors that is still the rated power
 SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was written in another unit
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Stations that drive and that absorb the power, with their shares of it, and all of that in a sentence."""
+
+    drives: Shared
+    loads: Shared
+    told: str
+
+
+def flow(train: Train, operation: Operation) -> Flow:
+    """The power enters at the motors, in proportion to their power, and leaves at the propellers, in equal parts.
+
+    Without a motor it enters at the first station, without a propeller it leaves at the last station of the main line;
+    where the power leaves (enters) there already, at the other end. Raises InputError where both ends are taken, or
+    only some of the motors have a power.
+    """
+    motors, propellers = ([part for _, part in train.of_kind(kind)] for kind in ("motor", "propeller"))
+    first, last = 0, _last(train)
+    drives, loads = _driving(motors), _equally(propellers)
+    driving, loading = _names(motors), _names(propellers)
+    if not motors:
+        end = _free_end((first, last), loads, train, operation)
+        drives, driving = [(end, Fraction(1))], _at_an_end(train, end, "motor", "propeller", end == first)
+    elif len(motors) > 1:
+        driving += " in equal parts" if motors[0].power is None else " in proportion to their power"
+    if not propellers:
+        end = _free_end((last, first), drives, train, operation)
+        loads, loading = [(end, Fraction(1))], _at_an_end(train, end, "propeller", "motor", end == last)
+    elif len(propellers) > 1:
+        loading += " in equal parts"
+    told = f"The mean torque enters at {driving} and leaves at {loading}."
+    return Flow(drives, loads, told + _shares_alone(motors, operation))
+
+
+def _last(train: Train) -> int:
+    """The last station of the main line."""
+    main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
+    return main[-1].stations[-1]
+
+
+def _free_end(ends: tuple[int, int], taken: Shared, train: Train, operation: Operation) -> int:
+    """The first of the two ends of the main line that is not taken; raises InputError where both are."""
+    stations = {station for station, _ in taken}
+    for end in ends:
+        if end not in stations:
+            return end
+    where = ("operation", "load" if operation.rated is None else "rated")
+    message = f"the mean torque would enter and leave the train at '{train.stations[ends[0]].name}'"
+    hint = "name what drives a `motor` and what absorbs the power a `propeller`, or leave the power out"
+    raise InputError([Fault(where, message, hint)])
+
+
+def _at_an_end(train: Train, end: int, lacking: str, other: str, usual: bool) -> str:
+    """The name of the end that stands in for a kind of component, and why."""
+    name = train.stations[end].name
+    why = f"there is no {lacking}" if usual else f"there is no {lacking}, and the other end is a {other}"
+    return f"{name} ({why})"
+
+
+def _driving(motors: list[Part]) -> Shared:
+    """The motors with their shares; raises InputError where only some of them have a power."""
+    power = [motor.power for motor in motors]
+    given = [Fraction(value) for value in power if value is not None]
+    if len(motors) == 1 or not given:
+        return _equally(motors)
+    if len(given) < len(motors):
+        lacking = motors[power.index(None)]
+        hint = "give every motor its power, or none of them to share the load equally"
+        raise InputError([Fault(lacking.path, f"'{lacking.name}' has no power, other motors have", hint)])
+    return [(part.stations[0], value / sum(given)) for part, value in zip(motors, given, strict=True)]
+
+
+def _shares_alone(motors: list[Part], operation: Operation) -> str:
+    """What the powers of motors are not, where together they are not the rated power."""
+    given = [motor.power for motor in motors if motor.power is not None]
+    rated = None if operation.rated is None else operation.rated.power
+    if not given or rated is None or abs(sum(given) - rated) <= SAME_POWER * rated:
+        return ""
+    together = "The power of the motor" if len(given) == 1 else "The powers of the motors, together"
+    used = "is not used" if len(given) == 1 else "say their shares alone"
+    return f" {together} ({sum(given) / 1e3:.6g} kW) {used}: the torque follows from the rated {rated / 1e3:.6g} kW."
+
+
+def _equally(parts: list[Part]) -> Shared:
+    return [(part.stations[0], Fraction(1, len(parts))) for part in parts]
+
+
+def _names(parts: list[Part]) -> str:
+    names = [part.name for part in parts]
+    return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)
 
 
 @reported
@@ -119,3 +216,59 @@ def run(work: Work) -> None:
         work.put(mean=steady(work.study.train, work.system, operation, grid))
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
+
+
+def power_faults(study: Study) -> list[Fault]:
+    """Why the mean torque finds no way through the train, and a table of the load that does not cover the speeds."""
+    operation = study.operation
+    speed = _speeds(operation)
+    if not operation.has_mean_torque or not speed.size:
+        return []
+    found: list[Fault] = []
+    if not isinstance(operation.load, str):
+        found += _uncovered(operation.load, speed, Fault(("operation", "load"), "the table of the load"))
+    try:
+        flow(study.train, operation)
+    except InputError as error:
+        found += error.faults
+    return found
+
+
+def table_faults(study: Study) -> list[Fault]:
+    """Tables of torques over speed that do not cover the speeds of the response."""
+    operation, orders = study.operation, getattr(study.analyses.get("response"), "orders", "all")
+    if operation.speeds is None:
+        return []
+    ends = np.array([operation.speeds.first, operation.speeds.last])
+    found: list[Fault] = []
+    for torque in _over_speed(study.train, orders):
+        about = Fault((*torque.path, "torque"), f"the table of the torque at '{torque.name}'")
+        found += _uncovered(torque.table, ends * float(study.train.stations[torque.station].ratio), about)
+    return found
+
+
+def _over_speed(train: Train, orders: object) -> Iterator[Torque]:
+    """Torques by table that the response over speed reads; `orders` of the reference, or 'all'."""
+    for torque in train.torques:
+        if not torque.table or (torque.order is None and torque.frequency is None):
+            continue
+        if (
+            torque.order is None
+            or not isinstance(orders, tuple)
+            or torque.order * train.stations[torque.station].ratio in orders
+        ):
+            yield torque
+
+
+def _speeds(operation: Operation) -> FloatArray:
+    """rad/s at which the mean torque is needed, its ends among them."""
+    ends = [] if operation.speeds is None else [operation.speeds.first, operation.speeds.last]
+    return np.array([*ends, *([operation.speed] if operation.rated is not None else [])])
+
+
+def _uncovered(table: tuple[tuple[float, float], ...], speed: FloatArray, about: Fault) -> tuple[Fault, ...]:
+    try:
+        interpolated(table, speed, about)
+    except InputError as error:
+        return error.faults
+    return ()

@@ -1,4 +1,4 @@
-"""Natural frequencies and mode shapes of the undamped train."""
+"""Natural frequencies and mode shapes of the undamped train, and where the energy of a mode sits."""
 
 import math
 from collections.abc import Callable
@@ -8,23 +8,81 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from torsion.analyses.shares import lumped_elastic, lumped_kinetic, nodes, shares
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
-from torsion.assembly.referred_tree import Folded
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
 from torsion.results import derived, reported, result
+from torsion.study import Study
 
 if TYPE_CHECKING:
     from torsion.kernels.mode_shapes import ShaftModes, TreeModes
 
-
+STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
+LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
+Ruled = frozenset[str]  # analyses that the rules of a study read
 Progress = Callable[[int, int], None]  # (modes found, of how many)
+
+
+def lumped_kinetic(system: System, shape: FloatArray) -> FloatArray:
+    """(stations, modes) twice the kinetic energy / w^2 of what is lumped at each station; shape at own speed."""
+    energy = np.square(shape)
+    energy *= np.where(system.held, 0.0, system.lumped_inertia)[:, None]
+    return energy
+
+
+def lumped_elastic(system: System, torque: FloatArray) -> FloatArray:
+    """(spans, modes) twice the elastic energy of the spans that store any."""
+    energy = np.square(torque)
+    energy *= np.where(is_elastic(system), system.flexibility, 0.0)[:, None]
+    return energy
+
+
+def shares(energy: FloatArray) -> FloatArray:
+    """What each one has of the sum over all, (all, modes), in the place of `energy`."""
+    energy /= energy.sum(axis=0)
+    return energy
+
+
+def is_elastic(system: System) -> BoolArray:
+    """(spans,) spans that store energy: neither rigid nor without stiffness."""
+    return np.asarray((system.flexibility > 0) & np.isfinite(system.flexibility))
+
+
+def nodes(system: System, shape: FloatArray) -> IntArray:
+    """(modes,) spans over which the shape (stations, modes), rad at own speed, changes its sign.
+
+    A station that stands still takes the sign of its neighbour toward the root: a node at a station counts once.
+    A grounded station has no sign: the shape starts there and does not cross it.
+    """
+    block, number = max(1, LARGEST_BLOCK // max(system.folded.tree.size, 1)), shape.shape[1]
+    counted = [_nodes(system, shape[:, first : first + block]) for first in range(0, number, block)]
+    return np.concatenate([np.empty(0, dtype=np.int64), *counted])
+
+
+def _nodes(system: System, shape: FloatArray) -> IntArray:
+    tree, stations = system.folded.tree, np.arange(system.folded.tree.size)[:, None]
+    angle = np.zeros((tree.size, shape.shape[1]))
+    angle[system.folded.node] = shape / system.speed_ratio[:, None]
+    size = np.abs(angle)
+    sign = np.sign(angle).astype(np.int8)
+    sign[size <= STANDS_STILL * size.max(axis=0, initial=0.0)] = 0
+    sign[tree.held] = 0
+    still = (sign == 0) & ~tree.held[:, None]
+    if still.any():
+        begins = still & (tree.parent < 0)[:, None]
+        sign[begins] = 1
+        moving = np.where(still & ~begins, tree.parent[:, None], stations)
+        while not np.array_equal(beyond := np.take_along_axis(moving, moving, axis=0), moving):
+            moving = beyond
+        sign = np.take_along_axis(sign, moving, axis=0)
+    joined = (tree.parent >= 0) & np.isfinite(tree.flexibility)
+    crosses: IntArray = np.count_nonzero((sign * sign[tree.parent] < 0) & joined[:, None], axis=0)
+    return crosses
 
 
 class ModesSettings(Declared):
@@ -32,6 +90,14 @@ class ModesSettings(Declared):
 
     count: Annotated[int, Field(ge=1, le=100_000)] = given("how many elastic modes", 6)
     damped: bool | None = given("damped frequencies and damping ratios too (default: when something damps)")
+
+
+def modes_settings(study: Study, ruled: Ruled) -> ModesSettings | None:
+    """Settings of the modes that are computed; None where none are."""
+    settings = study.analyses.get("modes")
+    if isinstance(settings, ModesSettings):
+        return settings
+    return None if study.analyses and "modes" not in ruled else ModesSettings()
 
 
 @reported
@@ -150,10 +216,10 @@ def _in_reach(system: System, highest: float, count: int) -> System:
             break
         from torsion.analyses.bars import above_mode, reach
 
-        tree = undamped_tree(system.folded)
-        known = reach(tree, bars)
+        tree = undamped_tree(system)
+        known = reach(tree)
         if known.count >= count:
-            return rediscretised(system, max(highest, above_mode(tree, bars, count) / (2.0 * math.pi)))
+            return rediscretised(system, max(highest, above_mode(tree, count) / (2.0 * math.pi)))
         finer = rediscretised(system, known.frequency / (2.0 * math.pi))
         if _division(finer) == _division(system):
             break
@@ -172,7 +238,7 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
     if system.bars is not None and system.folded_bars is not None:
         from torsion.analyses.bars import referred_modes
 
-        found = referred_modes(undamped_tree(system.folded), system.folded_bars, count)
+        found = referred_modes(undamped_tree(system), count)
         outer = found.torque if found.shafts is None else found.shafts.torque_outer
         return _modes(system, found, bar_torques(system, found.torque, outer))
     closing = closing_spans(system)
@@ -195,8 +261,8 @@ def condensed_modes(whole: Modes, system: System) -> Modes:
 
 
 def _referred_modes(system: System, closing: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
-    """The modes on the folded tree, with the spans `closing` that close its loops."""
-    tree = undamped_tree(system.folded)
+    """The modes on the condensed tree, with the chords `closing` of its loops."""
+    tree = undamped_tree(system)
     if not closing.size:
         from torsion.kernels.natural_modes import tree_modes
 
@@ -208,10 +274,15 @@ def _referred_modes(system: System, closing: IntArray, count: int | None, progre
     return graph_modes(tree, node[system.driving[closing]], node[system.driven[closing]], flexibility, count)
 
 
-def undamped_tree(folded: Folded) -> Tree:
-    """The tree without the spans that have damping but no stiffness, which hold nothing without damping."""
-    tree = folded.tree
+def undamped_tree(system: System) -> Tree:
+    """The tree with the laws of its distributed shafts, without spans that have damping but no stiffness.
+
+    These hold nothing without damping.
+    """
+    tree = system.folded.tree
     slips = np.isinf(tree.flexibility)
+    if system.folded_bars is not None:
+        tree = replace(tree, shafts=system.folded_bars)
     if not slips.any():
         return tree
     return replace(tree, parent=np.where(slips, -1, tree.parent), flexibility=np.where(slips, 0.0, tree.flexibility))

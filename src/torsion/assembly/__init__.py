@@ -1,4 +1,4 @@
-"""Primitives to a system: one model a file, imported when it is asked for."""
+"""Primitives to a system: one model a file, imported when it is requested."""
 
 import math
 from importlib import import_module

@@ -15,7 +15,7 @@ from torsion.assembly.system_builder import Collected
 from torsion.primitives import Bar
 from torsion.train import Train
 
-LARGEST_PHASE = 1.0  # rad along a piece at the highest frequency asked for; far below pi, from where counts need more
+LARGEST_PHASE = 1.0  # rad along a piece at the highest frequency requested; far below pi, from where counts need more
 FEWEST = 4  # pieces of a shaft, for the picture of its shape
 STEEPEST = 3.0  # a diameter or wall changes by at most this factor over a piece, so that its integrals converge fast
 
@@ -23,8 +23,8 @@ STEEPEST = 3.0  # a diameter or wall changes by at most this factor over a piece
 def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, BarSpans | None, dict[str, int]]:
     """Everything of a train with every shaft in `number_of` pieces, and these pieces; a massless shaft is a spring.
 
-    Between the last piece and the driven station there is a rigid span that tells the torque there, but not where that
-    station is one of several held ones. Where no shaft has inertia there are no pieces: None.
+    Between the last piece and the driven station there is a rigid span with the torque there, but not where that
+    station is one of several fixed ones. Where no shaft has inertia there are no pieces: None.
     """
     found = Collected.of(train)
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}

@@ -17,25 +17,25 @@ if TYPE_CHECKING:
 class BarSpans:
     """The spans with distributed inertia, of the models `fem` and `exact`; pieces of uniform shafts come first.
 
-    Such a span has two torques. The one told is that at its driving station; the one at the driven end of the whole
+    Such a span has two torques. The one reported is that at its driving station; the one at the driven end of the whole
     shaft is that of the massless rigid span `<shaft>, driven end`.
     """
 
-    span: IntArray  # (bars,) position of the span
-    lumped: FloatArray  # (stations,) kg m2 at own speed, without the inertia of the bars
-    ends: IntArray  # (bars, 2) stations at which half the inertia of each bar is told: driving and driven
-    pieces: tuple[Piece, ...]  # (bars,)
+    span: IntArray  # (spans,) position of the span
+    lumped: FloatArray  # (stations,) kg m2 at own speed, without their inertia
+    ends: IntArray  # (spans, 2) stations at which half the inertia of each is reported: driving and driven
+    pieces: tuple[Piece, ...]  # (spans,)
     degree: int = 0  # of the finite elements; 0 for the exact model
-    error: float = 0.0  # estimated, relative, of a shaft's highest frequency asked for
+    error: float = 0.0  # estimated, relative, of a shaft's highest frequency requested
 
     @property
     def stiffness(self) -> FloatArray | None:
-        """(bars, degree + 1, degree + 1) N m/rad of finite elements at own speed: driving end, driven end, inside."""
+        """(spans, degree + 1, degree + 1) N m/rad of finite elements at own speed: driving end, driven end, inside."""
         return self._matrices[0] if self.degree else None
 
     @property
     def inertia(self) -> FloatArray | None:
-        """(bars, degree + 1, degree + 1) kg m2, likewise."""
+        """(spans, degree + 1, degree + 1) kg m2, likewise."""
         return self._matrices[1] if self.degree else None
 
     @cached_property

@@ -39,7 +39,7 @@ def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray
 
 
 def element_law(bars: "BarSpans", ratio2: FloatArray) -> CondensedElements:
-    """The elements without their unknowns inside, multiplied by `ratio2` (bars,), the squares of their speed ratios.
+    """The elements without their unknowns inside, multiplied by `ratio2` (spans,), the squares of their speed ratios.
 
     Those of uniform shafts are one element to scale: it is condensed once for a degree.
     """

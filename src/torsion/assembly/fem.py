@@ -14,7 +14,7 @@ from torsion.train import Train
 
 DEGREE, HIGHEST_DEGREE = 4, 10
 SHARE_OF_ERROR = 1e-6  # a frequency of a shaft is right to this share, by the estimate of `element_error`
-LARGEST_PHASE = 2.5  # rad along an element: the inner unknowns alone swing at pi or more
+LARGEST_PHASE = 2.5  # rad along an element: the inner unknowns alone oscillate at pi or more
 FEWEST = 4  # elements of a shaft, for the picture of its shape
 
 
@@ -79,7 +79,7 @@ def assemble_fem(
 
 
 def _number(bar: Bar, elements: int) -> int:
-    """At least the segments that the shaft itself asks for."""
+    """At least the segments that the shaft itself states."""
     return max(elements, bar.segments or 1)
 
 

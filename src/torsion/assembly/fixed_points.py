@@ -1,4 +1,4 @@
-"""Held points that nothing elastic keeps apart: their reactions are not determined, or a joint cannot turn."""
+"""Fixed points that nothing elastic keeps apart: their reactions are not determined, or a joint cannot turn."""
 
 import math
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ Rigid = dict[int, list[tuple[int, Spring | Constraint]]]  # of each station: (th
 
 
 def fixed_point_faults(train: Train) -> list[Fault]:
-    """A fault for every held point that rigid spans alone join to an earlier one."""
+    """A fault for every fixed point that rigid spans alone join to an earlier one."""
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
     if len(held) < 2:
         return []
@@ -25,7 +25,7 @@ def fixed_point_faults(train: Train) -> list[Fault]:
 
 
 def _fault(train: Train, station: int, held: set[int], near: Rigid) -> Iterator[Fault]:
-    """The fault of a held station, by the shortest rigid way to one before it."""
+    """The fault of a fixed station, by the shortest rigid way to one before it."""
     way: dict[int, list[Spring | Constraint]] = {station: []}
     for here in (met := [station]):
         for other, span in near.get(here, []):
@@ -37,12 +37,12 @@ def _fault(train: Train, station: int, held: set[int], near: Rigid) -> Iterator[
         return
     part, earlier = (train.parts[train.stations[one].part] for one in (station, before[0]))
     uneven = [span for span in way[before[0]] if isinstance(span, Constraint) and span.error]
-    hint = "put a stiffness between them, or hold one of them only"
+    hint = "put a stiffness between them, or fix one of them only"
     if uneven:
         joint = train.parts[uneven[-1].part]
         ends = f"'{earlier.name}' and '{part.name}'"
-        message = f"'{joint.name}' cannot turn: {ends} are held, with nothing elastic between"
+        message = f"'{joint.name}' cannot turn: {ends} are fixed, with nothing elastic between"
         yield Fault(joint.path, message, hint)
     else:
-        message = f"'{part.name}' is held, and rigid parts alone join it to '{earlier.name}', which is held too"
+        message = f"'{part.name}' is fixed, and rigid parts alone join it to '{earlier.name}', which is fixed too"
         yield Fault((*part.path, "held"), message, hint)

@@ -15,7 +15,7 @@ from torsion.kernels.spanning_forest import connected
 class Matrices:
     """J q'' + C q' + (K + i H) q = basis' T over the free angles q, each referred to the reference speed.
 
-    Rigid spans and gears are condensed: stations that turn together share one free angle. Held stations have none.
+    Rigid spans and gears are condensed: stations that turn together share one free angle. Fixed stations have none.
     The unknowns inside finite elements (coefficients of their inner functions) stand behind the free angles.
     """
 

@@ -29,15 +29,15 @@ class Folded:
     span: IntArray  # (spans,) tree station below each span; -1 where the span closes a loop or doubles another
     sign: FloatArray  # (spans,) 1 where the driving station is the parent, -1 where the driven one is
     extra: IntArray  # (extra,) spans that close loops
-    viscous: FloatArray  # (tree stations,) N m s/rad of each tree span, folded
+    viscous: FloatArray  # (tree stations,) N m s/rad of each tree span, referred
     loss_factor: FloatArray  # (tree stations,)
-    is_held_copy: BoolArray  # (tree stations,) a second copy of a held station, at the end of one of its spans
+    is_held_copy: BoolArray  # (tree stations,) a second copy of a fixed station, at the end of one of its spans
 
 
 def fold(system: "System") -> Folded:
-    """The tree of a system; raises InputError where rigid spans close a loop or join two held stations.
+    """The tree of a system; raises InputError where rigid spans close a loop or join two fixed stations.
 
-    Where rigid spans lead to several held stations of one part of the train, each of these is a root of its own, and
+    Where rigid spans lead to several fixed stations of one part of the train, each of these is a root of its own, and
     the softest spans between them are left over as those that close a loop (through ground).
     """
     ratio = system.span_ratio
@@ -53,20 +53,20 @@ def fold(system: "System") -> Folded:
 
 @dataclass(frozen=True)
 class _Ends:
-    """Ends of every span after held stations were split into one copy a span."""
+    """Ends of every span after fixed stations were split into one copy a span."""
 
     number: int  # of stations and copies
     driving: IntArray
     driven: IntArray
-    copies: tuple[int, ...]  # the held station that each further node copies
-    roots: list[int]  # held stations (no ground) to walk from, in this order
-    anchors: tuple[int, ...]  # held stations that rigid spans join to one part, where there are several
+    copies: tuple[int, ...]  # the fixed station that each further node copies
+    roots: list[int]  # fixed stations (no ground) to walk from, in this order
+    anchors: tuple[int, ...]  # fixed stations that rigid spans join to one part, where there are several
 
 
 def _split_held(system: "System") -> _Ends:
-    """A held station stays the root of its train once; every other held station becomes one leaf a span.
+    """A fixed station stays the root of its train once; every other fixed station becomes one leaf a span.
 
-    One with a single span is a root or a leaf as it is. A rigid span can only lead outward from a root.
+    One with a single span is a root or a leaf as it is. A rigid span can only lead away from a root.
     """
     driving, driven = system.driving.copy(), system.driven.copy()
     number = len(system.stations)
@@ -106,7 +106,7 @@ def _touching(system: "System", station: int) -> list[tuple[int, int, int]]:
 def _rigidly_rooted(
     system: "System", touching: dict[int, list[tuple[int, int, int]]], group: IntArray
 ) -> tuple[dict[int, int], tuple[int, ...]]:
-    """The first held station that a rigid span joins to each group, and the anchors."""
+    """The first fixed station that a rigid span joins to each group, and the anchors."""
     root, anchors = dict[int, int](), set[int]()
     for station, spans in touching.items():
         for _, span, other in spans:
@@ -136,7 +136,7 @@ def _rigid_loop(part: Part) -> Fault:
 
 
 def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> Folded:
-    """Number the tree from its roots outward."""
+    """Number the tree from its roots to its leaves."""
     stations = len(system.stations)
     order, number = way.order, len(way.order)
     place = np.argsort(order)

@@ -117,7 +117,7 @@ def _upto(number: int) -> IntArray:
 def condensed(system: System, most: int = MOST_GROUPS) -> System:
     """The system with groups in place of the segments of its long shafts; itself where it has none, or closed loops.
 
-    Inertia and flexibility of a group are told as sums. The whole system stays at hand in `groups.system`.
+    Inertia and flexibility of a group are reported as sums. The whole system stays at hand in `groups.system`.
     """
     groups = segment_groups(system, most)
     if groups.is_whole or system.bars is not None or system.folded.extra.size:

@@ -32,18 +32,18 @@ class Discretisation:
 @dataclass(frozen=True)
 class System:
     """A train assembled. Twist of a span = driving angle - driven angle / its ratio; its torque is positive when the
-    driving side pushes the driven one, and is told at the driving station's speed."""
+    driving side pushes the driven one, and is reported at the driving station's speed."""
 
     train: Train
     model: str
     stations: Sequence[Station]
     spans: Sequence[Span]
-    inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where held; half of each piece of a shaft included
+    inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where fixed; half of each piece of a shaft included
     flexibility: FloatArray  # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only
     viscous: FloatArray  # (spans,) N m s/rad
     loss_factor: FloatArray  # (spans,)
     dampers: tuple[Damper, ...]
-    segments: dict[str, int]  # of every bar, by name: segments, elements or pieces
+    segments: dict[str, int]  # of every shaft, by name: segments, elements or pieces
     bars: BarSpans | None = None  # of the models `fem` and `exact`, where a shaft has inertia
     rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
     requested: Discretisation = Discretisation()
@@ -86,7 +86,7 @@ class System:
 
     @cached_property
     def span_ratio(self) -> FloatArray:
-        """(spans,) speed at which each span's torque is told / reference speed."""
+        """(spans,) speed at which each span's torque is reported / reference speed."""
         return self.speed_ratio[self.driving]
 
     def twist(self, referred: np.ndarray) -> np.ndarray:
@@ -118,7 +118,7 @@ class System:
 
     @cached_property
     def lumped_inertia(self) -> FloatArray:
-        """(stations,) kg m2 at own speed, without that of spans with distributed inertia; infinite where held."""
+        """(stations,) kg m2 at own speed, without that of spans with distributed inertia; infinite where fixed."""
         if self.groups is not None:
             return self.groups.system.inertia[self.groups.stations]
         return self.inertia if self.bars is None else self.bars.lumped

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from torsion.components.base import Component
+from torsion.components.component import Component
 
 KINDS = {
     "disc": "torsion.components.disc:Disc",

@@ -1,12 +1,12 @@
 """A coupling: an elastic (or rigid) link with its damping, its end inertias and its maker's limits."""
 
 import math
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.components.part_records import CouplingRatings
 from torsion.fields import Quantity, given, refuse
@@ -16,12 +16,8 @@ Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_
 DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
 
 
-class Coupling(Component):
+class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "clearance", "hysteresis_torque")):
     """An elastic or rigid coupling, or any other massless spring of the train."""
-
-    keyword: ClassVar[str] = "coupling"
-    sort: ClassVar[Literal["point", "link", "none"]] = "link"
-    unbuilt: ClassVar[tuple[str, ...]] = ("table", "clearance", "hysteresis_torque")
 
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
@@ -52,12 +48,6 @@ class Coupling(Component):
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
         return self
 
-    def loss(self) -> float:
-        """Loss factor eta, from whichever way it was given."""
-        if self.psi is not None:
-            return self.psi / (2.0 * math.pi)
-        return 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
-
     def lower(self, build: Lowering) -> None:
         ratings = CouplingRatings(
             self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance
@@ -67,11 +57,9 @@ class Coupling(Component):
         driving, driven = build.link()
         at_driving, at_driven = self.inertia or (0.0, 0.0)
         build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
-        build.add(self.spring(build, driving, driven))
-
-    def spring(self, build: Lowering, driving: int, driven: int) -> Spring:
-        """The elastic piece between two stations."""
         own = 1.0 if build.at.referred == 1 else float(build.at.referred**2)
         flexibility = self.flexibility * own if self.flexibility is not None else 1.0 / build.own(self.stiffness or 1.0)
+        loss = self.psi / (2.0 * math.pi) if self.psi is not None else self.loss_factor or 0.0
+        loss = 1.0 / self.magnifier if self.magnifier is not None else loss
         viscous = build.own(self.viscous or 0.0)
-        return Spring(build.name, build.part, driving, driven, flexibility, viscous, self.loss())
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss))

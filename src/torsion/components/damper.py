@@ -1,20 +1,16 @@
-"""A viscous or tuned damper: a housing on the train and a ring that hangs on it."""
+"""A viscous or tuned damper: a housing on the train and a ring that it carries."""
 
 import math
-from typing import ClassVar, Literal
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.fields import given, required
 from torsion.primitives import Inertia, Spring
 
 
-class RingDamper(Component):
+class RingDamper(Component, keyword="damper", sort="point"):
     """A torsional vibration damper."""
-
-    keyword: ClassVar[str] = "damper"
-    sort: ClassVar[Literal["point", "link", "none"]] = "point"
 
     housing: fields.Inertia = required("inertia of the housing, fixed to the train")
     ring: fields.Inertia = required("inertia of the ring")

@@ -1,21 +1,19 @@
 """A disc: a point with an inertia, or a fixed end."""
 
 import math
-from typing import ClassVar, Literal, Self
+from typing import Self
 
 from pydantic import model_validator
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.fields import given, refuse
 from torsion.primitives import Damper, Inertia, Spring
 
 
-class Rotor(Component):
+class Rotor(Component, sort="point"):
     """What every point with one inertia has: `inertia`, or `held: true`."""
-
-    sort: ClassVar[Literal["point", "link", "none"]] = "point"
 
     inertia: fields.Inertia | None = given("polar mass moment of inertia")
     held: bool = given("turns at exactly its mean speed: a fixed end", False)
@@ -24,7 +22,7 @@ class Rotor(Component):
     @model_validator(mode="after")
     def _inertia_or_held(self) -> Self:
         if self.held and self.inertia is not None:
-            raise refuse("`inertia` and `held: true` exclude each other", "a held point needs no inertia", "inertia")
+            raise refuse("`inertia` and `held: true` exclude each other", "a fixed point needs no inertia", "inertia")
         if not self.held and self.inertia is None:
             raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
         return self
@@ -39,10 +37,8 @@ class Rotor(Component):
         return here
 
 
-class Disc(Rotor):
+class Disc(Rotor, keyword="disc"):
     """A disc, flange, wheel or any other lumped inertia."""
-
-    keyword: ClassVar[str] = "disc"
 
     stiffness: fields.GroundStiffness | None = given("stiffness to ground")
 

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from torsion import fields
-from torsion.components.base import Component, Line
+from torsion.components.component import Component, Line
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Arrival, Lowering
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
@@ -24,19 +24,16 @@ class GearBranch(Declared):
     inertia: fields.Inertia = given("of the wheel", 0.0)
     mesh_stiffness: fields.Stiffness | None = given("of this mesh, at the driving gear's speed (default: rigid)")
     sense: Literal[-1, 1] = given("-1: turns against the driving gear", -1)
-    train: Line = given("what hangs on the wheel", ())
+    train: Line = given("the train behind the wheel", ())
 
     @model_validator(mode="after")
-    def _one_ratio(self) -> Self:
+    def _ratio(self) -> Self:
         _one_ratio(self)
         return self
 
 
-class Gear(Component):
+class Gear(Component, keyword="gear", sort="link"):
     """A gear stage."""
-
-    keyword: ClassVar[str] = "gear"
-    sort: ClassVar[Literal["point", "link", "none"]] = "link"
 
     ratio: fields.Exact | None = given("speed before / speed after")
     teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given("[driving, driven]")
@@ -63,7 +60,7 @@ class Gear(Component):
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor)
-        speed = self._speed()
+        speed = self._speed(self)
         before = build.at
         driving, driven = build.link(speed, self.sense)
         start = replace(before, here=driving, is_open=False)
@@ -79,7 +76,7 @@ class Gear(Component):
 
     def _lower_branch(self, build: Lowering, branch: GearBranch, start: Arrival, position: int, part: int) -> None:
         main, gear = build.at, build.parts[part]
-        speed = self._branch_speed(branch)
+        speed = self._speed(branch)
         driving = start.here or 0
         build.at = replace(start, ratio=start.ratio * speed, sense=start.sense * branch.sense, depth=start.depth + 1)
         name = f"{gear.name} wheel {position + 2}"
@@ -97,17 +94,11 @@ class Gear(Component):
         starts = self.referred and before.referred_to is None
         return replace(arrival, referred_to=before.ratio if starts else before.referred_to, yoke=None)
 
-    def _speed(self) -> Fraction:
-        """Speed after / speed before."""
-        if self.ratio is not None:
-            return 1 / self.ratio
-        driving, driven = self.teeth or (1, 1)
-        return Fraction(driving, driven)
-
-    def _branch_speed(self, branch: GearBranch) -> Fraction:
-        if branch.ratio is not None:
-            return 1 / branch.ratio
-        teeth = branch.teeth or (1,)
+    def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
+        """Speed after / speed before, of a wheel on this gear."""
+        if wheel.ratio is not None:
+            return 1 / wheel.ratio
+        teeth = wheel.teeth or (1,)
         driving = teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
         return Fraction(driving, teeth[-1])
 

@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Lowering
 from torsion.components.part_records import JointRecord
@@ -20,11 +20,8 @@ from torsion.primitives import Constraint, Inertia
 OF_A_TRIPOD = ("radius", "arm", "bearing")
 
 
-class Joint(Component):
+class Joint(Component, keyword="joint", sort="link"):
     """A universal joint: a cross (Cardan, Hooke) joint, a tripod joint, or any joint of constant velocity."""
-
-    keyword: ClassVar[str] = "joint"
-    sort: ClassVar[Literal["point", "link", "none"]] = "link"
 
     kind: Literal["cross", "tripod", "cv"] = given(
         "cross (order 2), tripod (order 3), or cv: constant velocity", "cross"
@@ -56,28 +53,19 @@ class Joint(Component):
         missing = [key for key in ("radius", "arm") if getattr(self, key) is None]
         if missing:
             raise refuse(f"a tripod needs `{missing[0]}`", "for example `radius: 30 mm, arm: 600 mm`")
-        if self.bearing != "twin" and not self._can_turn():
-            hint = "make the angle or the radius smaller, or the arm longer"
-            raise refuse("the end of this tripod's driven shaft finds no way around", hint, "angle")
+        if self.bearing != "twin":
+            third = np.linspace(0.0, 2.0 * math.pi / 3.0, 25)  # of a revolution; then all repeats
+            try:
+                tripod.exact_motion(third, self.angle, self.radius or 0.0, self.arm or 1.0)
+            except SolveError:
+                hint = "make the angle or the radius smaller, or the arm longer"
+                raise refuse("the end of this tripod's driven shaft finds no way around", hint, "angle") from None
         return self
 
     @property
     def order(self) -> int:
         """Order of its transmission error over its driving shaft; 0 of a joint of constant velocity."""
         return {"cross": 2, "tripod": 0 if self.bearing == "twin" else 3, "cv": 0}[self.kind]
-
-    def driving_yoke(self, driven_before: float | None) -> float:
-        """rad from its plane to its driving yoke (of a tripod: its first arm) when the train's angle is zero."""
-        phase = self.phase or 0.0
-        return phase if driven_before is None else driven_before + phase - (self.plane or 0.0)
-
-    def driven_yoke(self, driving: float) -> float:
-        """rad from its plane to its driven yoke at angle zero, but for its error.
-
-        The yokes of a cross stand square to each other; behind a tripod or a cv joint the arm (or a mark) that stood
-        with the driving side's is counted from, so nothing is added.
-        """
-        return driving + math.pi / 2 if self.kind == "cross" else driving
 
     def error(self, yoke: float) -> tuple[tuple[int, complex], ...]:
         """(order, rad) of the transmission error over the driving shaft's angle, to first order."""
@@ -93,12 +81,15 @@ class Joint(Component):
         if before is None:
             self._refuse_on_a_first_joint(build)
         after = None if before is None else build.at.joint
-        yoke = self.driving_yoke(before)
         plane, phase = self.plane or 0.0, self.phase or 0.0
+        yoke = phase if before is None else before + phase - plane
         joint = JointRecord(self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm)
         build.record(joint=joint)
         driving, driven = build.link()
-        build.at = replace(build.at, yoke=self.driven_yoke(yoke), joint=build.part)
+        # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
+        # with the driving side's is counted from, so nothing is added.
+        driven_yoke = yoke + math.pi / 2 if self.kind == "cross" else yoke
+        build.at = replace(build.at, yoke=driven_yoke, joint=build.part)
         at_driving, at_driven = self.inertia or (0.0, 0.0)
         build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
         build.add(Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after))
@@ -111,13 +102,3 @@ class Joint(Component):
         if self.phase is not None and build.at.depth > 0:
             hint = "leave `phase` out; it counts from a joint before this one, or on the main line from the plane"
             build.fault("`phase` on a first joint of a branch has nothing to count from", hint, "phase")
-
-    def _can_turn(self) -> bool:
-        """The end of a single-bearing tripod's driven shaft finds a position all around a third of a turn."""
-        try:
-            tripod.exact_motion(
-                np.linspace(0.0, 2.0 * math.pi / 3.0, 25), self.angle, self.radius or 0.0, self.arm or 1.0
-            )
-        except SolveError:
-            return False
-        return True

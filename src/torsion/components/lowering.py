@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.material import Material
 from torsion.components.part_records import CouplingRatings, JointRecord, PropellerRecord, ShaftRecord
 from torsion.errors import Fault, Path

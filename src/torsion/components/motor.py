@@ -1,20 +1,18 @@
 """A motor: an inertia that drives the train, with an optional torque ripple."""
 
-from typing import ClassVar, Self
+from typing import Self
 
 from pydantic import model_validator
 
 from torsion import fields
 from torsion.components.disc import Rotor
-from torsion.components.excitation import Ripple
+from torsion.components.harmonic_torques import Ripple
 from torsion.components.lowering import Lowering
 from torsion.fields import given, refuse
 
 
-class Motor(Rotor):
+class Motor(Rotor, keyword="motor"):
     """An electric motor, turbine or other driver."""
-
-    keyword: ClassVar[str] = "motor"
 
     power: fields.Power | None = given(
         "rated power; shares the load where several motors drive one train, and says nothing where one does"
@@ -25,7 +23,7 @@ class Motor(Rotor):
     def _ripple_moves_it(self) -> Self:
         if self.held and self.ripple:
             raise refuse(
-                "a held motor cannot be moved by its ripple", "give its `inertia` in place of `held`", "ripple"
+                "a fixed motor cannot be moved by its ripple", "give its `inertia` in place of `held`", "ripple"
             )
         return self
 
@@ -33,4 +31,4 @@ class Motor(Rotor):
         build.record(power=self.power)
         here = self.place(build)
         path = (*build.parts[-1].path, "ripple")
-        build.add(*(line.at(here, build.name, (*path, place)) for place, line in enumerate(self.ripple)))
+        build.add(*(line.primitive(build.name, here, (*path, place)) for place, line in enumerate(self.ripple)))

@@ -29,7 +29,7 @@ class CouplingRatings:
 
 @dataclass(frozen=True)
 class ShaftRecord:
-    """What a shaft is for the class rules, what it is made of, and its bearings (its dimensions are on its bar)."""
+    """What a shaft is for the class rules, what it is made of, and its bearings (its dimensions are on its `Bar`)."""
 
     material: str  # name of one of the train's materials
     role: Literal["intermediate", "thrust", "propeller"] | None

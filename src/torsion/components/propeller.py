@@ -2,12 +2,12 @@
 
 import math
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.components.part_records import PropellerRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
@@ -17,7 +17,7 @@ SEA_WATER = 1025.0  # kg/m3
 
 
 class BladeTorque(Declared):
-    """One line of blade-order excitation."""
+    """One harmonic component of blade-order excitation."""
 
     blade_order: Annotated[int, Field(ge=1, le=20)] = required("1 is once per blade passing")
     torque: fields.TorqueAmount = required("amplitude (half range): % of the mean torque, or N m")
@@ -57,11 +57,8 @@ def _read_entrained(value: Any) -> fields.Amount:
     return fields.Amount(torque=Quantity("kg*m**2", at_least=0).read(value))
 
 
-class Propeller(Component):
+class Propeller(Component, keyword="propeller", sort="point"):
     """A propeller, impeller or other rotor that absorbs the power."""
-
-    keyword: ClassVar[str] = "propeller"
-    sort: ClassVar[Literal["point", "link", "none"]] = "point"
 
     inertia: fields.Inertia = required("dry polar mass moment of inertia")
     entrained: Annotated[Any, BeforeValidator(_read_entrained, json_schema_input_type=float | str)] = given(
@@ -90,18 +87,13 @@ class Propeller(Component):
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
         return self
 
-    @property
-    def water(self) -> float:
-        """kg m2 of the entrained water."""
-        given_as = self.entrained or fields.Amount()
-        return float(self.inertia * given_as.of_mean + given_as.torque)
-
     def lower(self, build: Lowering) -> None:
         model, factor = ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
-        water = None if self.entrained is None else self.water
+        entrained = self.entrained
+        water = None if entrained is None else float(self.inertia * entrained.of_mean + entrained.torque)
         build.record(propeller=PropellerRecord(self.inertia, water, self.blades, self.diameter, model, factor))
         here = build.point()
-        build.add(Inertia(here, build.own(self.inertia + self.water)))
+        build.add(Inertia(here, build.own(self.inertia + (water or 0.0))))
         if self.damping is not None:
             build.add(self.damper(here, build))
         for place, line in enumerate(self.excitation):
@@ -110,22 +102,14 @@ class Propeller(Component):
             build.add(Torque(build.name, here, order, None, size.torque, size.of_mean, phase=line.phase, path=path))
 
     def damper(self, station: int, build: Lowering) -> Damper:
-        """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega."""
-        damping = self.damping
-        if damping is None:
-            return Damper(station)
-        factor = damping.factor or 0.0
-        match damping.model:
-            case "viscous":
-                return Damper(station, constant=build.own(damping.value or 0.0))
-            case "archer":
-                return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0)
-            case "schwanecke":
-                return Damper(station, speed_factor=self._schwanecke())
-            case _:
-                return Damper(station, torque_factor=factor)
+        """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega.
 
-    def _schwanecke(self) -> float:
-        """Damping per speed: 0.0231 rho D^5 (P/D)^2 EAR/pi, N m s2/rad2 (to be verified against its source)."""
-        diameter, pitch, area = self.diameter or 0.0, self.pitch_ratio or 0.0, self.area_ratio or 0.0
-        return 0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi
+        Schwanecke: 0.0231 rho D^5 (P/D)^2 EAR/pi per speed, N m s2/rad2 (to be verified against its source).
+        """
+        model, factor = ("", 0.0) if self.damping is None else (self.damping.model, self.damping.factor or 0.0)
+        if self.damping is not None and model == "viscous":
+            return Damper(station, constant=build.own(self.damping.value or 0.0))
+        if model == "schwanecke":
+            diameter, pitch, area = self.diameter or 0.0, self.pitch_ratio or 0.0, self.area_ratio or 0.0
+            return Damper(station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi)
+        return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0 if model == "archer" else factor)

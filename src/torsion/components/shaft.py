@@ -1,15 +1,15 @@
 """A shaft: distributed inertia and stiffness from its dimensions and material; uniform, conical or of any section."""
 
 import math
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from torsion import fields
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.components.lowering import Lowering
+from torsion.components.meshed_section import MeshedSection
 from torsion.components.part_records import ShaftRecord
-from torsion.components.section import MeshedSection
 from torsion.components.support import Support
 from torsion.fields import OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar
@@ -20,11 +20,8 @@ Feature = Literal[
 ]  # fmt: skip
 
 
-class Shaft(Component):
+class Shaft(Component, keyword="shaft", sort="link"):
     """A uniform or conical shaft, solid or hollow, or one of any cross-section."""
-
-    keyword: ClassVar[str] = "shaft"
-    sort: ClassVar[Literal["point", "link", "none"]] = "link"
 
     length: Annotated[float, Quantity("m", above=0, usual=(None, 20e3), slip=("m", "mm"))] = required("length")
     diameter: Annotated[tuple[fields.Across, ...], OneOrMany] = given("outer diameter, or [from, to] of a cone", ())
@@ -42,7 +39,7 @@ class Shaft(Component):
     @field_validator("section")
     @classmethod
     def _stands_alone(cls, section: MeshedSection | None, known: ValidationInfo) -> MeshedSection | None:
-        """Of `diameter` and `section` one is there; as a check of a field it is told beside the faults of others."""
+        """Of `diameter` and `section` one is there; a check of a field is reported beside the faults of others."""
         if section is None and known.data.get("diameter") == ():
             raise refuse("`diameter` is missing", "outer diameter in m, or `section: {mesh: file.msh}`")
         if section is not None and known.data.get("diameter"):

@@ -141,9 +141,19 @@ def _transmission(tree: Tree, through: FloatArray, inverse: FloatArray, stiffnes
 
 
 def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
-    """Like `_sides_of_layers`, from both ends at once."""
+    """Like `_sides_of_layers`, from both ends at once: m columns from the last station to the first, m back."""
     size, columns = own.shape
-    behind, inverse, through = _both_ways(own, tree.flexibility)
+    behind, (inverse, through) = np.empty((size, 2 * columns)), np.empty((2, size - 1, 2 * columns))
+    behind[:, :columns], behind[:, columns:] = own[::-1], own
+    through[:, :columns], through[:, columns:] = tree.flexibility[:0:-1, None], tree.flexibility[1:, None]
+    add, reciprocal, rows = np.add, np.reciprocal, list(behind)
+    here = rows[0]
+    for turned, seen, there in zip(inverse, through, rows[1:], strict=True):
+        reciprocal(here, turned)
+        add(seen, turned, seen)
+        reciprocal(seen, seen)
+        add(there, seen, there)
+        here = there
     total, (passed, returned, to_leaves, to_root) = behind[::-1, :columns].copy(), np.zeros((4, size + 1, columns))
     passed[1:size], returned[1:size] = through[::-1, :columns], through[:, columns:]
     to_leaves[1:size], to_root[1:size] = inverse[::-1, :columns], inverse[:, columns:]
@@ -155,51 +165,20 @@ def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
 
 def _spread_along_chain(tree: Tree, sides: Sides, start: IntArray) -> Spread:
     """Both ways at once."""
-    angle = _spread_both_ways(sides.to_root[1:], sides.to_leaves[1:], start)
-    torque, product = np.zeros((2, *sides.passed.shape))
-    before, moment = angle[:-1], torque[1 : tree.size]
-    np.multiply(before, sides.passed[1 : tree.size], moment)
-    returned = np.multiply(sides.returned[1:], angle[1:])
-    np.copyto(moment, np.negative(returned, returned), where=np.arange(1, tree.size)[:, None] <= start)
-    np.multiply(before, moment, product[1 : tree.size])
-    return angle, torque[: tree.size], product, None
-
-
-def _both_ways(own: FloatArray, flexibility: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Dynamic stiffness (stations, 2m) of what lies behind each station in the sweep, itself included; the inverse of
-    that, and the same seen through the next span (stations - 1, 2m each), from `own` (stations, m) N m/rad.
-
-    The first m columns go from the last station to the first, the others from the first to the last.
-    """
-    stations, columns = own.shape
-    behind, (inverse, through) = np.empty((stations, 2 * columns)), np.empty((2, stations - 1, 2 * columns))
-    behind[:, :columns], behind[:, columns:] = own[::-1], own
-    through[:, :columns], through[:, columns:] = flexibility[:0:-1, None], flexibility[1:, None]
-    add, reciprocal, rows = np.add, np.reciprocal, list(behind)
-    here = rows[0]
-    for turned, seen, there in zip(inverse, through, rows[1:], strict=True):
-        reciprocal(here, turned)
-        add(seen, turned, seen)
-        reciprocal(seen, seen)
-        add(there, seen, there)
-        here = there
-    return behind, inverse, through
-
-
-def _spread_both_ways(to_root: FloatArray, to_leaves: FloatArray, start: IntArray) -> FloatArray:
-    """Angles (stations, m): 1 at `start` (m,), from there products of `to_root` and of `to_leaves`.
-
-    `to_root` and `to_leaves` (stations - 1, m) are for the span between a station and the next.
-    """
-    spans, columns = to_leaves.shape
-    is_toward_root = np.arange(spans)[:, None] < start
-    factor = np.ones((spans, 2 * columns))
-    np.copyto(factor[:, :columns], to_root[::-1], where=is_toward_root[::-1])
-    np.copyto(factor[:, columns:], to_leaves, where=~is_toward_root)
+    columns, is_toward_root = len(start), np.arange(tree.size - 1)[:, None] < start
+    factor = np.ones((tree.size - 1, 2 * columns))
+    np.copyto(factor[:, :columns], sides.to_root[:0:-1], where=is_toward_root[::-1])
+    np.copyto(factor[:, columns:], sides.to_leaves[1:], where=~is_toward_root)
     multiply, rows = np.multiply, list(factor)
-    for before, here in pairwise(rows):
-        multiply(before, here, here)
-    angle = np.ones((spans + 1, columns))
+    for near, far in pairwise(rows):
+        multiply(near, far, far)
+    angle = np.ones((tree.size, columns))
     angle[:-1] = factor[::-1, :columns]
     angle[1:] *= factor[:, columns:]
-    return angle
+    torque, product = np.zeros((2, *sides.passed.shape))
+    before, moment = angle[:-1], torque[1 : tree.size]
+    multiply(before, sides.passed[1 : tree.size], moment)
+    returned = multiply(sides.returned[1:], angle[1:])
+    np.copyto(moment, np.negative(returned, returned), where=is_toward_root)
+    multiply(before, moment, product[1 : tree.size])
+    return angle, torque[: tree.size], product, None

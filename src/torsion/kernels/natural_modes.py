@@ -79,9 +79,7 @@ def tree_modes(
         if swept is not solved:
             shapes = replace(shapes, angle=rerooted.angles(shapes.angle), torque=rerooted.torques(shapes.torque))
         _complete(solved, frequency, shapes)
-    torque, of_shafts = shapes.torque, None
-    if tree.shafts is not None:
-        torque, of_shafts = _with_shafts(solved, frequency, shapes)
+    torque, of_shafts = _with_shafts(solved, frequency, shapes)
     if solved is not tree:
         torque, of_shafts = _with_reactions(tree, known, torque, of_shafts)
     rigid_angle = rigid_shapes(tree.static, known)

@@ -199,9 +199,8 @@ def _close_pairs(frequency: FloatArray) -> tuple[IntArray, IntArray]:
 
 def _relative_gap(frequency: FloatArray, group: IntArray) -> float:
     """Relative distance from the group's frequency to the nearest other one, at most 1."""
-    here = frequency[group[0]]
-    others = np.delete(frequency, group)
-    return min(1.0, float(np.min(np.abs(others - here))) / here) if len(others) else 1.0
+    here = float(frequency[group[0]])
+    return min(1.0, float(np.abs(np.delete(frequency, group) - here).min(initial=here)) / here)
 
 
 def orthonormal(weighted: FloatArray) -> FloatArray:

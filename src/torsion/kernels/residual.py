@@ -21,13 +21,14 @@ class Amplitudes:
     torque_size: FloatArray
 
 
-def equilibrium_residual(plan: Layout, given: Equations, answer: Amplitudes) -> FloatArray:
+def equilibrium_residual(plan: Layout, given: Equations, angle: ComplexArray, torque: ComplexArray) -> FloatArray:
     """Worst relative residual, (columns,), over every station that is not fixed and every span.
 
     Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
     all zero is satisfied.
     """
-    size, columns = answer.angle.shape
+    size, columns = angle.shape
+    answer = Amplitudes(angle, torque, np.abs(angle), np.abs(torque))
     worst = np.zeros(columns)
     height = min(size, max(1, BLOCK_VALUES // max(columns, 1)))
     errors, (scales, sizes) = np.empty((height, columns), dtype=np.complex128), np.empty((2, height, columns))

@@ -106,10 +106,12 @@ def branches(
         for child in plan.children[station]:
             z = np.add(z, found.stiffness_through[child], out=z_row)
             f = total(f, found.source_through[child], f_row)
-        _drop_if_alone(plan.children[station], found)
+        if len(plan.children[station]) == 1:  # no sibling needs to know what it passes on: free the memory
+            found.stiffness_through[plan.children[station][0]] = found.source_through[plan.children[station][0]] = None
         found.stiffness[station], found.source[station] = z, f
         if inner:
-            factor = inverse_sum(hc * z, guard)
+            factor = guarded_sum(hc * z, guard)
+            np.reciprocal(factor, out=factor)
             found.stiffness_through[station] = z * factor
             pushed = total(f, None if q is None else -q * z)
             found.source_through[station] = None if pushed is None else pushed * factor
@@ -123,17 +125,6 @@ def total(one: Any, other: Any, out: Row | None = None) -> Any:
     if one is None or other is None:
         return other if one is None else one
     return np.add(one, other, out=out)
-
-
-def _drop_if_alone(children: tuple[int, ...], found: Branches) -> None:
-    """An only child has no siblings that need to know what it passes on: free the memory."""
-    if len(children) == 1:
-        found.stiffness_through[children[0]] = found.source_through[children[0]] = None
-
-
-def inverse_sum(product: Row, guard: bool) -> Row:
-    """1/(1 + product), in the memory of `product`; see `branches` for `guard`."""
-    return np.reciprocal(guarded_sum(product, guard), out=product)
 
 
 def guarded_sum(product: Row, guard: bool) -> Row:
@@ -171,15 +162,6 @@ class Equations:
 
 
 @dataclass(frozen=True)
-class Answer:
-    """Where the answer goes; zero at first."""
-
-    angle: ComplexArray  # (stations, columns) rad
-    torque: ComplexArray  # (stations, columns) N m, of span i on station i
-    sensitivity: FloatArray | None  # (columns,) sum of |own receptance|; (2 columns,) |real|, |imaginary| side by side
-
-
-@dataclass(frozen=True)
 class Sweep:
     """All that the way from the root needs."""
 
@@ -196,16 +178,26 @@ class Sweep:
     guard: bool
 
 
-def solve(plan: Layout, given: Equations, answer: Answer, guard: bool = False) -> None:
-    """Fill `answer`: angle = (f d + e)/D, torque = (e z - f zd)/D with D = z d + zd; on the way its rows hold f and z.
+def solve(
+    plan: Layout,
+    given: Equations,
+    angle: ComplexArray,
+    torque: ComplexArray,
+    *,
+    sensitivity: FloatArray | None = None,
+    guard: bool = False,
+) -> None:
+    """Fill `angle` and `torque`, zero at first: angle = (f d + e)/D rad, torque = (e z - f zd)/D N m with D = z d + zd.
 
-    z, f: stiffness and source of the branch of span i; zd, fd: of everything else, at the parent; d = 1 + hc zd and
-    e = fd + zd twist. No angle is ever subtracted from another, so that the only cancellation is that of the physics.
-    The receptance of station i is d/D. Where nothing acts in a branch, angle = transfer times angle of the parent, and
-    torque = z angle. (1/D as a product along the train would spread the loss of one local resonance over all of it.)
+    On the way their rows hold f and z. `sensitivity` takes the sums of |own receptance|: (columns,), or (2 columns,)
+    with |real| and |imaginary| side by side. z, f: stiffness and source of the branch of span i; zd, fd: of everything
+    else, at the parent; d = 1 + hc zd and e = fd + zd twist. No angle is ever subtracted from another, so that the only
+    cancellation is that of the physics. The receptance of station i is d/D. Where nothing acts in a branch, angle =
+    transfer times angle of the parent, and torque = z angle. (1/D as a product along the train would spread the loss of
+    one local resonance over all of it.)
     """
     own, compliance = list(given.own), values_or_rows(given.compliance)
-    rows = list(answer.angle), list(answer.torque)
+    rows = list(angle), list(torque)
     room = (rows[1], rows[0]) if np.iscomplexobj(given.own) else None
     found = branches(plan, own, compliance, given.force, given.twist, guard, room)
     loud = [f is not None or q is not None for f, q in zip(found.source, given.twist, strict=True)]
@@ -215,13 +207,14 @@ def solve(plan: Layout, given: Equations, answer: Answer, guard: bool = False) -
         if parent < 0:
             _root(at, i)
         elif not loud[i]:
-            _quiet(at, i, answer.sensitivity is not None)
+            _quiet(at, i, sensitivity is not None)
         elif plan.prescribed[parent]:
             _beside_prescribed(at, i)
         else:
-            _join(at, i, answer.sensitivity is not None)
-        if answer.sensitivity is not None and at.receptance[i] is not None:
-            _note(answer.sensitivity, own[i] * at.receptance[i])
+            _join(at, i, sensitivity is not None)
+        if sensitivity is not None and at.receptance[i] is not None:
+            loss = (own[i] * at.receptance[i]).view(np.float64)
+            sensitivity += np.abs(loss, out=loss)
         _forget(at, i)
 
 
@@ -322,13 +315,6 @@ def _share_out(at: Sweep, i: int, stiffness: Row, source: Any) -> None:
     if loud:
         share(loud, through, at.stiffness, stiffness)
         share(loud, at.found.source_through, at.source, source, total)
-
-
-def _note(sensitivity: FloatArray, loss: Row) -> None:
-    """Add |real| and |imaginary|, side by side."""
-    parts = loss.view(np.float64)
-    np.abs(parts, out=parts)
-    sensitivity += parts
 
 
 def _forget(at: Sweep, i: int) -> None:

@@ -151,15 +151,7 @@ class Tree:
             for part in self._rounds:
                 total[self.shaft_parent[part]] += inner[part]
 
-    def flexibilities(self, of_shafts: FloatArray | None = None) -> list[FloatArray]:
-        """A row a span: of `of_shafts` (shafts, m) for a shaft, one value without axes, which is fast, for a spring."""
-        if self.shafts is None or of_shafts is None:
-            return self._of_springs
-        rows = list(self._of_springs)
-        for node, row in zip(self.shafts.node.tolist(), of_shafts, strict=True):
-            rows[node] = row
-        return rows
-
     @cached_property
-    def _of_springs(self) -> list[FloatArray]:
+    def flexibilities(self) -> list[FloatArray]:
+        """`flexibility` of each span as a value without axes, which is fast."""
         return [self.flexibility[station, ...] for station in range(self.size)]

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.residual import Amplitudes, equilibrium_residual
-from torsion.kernels.sweeps import EPS, Answer, Equations, Layout, layout, solve, values_or_rows
+from torsion.kernels.residual import equilibrium_residual
+from torsion.kernels.sweeps import EPS, Equations, Layout, layout, solve, values_or_rows
 from torsion.kernels.tree import Tree
 
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
-CHUNK_VALUES = 2**18  # stations times columns treated at once
+CHUNK_VALUES = 2**18  # stations times columns treated at once, whose rows stay in the cache
 SHORTEST_CHUNK, LONGEST_CHUNK = 1024, 2048  # columns: fewer, and calls cost more than sums; more, and caches overflow
 Part = slice | IntArray
 
@@ -89,7 +89,8 @@ def tree_response(
     problem = pose(tree, w, ground_damping, compliance, shaft_loss)
     acting = sources(problem, force, twist)
     result = blank_response(tree, problem.w.size)
-    for part in _chunks(problem):
+    length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // tree.size, LONGEST_CHUNK))
+    for part in (slice(start, start + length) for start in range(0, problem.w.size, length)):
         block = result.part(part)
         solve_part(problem, acting, part, block, check=check)
         lost = np.flatnonzero(np.isinf(block.amplification)) + part.start
@@ -138,7 +139,6 @@ class Problem:
     """Everything but the sources, checked once."""
 
     plan: Layout
-    inertia: FloatArray  # (stations,) kg m2
     damping: FloatArray  # (stations,) or (stations, frequencies) N m s/rad to ground
     damped: list[int]  # stations with such damping
     compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
@@ -185,13 +185,8 @@ def sources(problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None) -
     shafts = problem.tree.shafts
     if shafts is not None and given["twist"][shafts.node].any():
         raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span beside it")
-    return Sources(*(_acting(values) for values in given.values()))
-
-
-def _acting(values: NDArray[Any]) -> list[Any]:
-    rows = values_or_rows(values)
-    acts = _any_in_rows(values)
-    return [row if act else None for row, act in zip(rows, acts, strict=True)]
+    pairs = (zip(values_or_rows(values), _any_in_rows(values), strict=True) for values in given.values())
+    return Sources(*([row if acts else None for row, acts in rows] for rows in pairs))
 
 
 def _any_in_rows(values: NDArray[Any]) -> list[bool]:
@@ -229,7 +224,7 @@ def pose(
                 f"{highest:.6g} rad/s is above {shafts.reach:.6g} rad/s, to which the pieces of the shafts are short"
                 " enough; divide the shafts more finely"
             )
-    return Problem(layout(tree, rigid), tree.moving_inertia, damping, damped, hc, w, tree, loss)
+    return Problem(layout(tree, rigid), damping, damped, hc, w, tree, loss)
 
 
 def solve_part(
@@ -245,14 +240,12 @@ def solve_part(
     columns = block.angle.shape[1]
     sensitivity = np.zeros(columns * given.own.itemsize // 8) if check else None
     with np.errstate(all="ignore"):
-        solve(problem.plan, given, Answer(block.angle, block.torque, sensitivity), guard)
-        if sensitivity is None:
-            lost = ~np.isfinite(block.angle.sum(axis=0) + block.torque.sum(axis=0))
-        else:
-            found = Amplitudes(block.angle, block.torque, np.abs(block.angle), np.abs(block.torque))
-            block.residual[:] = equilibrium_residual(problem.plan, given, found)
+        solve(problem.plan, given, block.angle, block.torque, sensitivity=sensitivity, guard=guard)
+        lost = ~np.isfinite(block.angle.sum(axis=0) + block.torque.sum(axis=0))
+        if sensitivity is not None:
+            block.residual[:] = equilibrium_residual(problem.plan, given, block.angle, block.torque)
             block.amplification[:] = 1 + 2 * sensitivity.reshape(columns, -1).sum(axis=1)
-            lost = ~np.isfinite(found.angle_size.sum(axis=0) + found.torque_size.sum(axis=0) + block.amplification)
+            lost |= ~np.isfinite(block.amplification)
         if pi is not None and problem.tree.shafts is not None:
             node, block.torque_outer[:] = problem.tree.shafts.node, block.torque
             block.torque_outer[node] -= pi[2] * block.angle[node]
@@ -270,13 +263,12 @@ def residual_of(
         torque = torque.copy()
         torque[problem.tree.shafts.node] -= pi[1] * response.angle[problem.tree.shaft_parent]
     with np.errstate(all="ignore"):
-        sizes = np.abs(response.angle), np.abs(torque)
-        return equilibrium_residual(problem.plan, given, Amplitudes(response.angle, torque, *sizes))
+        return equilibrium_residual(problem.plan, given, response.angle, torque)
 
 
 def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
-    w, inertia = problem.w[part], problem.inertia[:, None]
+    w, inertia = problem.w[part], problem.tree.moving_inertia[:, None]
     square = -w * w
     if not problem.damped and not problem.shaft_loss.any() and not np.iscomplexobj(problem.compliance):
         return inertia * square
@@ -302,12 +294,6 @@ def _check_shapes(stations: int, w: FloatArray, arrays: Mapping[str, NDArray[Any
     for name, values in arrays.items():
         if values.shape not in allowed:
             raise ValueError(f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}")
-
-
-def _chunks(problem: Problem) -> list[slice]:
-    """The frequencies in pieces whose rows stay in the cache."""
-    length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // problem.plan.size, LONGEST_CHUNK))
-    return [slice(start, start + length) for start in range(0, problem.w.size, length)]
 
 
 def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:

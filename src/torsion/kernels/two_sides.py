@@ -56,12 +56,14 @@ def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
         own = tree.own_stiffness(square)
         z, (zz, zd, y) = own.copy(), np.zeros((3, *own.shape))
         if tree.shafts is None:
-            sides, h, near, far = TwoSides(z, z, zz, zz, zd, zd, y, y), tree.flexibilities(), [], []
+            sides, h, near, far = TwoSides(z, z, zz, zz, zd, zd, y, y), tree.flexibilities, [], []
         else:
             flexibility, inner, outer = tree.shafts.at(square)
             ends = np.zeros((4, *own.shape))
             sides = TwoSides(z, ends[0], zz, ends[1], zd, ends[2], y, ends[3])
-            h, near, far = tree.flexibilities(flexibility), list(inner * square), list(outer * square)
+            h, near, far = tree.flexibilities.copy(), list(inner * square), list(outer * square)
+            for node, row in zip(tree.shafts.node.tolist(), flexibility, strict=True):
+                h[node] = row
         _to_roots(tree, sides, h, near, far)
         _to_leaves(tree, sides, own, h, near, far)
         if tree.shafts is not None:

@@ -83,10 +83,6 @@ class Resultant:
         """Driving angle of the greatest speed, rad, 0 <= angle < pi; the least stands 90 degrees from it."""
         return np.mod(-self.phase, np.pi)
 
-    def last(self) -> "Resultant":
-        """The resultant of the whole line: the last joint's column."""
-        return Resultant(self.rapidity[..., -1], self.phase[..., -1], self.lead[..., -1])
-
 
 def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) -> Line:
     """A line from angles, planes and phases, rad, broadcast against each other to shape (..., joints)."""
@@ -118,7 +114,8 @@ def resultants(line: Line) -> Resultant:
 
 def resultant(line: Line) -> Resultant:
     """The single joint that turns as the whole line does; arrays of shape (...)."""
-    return resultants(line).last()
+    every = resultants(line)
+    return Resultant(every.rapidity[..., -1], every.phase[..., -1], every.lead[..., -1])
 
 
 def residue(line: Line) -> ComplexArray:

@@ -72,14 +72,16 @@ def exact_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: A
     sine, share = np.sin(nominal), offset / (2.0 * length)
     gain, yaw = _standing(turned, sine, share)
     bend = np.arcsin(gain * sine)
-    gaining, yawing = _rates(turned, sine, share, gain, yaw)
+    _, _, near, far = _pivot(turned, sine, share, gain, yaw)
+    local = 3.0 * (turned - yaw)
+    by_angle = 3.0 * near * np.cos(local), 3.0 * far * np.sin(local)
+    gaining, yawing = _solve((turned, sine, share, gain, yaw), by_angle)  # derivatives by the driving angle
     half, rest = np.tan(bend / 2.0), np.tan(nominal / 2.0)
     above, below = half * rest * np.sin(yaw), 1.0 + half * rest * np.cos(yaw)
     opening = sine * gaining / (np.cos(bend) * (1.0 + np.cos(bend)))  # derivative of `half`
     rising = rest * (opening * np.sin(yaw) + half * np.cos(yaw) * yawing)
     falling = rest * (opening * np.cos(yaw) - half * np.sin(yaw) * yawing)
     slope = -2.0 * (below * rising - above * falling) / (above**2 + below**2)
-    local = 3.0 * (turned - yaw)
     centre = np.exp(1j * yaw) * (np.tan(bend) * np.cos(local) + 1j * np.sin(bend) * np.sin(local))
     centre = offset / 2.0 * half * centre
     return TripodMotion(-2.0 * np.arctan2(above, below), 1.0 + slope, bend, yaw, (centre.real, centre.imag))
@@ -122,20 +124,11 @@ def _standing(turned: FloatArray, sine: FloatArray, share: FloatArray) -> tuple[
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         for _ in range(_STEPS):
             first, second, _, _ = _pivot(turned, sine, share, gain, yaw)
-            steps = _solve(turned, sine, share, gain, yaw, (first, second))
+            steps = _solve((turned, sine, share, gain, yaw), (first, second))
             gain, yaw = gain - steps[0], yaw - steps[1]
             if not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps) and np.all(np.isfinite(gain)):
                 return gain, yaw
     raise SolveError("a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer")
-
-
-def _rates(
-    turned: FloatArray, sine: FloatArray, share: FloatArray, gain: FloatArray, yaw: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Derivatives of (sin b/sin(angle), yaw) by the driving angle."""
-    _, _, near, far = _pivot(turned, sine, share, gain, yaw)
-    local = 3.0 * (turned - yaw)
-    return _solve(turned, sine, share, gain, yaw, (3.0 * near * np.cos(local), 3.0 * far * np.sin(local)))
 
 
 def _pivot(
@@ -148,16 +141,10 @@ def _pivot(
     return gain - np.cos(yaw) - near * np.sin(local), np.sin(yaw) + far * np.cos(local), near, far
 
 
-def _solve(
-    turned: FloatArray,
-    sine: FloatArray,
-    share: FloatArray,
-    gain: FloatArray,
-    yaw: FloatArray,
-    right: tuple[FloatArray, FloatArray],
-) -> tuple[FloatArray, FloatArray]:
+def _solve(place: tuple[FloatArray, ...], right: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Solution of the pivot's conditions, made linear in (gain, yaw), for a right side."""
-    _, _, near, far = _pivot(turned, sine, share, gain, yaw)
+    turned, sine, _, gain, yaw = place
+    _, _, near, far = _pivot(*place)
     cosine, local = np.sqrt(1.0 - (gain * sine) ** 2), 3.0 * (turned - yaw)
     bending = gain * sine**2 / cosine  # minus the derivative of cosine by gain
     growth = 2.0 * near / gain + near * bending / (1.0 + cosine)

@@ -13,7 +13,8 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import number, rpm
-from torsion.output.reported_values import amplitude, largest, rounding, synthesis, without
+from torsion.output.reported_values import amplitude, rounding, synthesis, without
+from torsion.output.selection import highest, largest
 
 SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compared
 Point = tuple[float, int]  # N m, position of the speed
@@ -65,11 +66,11 @@ def compared(findings: Findings) -> tuple[Compared, ...]:
 
 
 def _of(findings: Findings, element: Element, nothing: FloatArray) -> list[Compared]:
-    """nothing: (spans,) N m, below which a torque is rounding and told as 0."""
+    """nothing: (spans,) N m, below which a torque is rounding and reported as 0."""
     spans, lines = element.spans, findings.need(Response).lines
     here = nothing[list(spans)]
     first, exact = without(amplitude(findings, spans), here), exact_amplitude(findings, spans)
-    top = float(np.nanmax(np.append(exact, 0.0)))
+    top = highest(exact)
     if top == 0.0 or findings.get(PeriodicResponse) is None:
         return []
     exact, orders = _where_found(without(exact, here)), [line.order for line in lines]
@@ -106,7 +107,7 @@ class OtherMotion:
     """One of several periodic motions at a speed, by its largest amplitude."""
 
     speed: float  # rad/s
-    name: str  # "told", "another"
+    name: str  # "reported", "another"
     torque: float  # N m
     order: Fraction
     where: str
@@ -114,14 +115,14 @@ class OtherMotion:
 
 
 def other_motions(findings: Findings) -> tuple[OtherMotion, ...]:
-    """Every motion at the speeds at which several were found, the one that is told before the others."""
+    """Every motion at the speeds at which several were found, the one that is reported before the others."""
     found = findings.need(PeriodicResponse)
     if found.others is None:
         return ()
     rows = []
     for speed in np.unique(found.others.speed).tolist():
         here = int(np.flatnonzero(found.speed == speed)[0])
-        rows.append(_motion(findings, found, here, "told"))
+        rows.append(_motion(findings, found, here, "reported"))
         rows += [
             _motion(findings, found.others, k, "another") for k in np.flatnonzero(found.others.speed == speed).tolist()
         ]

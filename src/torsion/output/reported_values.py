@@ -1,7 +1,7 @@
 """What several chapters read from the findings."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,13 +10,13 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
+from torsion.output.elastic_elements import Element
 from torsion.output.numbers import RPM, given, number
 from torsion.rules import needed
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
-NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
@@ -90,12 +90,24 @@ def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
     return np.where(response.status == Status.OK, size, np.nan)
 
 
+def worth_a_figure(findings: Findings, torque: Mapping[Element, float], most: int) -> list[Element]:
+    """The elements with the largest torque (N m) referred to one speed, in their order; rigid ones only for a gear."""
+    shown = [e for e in torque if findings.system.flexibility[e.spans[0]] > 0 or e.kind == "gear"]
+    strong = sorted(shown, key=lambda e: -torque[e] * e.ratio)[:most]
+    return [e for e in shown if e in strong]
+
+
 def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds,) N m: largest half range of all lines together in the spans; NaN where any line is not ok."""
     if findings.get(Synthesis) is None:
         return np.zeros(0)
     size = findings.need(Synthesis).half_range[:, list(spans)].max(axis=1)
     return np.where(unreliable(findings), np.nan, size)
+
+
+def responds(findings: Findings) -> bool:
+    """There is a response over speed, and something excites it."""
+    return findings.get(Synthesis) is not None and bool(findings.need(Response).lines)
 
 
 def judged(findings: Findings) -> bool:
@@ -151,14 +163,3 @@ def joint_model(findings: Findings) -> str:
             "estimate of its error exceeds 100 %); amplitudes at those peaks are no prediction."
         )
     return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
-
-
-def per_minute(frequency: float) -> float:
-    """A frequency in Hz as cycles per minute."""
-    return 60.0 * frequency
-
-
-def largest(values: FloatArray) -> int | None:
-    """Where the largest value stands; None where there is none, or one is not known, which may be the largest."""
-    at = int(np.argmax(values)) if values.size else 0  # the first NaN, where there is one
-    return at if values.size and np.isfinite(values[at]) else None

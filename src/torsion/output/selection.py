@@ -1,15 +1,19 @@
 """What every output shows of the stations and spans of a train, and how values over them are reduced to that."""
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.assembly.segment_groups import MOST_GROUPS, SegmentGroups, segment_groups
 from torsion.assembly.system import System
 from torsion.output.elastic_elements import Element, elements
+from torsion.output.numbers import NONE, Scale, rpm, scale
 from torsion.results import Quantity
 
+NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}
 
 
@@ -78,3 +82,31 @@ class Selection:
             first = self.groups.first_station if axis == "station" else self.groups.first_span
             return np.add.reduceat(array, first, axis=place)
         return array.take(self.groups.stations if axis == "station" else self.groups.spans, axis=place)
+
+
+def largest(values: FloatArray) -> int | None:
+    """Where the largest value stands; None where there is none, or one is not known, which may be the largest."""
+    at = int(np.argmax(values)) if values.size else 0  # the first NaN, where there is one
+    return at if values.size and np.isfinite(values[at]) else None
+
+
+def highest(values: FloatArray) -> float:
+    """The largest of the values that are known; 0 where there is none."""
+    return float(np.nanmax(np.append(values, 0.0)))
+
+
+def worst(values: FloatArray, speed: FloatArray, unit: Scale) -> tuple[str, str]:
+    """The largest of values (speeds,) over speeds in rad/s, and its speed in rpm, as cells of a table."""
+    at = largest(values)
+    return (NO_VALUE, NONE) if at is None else (unit.text(float(values[at])), rpm(float(speed[at])))
+
+
+def torques(curves: Iterable[FloatArray]) -> Scale:
+    """The unit that suits the largest torque of some curves."""
+    return scale("N m", [highest(values) for values in curves])
+
+
+def strongest(values: FloatArray, most: int) -> list[int]:
+    """The columns of (places, curves) with the largest values, in their order; those of nothing are left out."""
+    size = np.nanmax(np.where(np.isfinite(values), values, 0.0), axis=0, initial=0.0)
+    return sorted(k for k in np.argsort(-size, kind="stable")[:most].tolist() if size[k] > 0)

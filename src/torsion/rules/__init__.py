@@ -1,4 +1,4 @@
-"""Rules: one a file, imported when a scene asks for it."""
+"""Rules: one a file, imported when a scene names it."""
 
 from collections.abc import Iterator
 from importlib import import_module
@@ -20,7 +20,7 @@ RULES = {  # name in the file: class
 }
 STANDING = {  # result that a rule judges which needs no name in the file: class
     "stability": "torsion.rules.stable_motion:StableMotion",
-    "lateral": "torsion.rules.stable_bending:StableBending",
+    "lateral": "torsion.rules.stable_motion:StableBending",
 }
 
 
@@ -42,7 +42,7 @@ def settings(name: str) -> type[Declared]:
 
 def of_study(study: "Study") -> "Iterator[tuple[Rule, Declared]]":
     """The rules that the study names, with their settings, in its order."""
-    return ((rule(name), asked) for name, asked in study.rules)
+    return ((rule(name), given) for name, given in study.rules)
 
 
 def needed(study: "Study") -> frozenset[str]:
@@ -52,17 +52,17 @@ def needed(study: "Study") -> frozenset[str]:
 
 def lacking(study: "Study") -> list["Fault"]:
     """What the file lacks for its rules."""
-    return [fault for one, asked in of_study(study) for fault in one.faults(study, asked)]
+    return [fault for one, given in of_study(study) for fault in one.faults(study, given)]
 
 
 def not_judged(study: "Study") -> tuple[tuple[str, str], ...]:
     """What the study's rules do not judge, and why."""
-    return tuple(line for one, asked in of_study(study) for line in one.left_out(study, asked))
+    return tuple(line for one, given in of_study(study) for line in one.left_out(study, given))
 
 
 def verdicts(evidence: "Results") -> tuple["Check", ...]:
     """The checks of every rule that the study names, in its order."""
-    return tuple(line for one, asked in of_study(evidence.study) for line in one.check(evidence, asked))
+    return tuple(line for one, given in of_study(evidence.study) for line in one.check(evidence, given))
 
 
 def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:

@@ -48,27 +48,27 @@ class CouplingMaker(RuleOverSpeed):
 
     settings = CouplingSettings
 
-    def faults(self, study: Study, asked: CouplingSettings) -> list[Fault]:
+    def faults(self, study: Study, settings: CouplingSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         judged = [(part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything]
         if not judged:
             hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
-            return [Fault(rule_path(study, asked), "no coupling has a limit of its maker", hint)]
-        found = continuous_faults(study, asked, RULE, asked.continuous)
+            return [Fault(rule_path(study, settings), "no coupling has a limit of its maker", hint)]
+        found = continuous_faults(study, settings, RULE, settings.continuous)
         if any(ratings.limit_vibration for _, ratings in judged):
-            found += vibration_faults(study, asked, RULE)
+            found += vibration_faults(study, settings, RULE)
         means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
         if means and not study.operation.has_mean_torque:
             message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found
 
-    def left_out(self, study: Study, asked: CouplingSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study, settings: CouplingSettings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
         return tuple((f"{RULE} for {name}", "its maker's limits are not given") for name in silent)
 
-    def clauses(self, evidence: Results, asked: CouplingSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results, settings: CouplingSettings) -> Iterator[Clause]:
         """Of every coupling, as far as its limits are given.
 
         Mean torque, vibratory torque and heat in continuous use, and greatest torque always.
@@ -81,7 +81,7 @@ class CouplingMaker(RuleOverSpeed):
                 always = np.ones(len(mean.speed), dtype=bool)
                 yield Clause(RULE, "T_KN", part.name, "mean torque", "maker", mean, always)
             if ratings.limit_vibration:
-                yield from _vibration(evidence, part, ratings, spans, asked)
+                yield from _vibration(evidence, part, ratings, spans, settings)
 
 
 def heat(response: "Response", flexibility: float, viscous: float, loss_factor: float, span: int) -> FloatArray:
@@ -107,11 +107,11 @@ def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
 
 
 def _vibration(
-    evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, asked: CouplingSettings
+    evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, settings: CouplingSettings
 ) -> Iterator[Clause]:
     """The clauses about the vibration of one coupling; that the tolerance of its stiffness was not varied is noted."""
     response, synthesis = vibration(evidence)
-    use, words = within(asked.continuous, response.speed), continuous_words(asked.continuous)
+    use, words = within(settings.continuous, response.speed), continuous_words(settings.continuous)
     half_range, peak = synthesis.half_range[:, spans].max(axis=1), synthesis.peak[:, spans].max(axis=1)
     system, tolerance = evidence.system, ratings.tolerance
     laws = zip(system.flexibility[spans], system.viscous[spans], system.loss_factor[spans], spans.tolist(), strict=True)

@@ -51,14 +51,14 @@ class GearHammer(RuleOverSpeed):
 
     settings = GearHammerSettings
 
-    def faults(self, study: Study, asked: GearHammerSettings) -> list[Fault]:
+    def faults(self, study: Study, settings: GearHammerSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not any(study.train.of_kind("gear")):
-            return [Fault(rule_path(study, asked), f"{RULE} finds no gear in the train", "leave the rule out")]
-        missing = [*_rated_faults(study.operation), *continuous_faults(study, asked, RULE, asked.continuous)]
-        return missing + vibration_faults(study, asked, RULE)
+            return [Fault(rule_path(study, settings), f"{RULE} finds no gear in the train", "leave the rule out")]
+        missing = [*_rated_faults(study.operation), *continuous_faults(study, settings, RULE, settings.continuous)]
+        return missing + vibration_faults(study, settings, RULE)
 
-    def clauses(self, evidence: Results, asked: GearHammerSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results, settings: GearHammerSettings) -> Iterator[Clause]:
         """Of every mesh, at the driving gear's speed.
 
         Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use.
@@ -67,10 +67,10 @@ class GearHammer(RuleOverSpeed):
         every = rated_torque(evidence, np.arange(len(evidence.system.spans)))
         if every is None:
             raise ValueError("the torque at the rated speed is not known")
-        use, words = within(asked.continuous, response.speed), continuous_words(asked.continuous)
+        use, words = within(settings.continuous, response.speed), continuous_words(settings.continuous)
         reach = coverage(float(response.speed[-1]), rated_speed(evidence.study))
         for number, part in evidence.study.train.of_kind("gear"):
-            share, origin, standing = _share(part, asked)
+            share, origin, standing = _share(part, settings)
             for span in spans_of(evidence.system, number):
                 at, where, vibratory = np.array([span]), evidence.system.spans[span].name, synthesis.half_range[:, span]
                 rated = float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0  # nothing but rounding
@@ -87,11 +87,11 @@ class GearHammer(RuleOverSpeed):
                 yield Clause(RULE, "torque reversal", where, what, TO_BE_VERIFIED, curve, use, "N m", notes, at)
 
 
-def _share(part: Part, asked: GearHammerSettings) -> tuple[float, str, Standing]:
+def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standing]:
     """Permissible vibratory share of the rated torque, where it comes from and how that stands."""
     factor = part.application_factor
-    if asked.limit is not None:
-        return asked.limit, "setting `limit`", "setting"
+    if settings.limit is not None:
+        return settings.limit, "setting `limit`", "setting"
     share, origin = (USUAL_SHARE, "usual K_A 1.35") if factor is None else (factor - 1.0, f"K_A {factor:.4g}")
     return share, origin, TO_BE_VERIFIED
 

@@ -17,11 +17,11 @@ FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that 
 
 
 def judged_speeds(study: Study) -> FloatArray:
-    """(speeds,) rad/s, ascending, in the range of the operation: what its rules need beyond the speeds asked for."""
+    """(speeds,) rad/s, ascending, in the range of the operation: what its rules need beyond the speeds requested."""
     speeds = study.operation.speeds
     if speeds is None:
         return np.empty(0)
-    named = [speed for one, asked in _vibration_rules(study) for speed in one.speeds(study, asked)]
+    named = [speed for one, settings in _vibration_rules(study) for speed in one.speeds(study, settings)]
     found = np.unique([*named, *_corners(study)])
     even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
     if speeds.steps < FEWEST_JUDGED:
@@ -32,7 +32,7 @@ def judged_speeds(study: Study) -> FloatArray:
 def speeds_between(evidence: Results) -> FloatArray:
     """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
     response, _ = vibration(evidence)
-    found = [one.speeds_between(evidence, asked) for one, asked in _vibration_rules(evidence.study)]
+    found = [one.speeds_between(evidence, settings) for one, settings in _vibration_rules(evidence.study)]
     more = np.unique(np.concatenate([np.empty(0), *found]))
     inside = (more > response.speed[0]) & (more < response.speed[-1])
     return grid.apart(response.speed, more[inside])
@@ -40,7 +40,7 @@ def speeds_between(evidence: Results) -> FloatArray:
 
 def _vibration_rules(study: Study) -> Iterator[tuple[Rule, Declared]]:
     """The study's rules that read the response over speed, with their settings."""
-    return ((one, asked) for one, asked in of_study(study) if "response" in one.needs)
+    return ((one, settings) for one, settings in of_study(study) if "response" in one.needs)
 
 
 def _corners(study: Study) -> list[float]:

@@ -68,23 +68,23 @@ class RuleOverSpeed(Rule):
 
     needs = ("steady", "response")
 
-    def clauses(self, evidence: Results, asked: Any) -> Iterator[Clause]:
+    def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
         return iter(())
 
-    def check(self, evidence: Results, asked: Any) -> tuple[Check, ...]:
+    def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """A verdict for every clause that has a speed."""
-        found = (judge(clause, evidence) for clause in self.clauses(evidence, asked))
+        found = (judge(clause, evidence) for clause in self.clauses(evidence, settings))
         return tuple(line for line in found if line is not None)
 
-    def speeds(self, study: Study, asked: Any) -> tuple[float, ...]:
+    def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
         """rad/s: the rated speed and the ends of continuous use."""
-        rated, use = study.operation.rated, asked.continuous
+        rated, use = study.operation.rated, settings.continuous
         return (*(() if rated is None else (rated.speed,)), *(() if use is None else (use.first, use.last)))
 
-    def speeds_between(self, evidence: Results, asked: Any) -> FloatArray:
+    def speeds_between(self, evidence: Results, settings: Any) -> FloatArray:
         """(speeds,) rad/s between those computed at which a vibration may be worse."""
-        every = self.clauses(evidence, asked)
+        every = self.clauses(evidence, settings)
         return between((clause.curve, clause.within) for clause in every if clause.spans is not None)
 
 
@@ -149,9 +149,7 @@ def _largest_component(evidence: Results, at: int, spans: IntArray | None) -> st
     size = np.abs(response.torque[at][:, slice(None) if spans is None else spans]).max(axis=1, initial=0.0)
     if not np.all(np.isfinite(size)) or not np.any(size > 0):
         return ""
-    line = response.lines[int(np.argmax(size))]
-    name = f"order {line.order}" if line.order is not None else f"{line.frequency:.5g} Hz"
-    return f"mostly {name} ({', '.join(line.sources)})"
+    return f"{MOSTLY} {response.lines[int(np.argmax(size))].words}"
 
 
 class Continuous(Declared):
@@ -179,14 +177,14 @@ def continuous_words(use: Continuous | None) -> str:
     return "" if use is None else f"in continuous use, {in_rpm(use.first)} to {in_rpm(use.last)}"
 
 
-def continuous_faults(study: Study, asked: Declared, rule: str, use: Continuous | None) -> list[Fault]:
+def continuous_faults(study: Study, settings: Declared, rule: str, use: Continuous | None) -> list[Fault]:
     """A range of continuous use that was not wholly computed cannot be judged."""
     speeds = study.operation.speeds
     if use is None or speeds is None:
         return []
     if speeds.first * (1 - SAME_SPEED) <= use.first and use.last <= speeds.last * (1 + SAME_SPEED):
         return []
-    path = (*rule_path(study, asked), rule, "continuous")
+    path = (*rule_path(study, settings), rule, "continuous")
     computed = f"{in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
     return [Fault(path, "the speeds of continuous use leave operation.speeds", f"computed: {computed}")]
 
@@ -217,10 +215,10 @@ def rated_torque(evidence: Results, spans: IntArray) -> FloatArray | None:
     return np.asarray(np.abs(np.array(rows)))
 
 
-def rule_path(study: Study, asked: Declared) -> Path:
+def rule_path(study: Study, settings: Declared) -> Path:
     """Where the rule with these settings stands in the file."""
-    for position, (_, settings) in enumerate(study.rules):
-        if settings is asked:
+    for position, (_, given) in enumerate(study.rules):
+        if given is settings:
             return ("rules", position)
     return ("rules",)
 
@@ -232,7 +230,7 @@ def rated_speed(study: Study) -> float:
     return study.operation.rated.speed
 
 
-def vibration_faults(study: Study, asked: Declared, rule: str) -> list[Fault]:
+def vibration_faults(study: Study, settings: Declared, rule: str) -> list[Fault]:
     """What the file lacks for any rule that reads the response over speed."""
     found = []
     if study.operation.speeds is None:
@@ -240,7 +238,8 @@ def vibration_faults(study: Study, asked: Declared, rule: str) -> list[Fault]:
         found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule} judges a speed range", hint))
     if not study.excites:
         hint = "give an excitation, or leave the rule out"
-        found.append(Fault(rule_path(study, asked), f"nothing excites the train, so {rule} has nothing to judge", hint))
+        message = f"nothing excites the train, so {rule} has nothing to judge"
+        found.append(Fault(rule_path(study, settings), message, hint))
     return found
 
 

@@ -1,8 +1,8 @@
-"""Rule `iacs-m68`: torsional vibration stresses and least diameters of shafts, IACS UR M68 (Rev. 3, 2021)."""
+"""Rule `iacs-m68`: stresses, barred speed ranges and least diameters of shafts, IACS UR M68 (Rev. 3, 2021)."""
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -30,9 +30,9 @@ from torsion.rules.judgement import (
     spans_of,
     vibration,
     vibration_faults,
+    worst_of,
 )
-from torsion.rules.m68_barred import Barring, barring
-from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS
+from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS, barred_range, may_be_barred
 from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, judged, stress_modulus
 from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Rule, verdict_of
 from torsion.study import Study
@@ -51,19 +51,28 @@ class Limits(NamedTuple):
     tau: FloatArray  # (speeds,) N/mm2, half range of the synthesis
 
 
+@dataclass(frozen=True)
+class Barring:
+    """What is to be barred for the stress above tau_C, and where the rule permits it."""
+
+    permitted: tuple[BarredRange, ...]  # ascending and apart
+    refused: tuple[BarredRange, ...]  # those that reach 0.8 of the rated speed, ascending and apart
+    passed: BoolArray  # (speeds,) inside a permitted range, and not above tau_C within a refused one
+
+
 class M68(Rule):
     """The rule, as the study reads it."""
 
     settings = M68Settings
     needs = ("steady", "response")
 
-    def faults(self, study: Study, asked: M68Settings) -> list[Fault]:
+    def faults(self, study: Study, settings: M68Settings) -> list[Fault]:
         """What the file lacks for this rule."""
-        classed, where = judged(study.train), rule_path(study, asked)
+        classed, where = judged(study.train), rule_path(study, settings)
         if not classed:
             hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
             return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
-        found = vibration_faults(study, asked, RULE)
+        found = vibration_faults(study, settings, RULE)
         if study.operation.rated is None:
             message = f"`rated` is missing; the limits of {RULE} count from it"
             found.append(Fault(("operation", "rated"), message, RATED))
@@ -73,9 +82,9 @@ class M68(Rule):
                 message = f"`tensile_strength` of '{shaft.material}' is not given, and {RULE} needs it for '{bar.name}'"
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
                 found.append(Fault((*study.train.parts[bar.part].path, "material"), message, hint))
-        return found + _settings_faults(asked, {bar.name: shaft for bar, shaft in classed}, where)
+        return found + _settings_faults(settings, {bar.name: shaft for bar, shaft in classed}, where)
 
-    def left_out(self, study: Study, asked: M68Settings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         found = []
         for bar in study.train.bars:
@@ -91,35 +100,35 @@ class M68(Rule):
             found.append((f"{RULE} above {in_rpm(speeds.last)}", f"`operation.speeds` ends there; {reach}"))
         return tuple(found)
 
-    def speeds(self, study: Study, asked: M68Settings) -> tuple[float, ...]:
+    def speeds(self, study: Study, settings: M68Settings) -> tuple[float, ...]:
         """rad/s: the rated speed, and those at which the limits bend or end."""
         return tuple(share * rated_speed(study) for share in (BARRED_BELOW, FLAT_FROM, 1.0, LAST_CONTINUOUS))
 
-    def speeds_between(self, evidence: Results, asked: M68Settings) -> FloatArray:
+    def speeds_between(self, evidence: Results, settings: M68Settings) -> FloatArray:
         """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
         found, ends = [], list[float]()
-        for shaft in classed_shafts(evidence.study, asked):
-            curve, barred, ruled = _judged(evidence, shaft, asked)
+        for shaft in classed_shafts(evidence.study, settings):
+            curve, barred, ruled = _judged(evidence, shaft, settings)
             found += [(curve, ruled), (curve, ruled & ~barred.passed)]
             ends += [end for one in barred.permitted for end in (one.lower, one.upper)]
         return np.union1d(between(found), ends)
 
-    def check(self, evidence: Results, asked: M68Settings) -> tuple[Check, ...]:
+    def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above 1.05; least diameter; of every shaft."""
         found: list[Check | None] = []
-        for shaft in classed_shafts(evidence.study, asked):
-            found += [*_stresses(evidence, shaft, asked), _diameter(evidence, shaft, asked)]
+        for shaft in classed_shafts(evidence.study, settings):
+            found += [*_stresses(evidence, shaft, settings), _diameter(evidence, shaft, settings)]
         return tuple(line for line in found if line is not None)
 
 
-def _settings_faults(asked: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path) -> list[Fault]:
+def _settings_faults(settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path) -> list[Fault]:
     """Settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
     found, names = [], f"there is {', '.join(shafts)}"
-    for position, name in enumerate(asked.alloy):
+    for position, name in enumerate(settings.alloy):
         if name not in shafts:
             path = (*where, RULE, "alloy", position)
             found.append(Fault(path, f"no shaft with a role is called '{name}'", names))
-    for name in asked.slots:
+    for name in settings.slots:
         if name not in shafts or "slot" not in shafts[name].features:
             path = (*where, RULE, "slots", name)
             found.append(
@@ -128,10 +137,10 @@ def _settings_faults(asked: M68Settings, shafts: Mapping[str, ShaftRecord], wher
     return found
 
 
-def limits(evidence: Results, shaft: str, asked: M68Settings | None = None) -> Limits:
+def limits(evidence: Results, shaft: str, settings: M68Settings | None = None) -> Limits:
     """Stress and limits of one shaft over speed, with the study's own settings. Raises KeyError for another name."""
-    settings = asked or next((own for name, own in evidence.study.rules if name == RULE), M68Settings())
-    for classed in classed_shafts(evidence.study, cast(M68Settings, settings)):
+    own = settings or next((given for name, given in evidence.study.rules if name == RULE), M68Settings())
+    for classed in classed_shafts(evidence.study, cast(M68Settings, own)):
         if classed.name == shaft:
             return _limits(evidence, classed)
     raise KeyError(shaft)
@@ -145,22 +154,22 @@ def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:
     return Limits(response.speed, shaft.tau_c(ratio), shaft.tau_t(ratio), tau)
 
 
-def _judged(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> tuple[Curve, Barring, BoolArray]:
+def _judged(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> tuple[Curve, Barring, BoolArray]:
     """Stress against tau_C, what is barred, and (speeds,) which speeds are not above 1.05."""
     speed, tau_c, _, tau = _limits(evidence, shaft)
     rated = rated_speed(evidence.study)
     curve = curve_of(speed, tau, tau_c, vibration(evidence)[0])
-    barred = barring(curve, rated, shaft.name, asked.tachometer)
+    barred = barring(curve, rated, shaft.name, settings.tachometer)
     return curve, barred, speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
 
 
-def _stresses(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Iterator[Check | None]:
+def _stresses(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Iterator[Check | None]:
     """The three clauses about the stress amplitude.
 
     tau <= tau_C outside the permitted barred ranges, up to 1.05; tau <= tau_T in them, which no keyway allows; and the
     greatest stress above 1.05 of the rated speed, for which the rule has no limit.
     """
-    curve, barred, ruled = _judged(evidence, shaft, asked)
+    curve, barred, ruled = _judged(evidence, shaft, settings)
 
     def judged(clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str) -> Check | None:
         about, spans = replace(curve, limit=limit), spans_of(evidence.system, shaft.part)
@@ -174,7 +183,8 @@ def _stresses(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Ite
     yield judged("tau_C", "synthesis stress amplitude", curve.limit, ruled & ~barred.passed, *notes)
     reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
     passed = f"barred range {_words(barred.permitted)}, to be passed rapidly"
-    tachometer = f"tachometer tolerance {100 * asked.tachometer:.3g} % " + ("added" if asked.tachometer else "assumed")
+    meter = settings.tachometer
+    tachometer = f"tachometer tolerance {100 * meter:.3g} % " + ("added" if meter else "assumed")
     notes, tau_t = (*reasons, passed, tachometer, MOSTLY), _limits(evidence, shaft).tau_t
     line = judged("tau_T", "stress amplitude in the barred range", tau_t, barred.passed, *notes)
     if line is not None:
@@ -196,19 +206,19 @@ def _refusal(barred: Barring) -> str:
     )
 
 
-def _diameter(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Check | None:
+def _diameter(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Check | None:
     """The less favourable end against its least diameter, for the rated mean torque."""
     torque = rated_torque(evidence, spans_of(evidence.system, shaft.part))
     if torque is None:
         return None
-    factor = formulas.drive_factor(shaft.role, smooth=asked.drive != "other")
+    factor = formulas.drive_factor(shaft.role, smooth=settings.drive != "other")
     load = float(np.max(torque)) * KW_PER_RPM
     ends = [
         (outer, formulas.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
         for outer, bore in shaft.ends
     ]
     diameter, least = max(ends, key=lambda end: end[1] / end[0])
-    used = f"F {factor:g} (drive: {asked.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
+    used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
     return Check(
         RULE, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm",
         verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
@@ -218,3 +228,72 @@ def _diameter(evidence: Results, shaft: ClassedShaft, asked: M68Settings) -> Che
 
 def _words(barred: tuple[BarredRange, ...]) -> str:
     return " and ".join(f"{in_rpm(one.lower)} to {in_rpm(one.upper)}" for one in barred)
+
+
+def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> Barring:
+    """The ranges for stress over speed against tau_C; rated in rad/s.
+
+    A run of speeds above tau_C has its critical speed at its worst, wherever that lies; the range about it is refused
+    where its upper end reaches 0.8 of the rated speed. Both ends move apart by the `tolerance` of the tachometer.
+    """
+    passed, ranges = np.zeros(len(curve.speed), dtype=bool), []
+    above = np.zeros(len(curve.speed), dtype=bool)
+    for first, last in _runs(curve.exceeds()):
+        one = _range(curve, rated, shaft, tolerance, first, last)
+        ranges.append(one)
+        above[first : last + 1] |= not may_be_barred(one.upper / rated)
+    permitted = _apart(curve, [one for one in ranges if may_be_barred(one.upper / rated)])
+    for one in permitted:
+        passed |= (curve.speed > one.lower) & (curve.speed < one.upper)
+    refused = _apart(curve, [one for one in ranges if not may_be_barred(one.upper / rated)])
+    return Barring(permitted, refused, passed & ~above)
+
+
+def _apart(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
+    """Ascending ranges with those that overlap as one."""
+    merged: list[BarredRange] = []
+    for later in ranges:
+        if merged and later.lower <= merged[-1].upper:
+            merged[-1] = _together(curve, merged[-1], later)
+        else:
+            merged.append(later)
+    return tuple(merged)
+
+
+def _runs(mask: BoolArray) -> list[tuple[int, int]]:
+    """First and last position of every unbroken run."""
+    edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
+    pairs = zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True)
+    return [(first, end - 1) for first, end in pairs]
+
+
+def _range(curve: Curve, rated: float, shaft: str, tolerance: float, first: int, last: int) -> BarredRange:
+    """One range from a run of speeds above tau_C."""
+    run = slice(first, last + 1)
+    critical = float(curve.speed[first + worst_of(curve.utilisation()[run], curve.value[run])])
+    lower, upper = barred_range(critical, rated)
+    lower = min(lower, _crossing(curve, first, first - 1)) * (1.0 - tolerance)
+    upper = max(upper, _crossing(curve, last, last + 1)) * (1.0 + tolerance)
+    return BarredRange(lower, upper, critical, shaft)
+
+
+def _crossing(curve: Curve, above: int, beyond: int) -> float:
+    """Speed between two neighbours at which the stress meets its limit, by a straight line.
+
+    The flank of a resonance is hollow, so the line errs toward the wider range. The far neighbour where a value is not
+    finite.
+    """
+    if not 0 <= beyond < len(curve.speed):
+        return float(curve.speed[above])
+    share = curve.utilisation()[[above, beyond]]
+    if not np.all(np.isfinite(share)) or share[1] > 1.0:
+        return float(curve.speed[beyond])
+    step = (share[0] - 1.0) / (share[0] - share[1])
+    return float(curve.speed[above] + step * (curve.speed[beyond] - curve.speed[above]))
+
+
+def _together(curve: Curve, one: BarredRange, other: BarredRange) -> BarredRange:
+    """Two overlapping ranges as one, about the worse critical speed."""
+    at = [int(np.flatnonzero(curve.speed == each.critical)[0]) for each in (one, other)]
+    worse = (one, other)[worst_of(curve.utilisation()[at], curve.value[at])]
+    return BarredRange(min(one.lower, other.lower), max(one.upper, other.upper), worse.critical, one.shaft)

@@ -102,47 +102,38 @@ def judged(train: Train) -> list[tuple[Bar, ShaftRecord]]:
     return [(bar, shaft) for bar, shaft in every if shaft.role is not None and bar.section is None]
 
 
-def classed_shafts(study: Study, asked: M68Settings) -> Iterator[ClassedShaft]:
+def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft]:
     """Every round shaft of the train that has a role."""
-    return (_classed(study, asked, bar, shaft) for bar, shaft in judged(study.train))
+    return (_classed(study, settings, bar, shaft) for bar, shaft in judged(study.train))
 
 
 def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, FloatArray]:
     """Spans of the shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
     spans = spans_of(system, shaft.part)
     bar = next(bar for bar in system.train.bars if bar.part == shaft.part)
-    at_edge = _modulus(bar, np.linspace(0.0, 1.0, len(spans) + 1))
+    at = np.linspace(0.0, 1.0, len(spans) + 1)  # between two of them the modulus is never below the smaller
+    outer, bore = (ends[0] + (ends[1] - ends[0]) * at for ends in (bar.outer, bar.bore))
+    at_edge = section_modulus(outer, bore)
     return spans, np.minimum(at_edge[:-1], at_edge[1:])
 
 
-def _modulus(bar: Bar, at: FloatArray) -> FloatArray:
-    """W_p at shares of the length; between two of them it is never below the smaller."""
-    outer = bar.outer[0] + (bar.outer[1] - bar.outer[0]) * at
-    bore = bar.bore[0] + (bar.bore[1] - bar.bore[0]) * at
-    return section_modulus(outer, bore)
-
-
-def _classed(study: Study, asked: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
-    role = _ruled_as(record)
+def _classed(study: Study, settings: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
+    # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
+    role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
     stated = study.train.materials[record.material].tensile_strength
     steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
-    strength = formulas.used_strength(steel, role, alloy=bar.name in asked.alloy)
+    strength = formulas.used_strength(steel, role, alloy=bar.name in settings.alloy)
     outer, bore = bar.outer, bar.bore
     ends = ((outer[0] * MM, bore[0] * MM), (outer[1] * MM, bore[1] * MM))
     shaft = ClassedShaft(
-        bar.part, bar.name, role, strength, _details(record, role, bar.name, ends, asked),
+        bar.part, bar.name, role, strength, _details(record, role, bar.name, ends, settings),
         diameter=max(outer) * MM, ends=ends, is_stated=stated is not None, notes=(),
     )  # fmt: skip
     return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
 
 
-def _ruled_as(shaft: ShaftRecord) -> Role:
-    """The role that the rule gives a shaft: a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)."""
-    return "propeller" if "tube shaft" in shaft.features else cast(Role, shaft.role)
-
-
 def _details(
-    shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], asked: M68Settings
+    shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
 ) -> tuple[tuple[str, Detail], ...]:
     """The shaft's features with their factors; the role's usual one where none is given."""
     if not shaft.features:
@@ -150,16 +141,12 @@ def _details(
     found: list[tuple[str, Detail]] = []
     for feature in shaft.features:
         detail = DETAILS[feature]
-        if feature == "slot" and name in asked.slots:
-            detail = replace(detail, c_k=_slot(asked.slots[name], ends), c_k_mark="to be verified")
+        if feature == "slot" and name in settings.slots:
+            slot = settings.slots[name].length * MM, settings.slots[name].width * MM
+            worst = max(formulas.slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
+            detail = replace(detail, c_k=min(1.0, formulas.slot_c_k(worst)), c_k_mark="to be verified")
         found.append((feature, detail))
     return tuple(found)
-
-
-def _slot(slot: Slot, ends: tuple[tuple[float, float], ...]) -> float:
-    """C_K of a slot at the less favourable end of the shaft, at most that of the plain section."""
-    factors = [formulas.slot_concentration(d, bore, slot.length * MM, slot.width * MM) for d, bore in ends]
-    return min(1.0, formulas.slot_c_k(max(factors)))
 
 
 def _notes(shaft: ClassedShaft, stated: float | None) -> tuple[str, ...]:

@@ -1,8 +1,10 @@
 """Rule `universal-joints`: makers' limits of non-uniformity, accelerations, speed times angle, and tube speed."""
 
 import math
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Annotated
 
 from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
@@ -10,10 +12,11 @@ from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
-from torsion.rules.joint_tubes import Tube, tubes
+from torsion.primitives import Bar, Constraint, Spring
 from torsion.rules.judgement import rule_path
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
 from torsion.study import Study
+from torsion.train import Train
 
 RULE = "universal-joints"
 ELBE = 0.0027  # tan b sin b of 3 degrees, the usual limit of the resulting angle (Elbe)
@@ -27,6 +30,86 @@ PUBLISHED = {  # setting: its limit by makers, in words
 RPM = 30.0 / math.pi
 Limit = tuple[float, Standing, str]  # with its origin in words
 Acceleration = Annotated[float, Quantity("rad/s**2", above=0)]
+
+
+@dataclass(frozen=True)
+class Tube:
+    """The shaft from one joint to the next."""
+
+    name: str
+    parts: tuple[int, ...]  # of its shafts
+    ratio: Fraction  # its speed / reference speed
+    critical: float  # rad/s, lowest bending frequency without supports; NaN where it has some or something lacks
+    lacks: str  # why it is not judged; empty where it is
+    has_support: bool = False  # between the joints, so that the analysis of bending knows its critical speeds
+
+
+def tubes(train: Train) -> tuple[Tube, ...]:
+    """Every shaft between a joint and the one before it; none where rigid or elastic links alone join the two."""
+    joints = {mesh.part: mesh for mesh in train.constraints}
+    found = [_tube(train, joints[mesh.after], mesh) for mesh in train.constraints if mesh.after is not None]
+    return tuple(tube for tube in found if tube is not None)
+
+
+def critical_speed(length: float, outer: float, bore: float, modulus: float, density: float) -> float:
+    """pi^2/4 sqrt(E/rho) sqrt(D^2 + d^2)/L^2, rad/s: first bending frequency of a simply supported tube (Euler).
+
+    In the joint makers' form 15 pi/2 sqrt(E/rho) sqrt(D^2 + d^2)/L^2 per minute.
+    """
+    return math.pi**2 / 4.0 * math.sqrt(modulus / density) * math.hypot(outer, bore) / length**2
+
+
+def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
+    pieces = list(_path(train, first.driven, second.driving))
+    bars = [piece for piece in pieces if isinstance(piece, Bar)]
+    if not bars:
+        return None
+    names = ", ".join(bar.name for bar in bars)
+    ratio, bar, parts = train.stations[bars[0].driving].ratio, bars[0], tuple(bar.part for bar in bars)
+    if any(train.shaft(bar).support for bar in bars):
+        return Tube(names, parts, ratio, math.nan, _cannot_bend(train, parts), has_support=True)
+    lacks, critical = "", math.nan
+    material = train.materials[train.shaft(bar).material]
+    if len(bars) > 1 or any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces):
+        lacks = "it is not one tube from joint to joint"
+    elif bar.section is not None:
+        lacks = "its section is a mesh, which is not solved for bending"
+    elif bar.outer[0] != bar.outer[1] or bar.bore[0] != bar.bore[1]:
+        lacks = "it is conical"
+    elif material.youngs_modulus is None or material.density == 0:
+        lacks = "its material has no `youngs_modulus` or no density"
+    else:
+        critical = critical_speed(bar.length, bar.outer[0], bar.bore[0], material.youngs_modulus, material.density)
+    return Tube(names, parts, ratio, critical, lacks)
+
+
+def _cannot_bend(train: Train, parts: tuple[int, ...]) -> str:
+    """Why the bending of shafts on supports is not computed; empty where it is."""
+    from torsion.analyses.lateral.bending_shafts import bending_shafts
+
+    shafts, _ = bending_shafts(train)
+    return "; ".join(shaft.lacks for shaft in shafts if shaft.lacks and set(shaft.parts) & set(parts))
+
+
+def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
+    """What lies on the way from one station to another, along springs and shafts."""
+    pieces: list[Spring | Bar] = [*train.springs, *train.bars]
+    near: dict[int, list[tuple[int, Spring | Bar]]] = {}
+    for piece in pieces:
+        near.setdefault(piece.driving, []).append((piece.driven, piece))
+        near.setdefault(piece.driven, []).append((piece.driving, piece))
+    reached: dict[int, tuple[int, Spring | Bar] | None] = {start: None}
+    queue = deque([start])
+    while queue and end not in reached:
+        here = queue.popleft()
+        for there, piece in near.get(here, ()):
+            if there not in reached:
+                reached[there] = (here, piece)
+                queue.append(there)
+    at = reached.get(end)
+    while at is not None:
+        yield at[1]
+        at = reached[at[0]]
 
 
 class JointRuleSettings(Declared):
@@ -53,52 +136,52 @@ class UniversalJoints(Rule):
     settings = JointRuleSettings
     needs = ("joints",)
 
-    def faults(self, study: Study, asked: JointRuleSettings) -> list[Fault]:
+    def faults(self, study: Study, settings: JointRuleSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not study.has_joints:
-            return [Fault(rule_path(study, asked), f"{RULE} finds no joint in the train", "leave the rule out")]
+            return [Fault(rule_path(study, settings), f"{RULE} finds no joint in the train", "leave the rule out")]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
             return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
         return []
 
-    def left_out(self, study: Study, asked: JointRuleSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study, settings: JointRuleSettings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
         found = [(f"{RULE}: bending of {tube.name}", tube.lacks) for tube in tubes(study.train) if tube.lacks]
-        if asked.speed_angle is None:
+        if settings.speed_angle is None:
             found.append((f"{RULE}: speed times angle", "`speed_angle` gives no limit; it depends on the joint's size"))
         return tuple(found)
 
-    def check(self, evidence: Results, asked: JointRuleSettings) -> tuple[Check, ...]:
+    def check(self, evidence: Results, settings: JointRuleSettings) -> tuple[Check, ...]:
         """Every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
         found, speed = evidence.get(Joints), _speed(evidence.study)
         if found is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        rows = [row for line in found.lines for row in _of_line(found, line, asked, speed)]
-        rows += _between(found, asked, speed).values()
-        if asked.speed_angle is not None:
-            limit: Limit = asked.speed_angle, "setting", "setting `speed_angle`"
+        rows = [row for line in found.lines for row in _of_line(found, line, settings, speed)]
+        rows += _between(found, settings, speed).values()
+        if settings.speed_angle is not None:
+            limit: Limit = settings.speed_angle, "setting", "setting `speed_angle`"
             for joint in found.joints:
                 value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
                 rows.append(_verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed))
         every = [_critical(tube, evidence.get(Lateral)) for tube in tubes(evidence.study.train) if not tube.lacks]
-        return (*rows, *(_bending(one, asked.critical_share, speed) for one in every if one is not None))
+        return (*rows, *(_bending(one, settings.critical_share, speed) for one in every if one is not None))
 
 
-def _of_line(found: Joints, line: LineFound, asked: JointRuleSettings, speed: float) -> Iterator[Check]:
+def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed: float) -> Iterator[Check]:
     """Non-uniformity of the whole line, and what it does to the driven inertia."""
     joints = [found.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit = _published(asked, "unevenness")
+    limit = _published(settings, "unevenness")
     yield _verdict("U", where, "non-uniformity tan b sin b", line.index, "1", limit, None, before=bend)
     what, value = "acceleration of the driven side by all joints", _steepest(joints[-1], joints[0], speed)
-    yield _verdict("torsional", where, what, value, "rad/s2", _published(asked, "torsional"), speed)
+    yield _verdict("torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed)
 
 
-def _between(found: Joints, asked: JointRuleSettings, speed: float) -> dict[int, Check]:
+def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
-    checks, limit, what = dict[int, Check](), _published(asked, "inertial"), "acceleration of the shaft behind it"
+    checks, limit, what = dict[int, Check](), _published(settings, "inertial"), "acceleration of the shaft behind it"
     for line in found.lines:
         for position in line.joints[:-1]:
             joint = found.joints[position]
@@ -156,9 +239,9 @@ def _verdict(
     return Check(RULE, clause, where, what, value, most, unit, verdict, standing, speed=speed, note=note)
 
 
-def _published(asked: JointRuleSettings, key: str) -> Limit:
+def _published(settings: JointRuleSettings, key: str) -> Limit:
     """A limit that makers publish and the file may set."""
-    limit, (by_maker, words) = float(getattr(asked, key)), PUBLISHED[key]
+    limit, (by_maker, words) = float(getattr(settings, key)), PUBLISHED[key]
     return (limit, "maker", words) if limit == by_maker else (limit, "setting", f"setting `{key}`")
 
 

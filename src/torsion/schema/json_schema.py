@@ -6,15 +6,12 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_jso
 from pydantic_core import core_schema
 
 from torsion.analyses import MODELS, settings_classes
-from torsion.components import KINDS, component
-from torsion.components.excitation import Excitation
-from torsion.components.material import Material
-from torsion.fields import Declared, OneOrMany
+from torsion.components import KINDS
+from torsion.fields import OneOrMany
 from torsion.rules import RULES
-from torsion.rules import settings as rule_settings
-from torsion.schema.read import Scene
-from torsion.schema.sections import LINKS
-from torsion.study import FiniteElements, Operation
+from torsion.schema.declaration_keys import declarations
+from torsion.schema.scene_reader import Scene
+from torsion.schema.scene_sections import LINKS
 
 Schema = dict[str, Any]
 
@@ -40,22 +37,16 @@ class _Declarations(GenerateJsonSchema):
 
 def json_schema() -> Schema:
     """The schema (draft 2020-12) of a shaft-train file; parts of the format that are not built yet are absent."""
-    sections: dict[str, type[Declared]] = {"material": Material, "operation": Operation, "excitation": Excitation}
-    sections["fem"] = FiniteElements
-    models = {
-        **{kind: component(kind) for kind in KINDS},
-        **sections,
-        **settings_classes(),
-        **{name: rule_settings(name) for name in RULES},
-    }
-    asked = list(dict.fromkeys(models.values()))
-    found, shared = models_json_schema([(model, "validation") for model in asked], schema_generator=_Declarations)
+    models = declarations()
+    found, shared = models_json_schema(
+        [(model, "validation") for model in dict.fromkeys(models.values())], schema_generator=_Declarations
+    )
     refs = {name: dict(found[model, "validation"]) for name, model in models.items()}
     schema = Scene.model_json_schema(schema_generator=_Declarations)
     for key, body in _sections(refs).items():
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
-    schema |= {"title": "Shaft train", "description": "A train of shafts and what is asked of it."}
+    schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
     train = _list_of(_one_of({kind: refs[kind] for kind in KINDS}))
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
     schema["$defs"] = {"train": {"description": "components in a row", **train}, **parts}
@@ -66,15 +57,14 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: refs[name] for name in RULES})]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     link = _one_of({kind: refs[kind] for kind in LINKS}, more={"between": ends})
-    fem = {"anyOf": [refs["fem"], {"type": "null"}]}
-    asked = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in settings_classes()}
+    settings = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in ("fem", *settings_classes())}
     return {
         "materials": {"type": "object", "additionalProperties": refs["material"]},
         "operation": refs["operation"],
         "train": {"$ref": "#/$defs/train"},
         "links": _list_of(link),
         "excitations": _list_of(refs["excitation"]),
-        "analyses": _mapping({"model": {"enum": list(MODELS)}, "fem": fem, **asked}),
+        "analyses": _mapping({"model": {"enum": list(MODELS)}, **settings}),
         "rules": _list_of(rule),
     }
 

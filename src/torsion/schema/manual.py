@@ -1,6 +1,5 @@
 """The manual of the file, as Markdown, from the same declarations that read it and that make the JSON Schema."""
 
-from collections.abc import Iterator
 from importlib.resources import files
 from string import Template
 
@@ -8,15 +7,15 @@ from torsion import units
 from torsion.analyses import MODELS, UNBUILT, settings_classes
 from torsion.components import KINDS, component
 from torsion.components import UNBUILT as UNBUILT_KINDS
-from torsion.components.base import Component
-from torsion.components.excitation import Excitation
+from torsion.components.component import Component
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import STEEL, Material
 from torsion.fields import Declared
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.manual_keys import keys_of, quantities_of, table_of
-from torsion.schema.read import Scene
-from torsion.schema.sections import LINKS
+from torsion.schema.declaration_keys import declarations, keys_of, mappings_of, quantities_of, table_of
+from torsion.schema.scene_reader import Scene
+from torsion.schema.scene_sections import LINKS
 from torsion.study import FiniteElements, Operation
 
 EXAMPLES = {
@@ -44,7 +43,7 @@ NOTES = {  # what the keys of a kind need of each other
     "section, the origin the axis of the shaft: the polar moment is taken about it, and a centroid far from it is "
     "refused. Torsion constant, polar moment and largest shear stress follow from the stress function and the warping "
     "by finite elements, on the mesh and on refinements of it. The torsion constant lies between bounds from both "
-    "sides; these, and what the last refinement changed in the stress, are told. What is solved is the outline as "
+    "sides; these, and what the last refinement changed in the stress, are reported. What is solved is the outline as "
     "meshed: straight triangles make a polygon of a circle (64 sides: torsion constant 0.3 % too small), six-node "
     "triangles follow it with parabolas (64: 4e-7). At a sharp inner corner the stress is unbounded, and the "
     "section then has no stress modulus: round it. The class rule does not judge a shaft with a section, nor is it "
@@ -69,7 +68,8 @@ def manual() -> str:
         quantities=_quantities(),
         top=table_of(Scene).replace("see meaning", "section below"),
         material=table_of(Material),
-        steel=_steel(),
+        steel=f"G {STEEL.shear_modulus / 1e9:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, "
+        f"rho {STEEL.density:g} kg/m**3",
         operation=_with_parts(Operation),
         common=table_of(Component),
         kinds="\n".join(_kind(kind) for kind in KINDS),
@@ -86,9 +86,9 @@ def manual() -> str:
 def _kind(kind: str) -> str:
     """The section of one kind: what it is, its keys, an example."""
     declared = component(kind)
-    sort = {"point": "a point", "link": "a link", "none": "hangs on a point"}[declared.sort]
+    sort = {"point": "a point", "link": "a link", "none": "is carried by a point"}[declared.sort]
     example = f"```yaml\n{EXAMPLES[kind]}\n```\n"
-    words = " ".join([_meaning(declared), *([NOTES[kind]] if kind in NOTES else [])])
+    words = " ".join([(declared.__doc__ or "").strip().splitlines()[0], *([NOTES[kind]] if kind in NOTES else [])])
     return f"### `{kind}`: {sort}\n\n{words}\n\n{_with_parts(declared, Component)}\n{example}"
 
 
@@ -98,25 +98,13 @@ def _settings(what: str, name: str, declared: type[Declared]) -> str:
 
 
 def _with_parts(declared: type[Declared], common: type[Declared] | None = None) -> str:
-    """The keys of a declaration, then those of every mapping in it; the keys of `common` are left out."""
-    text = table_of(declared, common)
-    for key, part in _parts(declared):
-        text += f"\nKeys of `{key}`:\n\n{table_of(part)}"
-    return text
-
-
-def _parts(declared: type[Declared]) -> Iterator[tuple[str, type[Declared]]]:
-    """Mappings in a declaration with the key that they stand at, each once."""
-    seen: set[type[Declared]] = set()
-    for key in keys_of(declared):
-        for part in key.parts:
-            if part not in seen:
-                seen.add(part)
-                yield key.name, part
-
-
-def _meaning(declared: type[Declared]) -> str:
-    return (declared.__doc__ or "").strip().splitlines()[0]
+    """The keys of a declaration, then those of every mapping in it once; the keys of `common` are left out."""
+    text, parts = table_of(declared, common), dict[type[Declared], str]()
+    for key, field in sorted(keys_of(declared).items(), key=lambda entry: not entry[1].is_required()):
+        for part in mappings_of(field):
+            if not issubclass(part, Component):
+                parts.setdefault(part, key)
+    return text + "".join(f"\nKeys of `{key}`:\n\n{table_of(part)}" for part, key in parts.items())
 
 
 def _words(names: tuple[str, ...]) -> str:
@@ -125,21 +113,12 @@ def _words(names: tuple[str, ...]) -> str:
 
 def _quantities() -> str:
     """Every SI unit of the format with what it measures."""
-    everything: list[type[Declared]] = [
-        *(component(kind) for kind in KINDS), Material, Operation, Excitation,
-        *settings_classes().values(), *(rule_settings(name) for name in RULES),
-    ]  # fmt: skip
-    found = dict.fromkeys(quantity.unit for declared in everything for quantity in quantities_of(declared))
+    found = dict.fromkeys(quantity.unit for declared in declarations().values() for quantity in quantities_of(declared))
     rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
     for unit in found:
         bare = "is an error" if units.needs_unit(unit) else "is in the SI unit" if unit != "1" else "or a percentage"
         rows.append(f"| {units.speak(unit)} | {'' if unit == '1' else f'`{unit}`'} | {bare} |")
     return "\n".join(rows) + "\n"
-
-
-def _steel() -> str:
-    modulus, density = STEEL.shear_modulus / 1e9, STEEL.density
-    return f"G {modulus:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, rho {density:g} kg/m**3"
 
 
 def _unbuilt() -> str:

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from torsion.components import KINDS, UNBUILT, component
-from torsion.components.base import Component
+from torsion.components.component import Component
 from torsion.errors import Fault, Path
-from torsion.schema.messages import declared, shown, unbuilt, unknown
+from torsion.fields import shown
+from torsion.schema.declaration_reader import declared, unbuilt, unknown
 from torsion.train import taken
 
 
@@ -40,7 +41,7 @@ def _names(body: object, path: Path) -> Iterator[tuple[str, Path]]:
 def kinds_by_name(entries: object) -> dict[str, tuple[str, bool]] | None:
     """The kind of every component by the name it goes by, and whether it is a point, of a train too faulty to lower.
 
-    None where that cannot be told: a kind is unknown, and so what the others are numbered.
+    None where that is not known: a kind is unknown, and so what the others are numbered.
     """
     found: dict[str, tuple[str, bool]] = {}
     return found if _named(entries, found, Counter()) else None

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
+from torsion.analyses.compare.timing import Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
 from torsion.output.pages.comparison_pages import csv_text
 from torsion.output.pages.run_time_blocks import best, recommendation, share
 

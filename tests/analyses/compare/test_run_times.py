@@ -8,9 +8,8 @@ import pytest
 import torsion
 from torsion.analyses.compare import run_times as module
 from torsion.analyses.compare.candidates import plain, reference
-from torsion.analyses.compare.frontier import TimedQuantity, Timings
 from torsion.analyses.compare.run_times import study_times
-from torsion.analyses.compare.timing import Effort
+from torsion.analyses.compare.timing import Effort, TimedQuantity, Timings
 from torsion.study import Study
 
 SHORT = Effort(rounds=2, longest=5.0, segments=64, unknowns=24, degrees=(1, 2, 3), modes=32, dense=16, speeds=7)
@@ -204,7 +203,7 @@ def test_every_method_has_its_turn_in_every_round(timings: dict) -> None:
 def test_segments_of_the_file_are_not_used_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "QUICK", replace(SHORT, segments=4, degrees=(1,), unknowns=2))
     given = parsed(SHAFT.replace("length: 1.5 m", "length: 1.5 m, segments: 3"))
-    found = study_times(given, count=1, no_response="it is not asked", quick=True)
+    found = study_times(given, count=1, no_response="it is not requested", quick=True)
     assert set(errors(found.quantities[0], "lumped")) == {1, 2, 4}
     assert any("`segments`" in remark for remark in found.remarks)
-    assert any("it is not asked" in remark for remark in found.remarks)
+    assert any("it is not requested" in remark for remark in found.remarks)

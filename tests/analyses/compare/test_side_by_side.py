@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.compare.loads import eliminated, loaded
 from torsion.analyses.compare.model_errors import shape_errors
 from torsion.analyses.compare.side_by_side import CheckSettings, check, operating_harmonics
-from torsion.analyses.compare.torque_ends import driving_ends
+from torsion.analyses.compare.torque_methods import driving_ends, eliminated, loaded
 from torsion.errors import InputError
 
 SCENE = (Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml").read_text(encoding="utf-8")

@@ -12,8 +12,8 @@ from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
-from torsion.components.excitation import Excitation
 from torsion.components.gear import Gear
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.joint import Joint
 from torsion.components.motor import Motor
 from torsion.components.propeller import Propeller

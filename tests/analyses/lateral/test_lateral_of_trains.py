@@ -20,7 +20,7 @@ from torsion.components.support import Support
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.kinematics.couples import couple_harmonics
-from torsion.schema.read import parse
+from torsion.schema.scene_reader import parse
 from torsion.study import Operation, Rated, SpeedRange
 from torsion.train import train
 

@@ -17,7 +17,7 @@ from torsion.assembly.system import System
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper
 from torsion.components.disc import Disc
-from torsion.components.excitation import Excitation
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.joint import Joint
 from torsion.components.motor import Motor
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time

@@ -18,8 +18,8 @@ from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper
 from torsion.components.disc import Disc
-from torsion.components.excitation import Excitation
 from torsion.components.gear import Gear
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.motor import Motor
 from torsion.components.propeller import Propeller
 from torsion.errors import InputError
@@ -174,11 +174,11 @@ def test_first_order_damping_ratios_are_those_of_the_damped_modes(build):
     ]  # fmt: skip
     _, system = build(line)
     found = grid.resonances(system, 1e4, None, None)
-    where = grid.places(found, np.array([1.0]), 0.0, 1e4)
-    ratio = grid.damping_ratios(found, where, ground_damping(system, where.at, None))
+    speeds = np.array([1.0]), 0.0, 1e4
+    at, ratio = grid.places(found, system, *speeds, lambda speed: ground_damping(system, speed, None))
     exact = damped(system, speed=1.0)
     assert ratio == pytest.approx(exact.damping_ratio, rel=1e-4)
-    assert where.at == pytest.approx(2 * math.pi * exact.frequency, rel=1e-5)
+    assert at == pytest.approx(2 * math.pi * exact.frequency, rel=1e-5)
 
 
 def test_undamped_resonance_is_flagged_and_everything_else_is_sound(build, operation):

@@ -33,14 +33,14 @@ BROKEN = {
     "no area": ([*SQUARE, (1, 0, 0)], {"triangle": [*FOUR, (1, 2, 5)]}, "triangle 5 no area"),
     "a point thrice": (SQUARE, {"triangle": [*FOUR, (4, 4, 4)]}, "triangle 5 no area"),
     "inverted": (SQUARE, {"triangle": [*FOUR[:3], FOUR[3][::-1]]}, "triangle 4 inverted"),
-    "folded by a node": (
-        [*SQUARE[:3], (0.1, 0.6, 0), (1, 0, 0), (0, 0, 0)], {"triangle6": [(0, 2, 1, 5, 4, 3)]}, "triangle 1 folded",
+    "turned inside out by a node": (
+        [*SQUARE[:3], (0.1, 0.6, 0), (1, 0, 0), (0, 0, 0)], {"triangle6": [(0, 2, 1, 5, 4, 3)]}, "1 inside out",
     ),
     "double point": ([*SQUARE, (0, 0, 0)], {"triangle": [*FOUR[:2], (2, 3, 5), (3, 0, 5)]}, "coincide (0, 0) merge"),
     "two pieces": (
         moved(SQUARE, -2) + moved(SQUARE, 2), {"triangle": FOUR + [tuple(i + 5 for i in t) for t in FOUR]}, "2 pieces",
     ),
-    "held by a point": (
+    "joined by a point": (
         [(-1, -1, 0), (1, -1, 0), (0, 0, 0), (1, 1, 0), (-1, 1, 0)], {"triangle": [(0, 1, 2), (2, 3, 4)]}, "by a point",
     ),
     "three at a side": ([*SQUARE, (0, -0.5, 0)], {"triangle": [*FOUR, (0, 1, 5)]}, "overlap side"),

@@ -121,7 +121,7 @@ def test_class_rule_leaves_a_meshed_shaft_out_and_says_why(scene) -> None:
 
 
 def test_bending_of_a_meshed_tube_is_left_out(scene) -> None:
-    from torsion.rules.joint_tubes import tubes
+    from torsion.rules.universal_joints import tubes
 
     line = "- joint: {angle: 5 deg}\n- shaft: {name: tube, length: 1, section: {mesh: square.vtu, unit: mm}}\n"
     scene.write_text(scene.read_text() + line + "- joint: {angle: 5 deg}\n- disc: {name: c, inertia: 1}\n")

@@ -27,7 +27,7 @@ def has_shafts(train: Train) -> bool:
 def loop_fault(path: Path) -> Fault:
     """Why there is no exact model of a train: its closed loops."""
     message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
-    return Fault(path, message, "leave `links` or the comparison out")
+    return Fault(path, message, "leave `links` or the check out")
 
 
 def loop_faults(study: Study, path: Path) -> list[Fault]:
@@ -123,4 +123,4 @@ def _count_up_to(system: System, highest: float) -> int:
         return COUNT
     from torsion.analyses.bars import reach
 
-    return max(1, reach(undamped_tree(system.folded), system.folded_bars, 2.0 * math.pi * highest).count)
+    return max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)

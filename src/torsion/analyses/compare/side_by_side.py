@@ -4,25 +4,23 @@ import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from typing import Literal, Self, get_args
+from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
 from pydantic import model_validator
 
-from torsion import fields
 from torsion.analyses.compare.candidates import COUNT, has_shafts, loop_faults
-from torsion.analyses.compare.loads import Harmonics, Loaded, Torques, elimination, loaded
 from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
 from torsion.analyses.compare.timing import Candidate, run
-from torsion.analyses.compare.torque_ends import driving_ends
-from torsion.analyses.discretisation import assembled, told_division
+from torsion.analyses.compare.torque_methods import Harmonics, Loaded, Torques, driving_ends, elimination, loaded
+from torsion.analyses.discretisation import assembled, discretisation_words
 from torsion.analyses.response.harmonic_components import Line, excitations
 from torsion.analyses.response.over_speed import asked_orders
 from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import InputError
-from torsion.fields import Declared, given, refuse
+from torsion.fields import Declared, Quantity, given, refuse
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result
@@ -36,7 +34,9 @@ class CheckSettings(Declared):
     """Settings of `check`."""
 
     models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
-    tolerance: fields.Number = given("largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3)
+    tolerance: Annotated[float, Quantity("1", above=0, usual=(None, 1.0), slip=("%",))] = given(
+        "largest relative error of frequencies, shapes (1 - MAC) and torques", 1e-3
+    )
 
     @model_validator(mode="after")
     def _compares(self) -> Self:
@@ -231,7 +231,7 @@ def _compared(one: _Solved, exact: _Solved, count: int, highest: float, toleranc
     shape[:known] = shape_errors(one.modes.shape[:own, :known], exact.modes.shape[:own], exact.modes.frequency, weights)
     torques = None if one.loaded is None or exact.loaded is None else _torques(one, exact, exact.loaded)
     return ModelCompared(
-        one.system.model, told_division(one.system), one.modes.certified, frequency,
+        one.system.model, discretisation_words(one.system), one.modes.certified, frequency,
         relative_errors(frequency[:known], exact.modes.frequency[:count]), shape, _count_below(one, highest), torques,
         one.modes_seconds, one.torques_seconds, tolerance,
     )  # fmt: skip
@@ -261,14 +261,14 @@ def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
 
 def _count_below(one: _Solved, highest: float) -> int:
     """Elastic modes below a frequency (Hz), by counts where these reach so far."""
-    tree, bars, w = undamped_tree(one.system.folded), one.system.folded_bars, 2.0 * math.pi * highest
-    if bars is None:
+    tree, w = undamped_tree(one.system), 2.0 * math.pi * highest
+    if tree.shafts is None:
         from torsion.kernels.sturm import count_below
 
         return int(count_below(tree, w)[0]) - one.modes.rigid
     from torsion.analyses.bars import reach
 
-    known = reach(tree, bars, w)
+    known = reach(tree, w)
     return known.count if known.frequency >= w else int(np.count_nonzero(one.modes.frequency < highest))
 
 
@@ -280,7 +280,7 @@ def _largest(errors: FloatArray) -> float:
 
 def run_check(work: Work) -> None:
     """The models of the shafts side by side."""
-    with work.log.step("comparison of the models", "asked") as step:
+    with work.log.step("comparison of the models", "requested") as step:
         found = check(work.study, work.settings("check", CheckSettings), progress=work.progress)
         step.method = ", ".join(model.model for model in found.all_models) or "all models are the same"
         step.size = "; ".join(f"{model.model}: {model.division}" for model in found.all_models)

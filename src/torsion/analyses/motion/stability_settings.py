@@ -3,12 +3,11 @@
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo
 
-from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
-from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.study import SpeedRange, Study
+from torsion.fields import Declared, Quantity, given, required
+from torsion.study import Range, SpeedRange, Study
 
 Method = Literal["hill", "monodromy"]
 Over = Literal["angle", "damping", "torque"]
@@ -25,7 +24,7 @@ def _read_value(value: Any, info: ValidationInfo) -> float:
 Value = Annotated[float, BeforeValidator(_read_value, json_schema_input_type=float | str)]
 
 
-class MapSettings(Declared):
+class MapSettings(Range):
     """Settings of `map` in `stability`."""
 
     over: Over = required("angle (of all cross joints), damping or torque (factors on what the file says)")
@@ -33,16 +32,6 @@ class MapSettings(Declared):
     last: Value = required("highest value", alias="to")
     steps: Annotated[int, Field(ge=2, le=2000)] = given("number of values", 101)
     modes: Annotated[int, Field(ge=1, le=60)] | None = given("elastic modes kept (default: those that matter)")
-
-    @model_validator(mode="after")
-    def _rises(self) -> "MapSettings":
-        if self.first >= self.last:
-            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
-        return self
-
-    def values(self) -> FloatArray:
-        """(steps,) rad, or factors."""
-        return np.linspace(self.first, self.last, self.steps)
 
 
 class StabilitySettings(Declared):

@@ -1,5 +1,9 @@
-"""Complex amplitudes of a forced response, and what all lines together make of them."""
+"""Complex amplitudes of a forced response, all harmonic components together, and how much memory they need.
 
+A response that needs more memory than it may is refused beforehand; any other is computed in blocks.
+"""
+
+from collections.abc import Iterator
 from dataclasses import field, replace
 from fractions import Fraction
 from typing import Any, TypeVar
@@ -9,8 +13,15 @@ import numpy as np
 from torsion.analyses.response.harmonic_components import Line
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result, words
+
+BLOCK_VALUES = 2**22  # points times stations of one line solved at once: 64 MB an array
+SMALL_BLOCK = 2**20  # the same of the synthesis, which needs some twenty arrays on the way
+COMPLEX, REAL = 16, 8  # bytes
+COPIES = 2  # of all amplitudes, while points are added or written
+REAL_ROWS = 5  # of a span over the points: mean torque, half range, peak, RMS, bound
 
 
 @reported
@@ -45,6 +56,11 @@ class Response:
     system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
     remark: str = result("", (), "what the refinement of speeds left out", default="")
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
+
+    @property
+    def points(self) -> FloatArray:
+        """Where it was computed."""
+        return self.speed
 
     @derived("", ("speed", "line"), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
@@ -99,10 +115,42 @@ class FrequencyResponse:
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies left out", default="")
 
+    @property
+    def points(self) -> FloatArray:
+        """Where it was computed."""
+        return self.frequency
+
     @derived("", ("frequency",), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
         """(frequencies,)."""
         return words(self.status, Status)
+
+
+def blocks(points: int, system: System, values: int = BLOCK_VALUES) -> Iterator[slice]:
+    """Points in blocks; one block for all but large trains."""
+    length = max(values // max(len(system.stations), len(system.spans), 1), 1)
+    return (slice(start, start + length) for start in range(0, max(points, 1), length))
+
+
+def refuse_too_large(system: System, lines: int, limit: float, path: Path, axis: str, points: int) -> None:
+    """Raise InputError where a response of so many points needs more memory than `limit` (bytes).
+
+    `path` is where the file gives the points, `axis` what they are.
+    """
+    stations, spans = len(system.stations), len(system.spans)
+    needed = points * (COPIES * COMPLEX * lines * (stations + spans) + REAL * REAL_ROWS * spans)
+    if needed <= limit:
+        return
+    count = f"up to {points} {axis} (those around resonances included) x {lines} orders x {stations} stations"
+    message = f"the response has {count}, which needs about {_in_gigabytes(needed)}; {_in_gigabytes(limit)} are allowed"
+    most = max(system.segments, key=lambda name: system.segments[name], default="")
+    finer = f", fewer segments of `{most}` ({system.segments[most]})" if most and system.segments[most] > 1 else ""
+    hint = f"a narrower range or fewer steps, fewer orders{finer}, or --memory {_in_gigabytes(1.1 * needed, 2)}"
+    raise InputError([Fault(path, message, hint.replace(" GB", "GB"))])
+
+
+def _in_gigabytes(number: float, digits: int = 3) -> str:
+    return f"{number / 1e9:.{digits}g} GB"
 
 
 def part_of(found: Response, part: slice) -> Response:
@@ -116,8 +164,7 @@ Result = TypeVar("Result", Response, FrequencyResponse)
 
 def merged(first: Result, second: Result) -> Result:
     """Both results in one, by ascending speed or frequency."""
-    axis = "speed" if isinstance(first, Response) else "frequency"
-    return replace(first, **_by_ascending(getattr(first, axis), getattr(second, axis), first, second))
+    return replace(first, **_by_ascending(first.points, second.points, first, second))
 
 
 def joined(first: tuple[Response, Synthesis], second: tuple[Response, Synthesis]) -> tuple[Response, Synthesis]:

@@ -1,16 +1,19 @@
-"""Speeds and frequencies at which a response is computed: those asked for, and more around every resonance."""
+"""Speeds and frequencies at which a response is computed: those requested, and more around every resonance."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.response.amplitudes import Result, blocks, merged
 from torsion.analyses.steady import SAME_SPEED
 from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
+from torsion.kernels.tree_response import Status
 
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
 FEWEST_POINTS = 5
@@ -65,7 +68,7 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     if system.folded_bars is not None:
         from torsion.analyses.bars import reach
 
-        return modes_as_discretised(system, max(reach(undamped_tree(folded), system.folded_bars, highest).count, 1))
+        return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
     if folded.extra.size or np.isinf(folded.tree.flexibility).any():
         return modes_as_discretised(system, None)
     below = int(count_below(folded.tree, np.array([highest * (1.0 + 1e-9)]))[0])
@@ -78,41 +81,40 @@ def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArr
     return np.asarray((system.viscous @ twist**2 / w + system.loss_factor @ found.elastic) / 2.0)
 
 
-@dataclass(frozen=True)
-class Places:
-    """Where resonances lie on an axis of speed or frequency."""
+def places(
+    known: Resonances, system: System, orders: FloatArray, first: float, last: float,
+    ground: Callable[[FloatArray], FloatArray],
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """(places,) points between two at which an order meets a mode, and (places,) the damping ratio there.
 
-    at: FloatArray  # (places,)
-    mode: IntArray  # (places,)
-
-
-def places(found: Resonances, orders: FloatArray, first: float, last: float) -> Places:
-    """Speeds (rad/s) at which an order (cycles a turn) meets a mode, within the range."""
-    speed = found.frequency[:, None] / orders
-    inside = (speed >= first) & (speed <= last)
-    return Places(speed[inside], np.nonzero(inside)[0])
-
-
-def damping_ratios(found: Resonances, where: Places, ground: FloatArray) -> FloatArray:
-    """(places,) damping ratio with the damping to ground (stations, places) N m s/rad that acts there."""
-    lost = np.einsum("sp,sp->p", ground, found.angle[:, where.mode] ** 2)
-    return np.asarray(found.damping_ratio[where.mode] + lost / (2.0 * found.frequency[where.mode]))
+    A point times one of `orders` is a circular frequency (rad/s). ground: (points,) to (stations, points) N m s/rad of
+    damping to ground.
+    """
+    place = known.frequency[:, None] / orders
+    inside = (place >= first) & (place <= last)
+    at, mode = place[inside], np.nonzero(inside)[0]
+    zeta = known.damping_ratio[mode]
+    for part in blocks(len(at), system):
+        lost = np.einsum("sp,sp->p", ground(at[part]), known.angle[:, mode[part]] ** 2)
+        zeta[part] += lost / (2.0 * known.frequency[mode[part]])
+    return at, zeta
 
 
-def refined(asked: FloatArray, where: Places, ratio: FloatArray) -> tuple[FloatArray, str]:
-    """The points asked for and those around each resonance, ascending; and what had to be left out, in words.
+def refined(requested: FloatArray, at: FloatArray, ratio: FloatArray) -> tuple[FloatArray, str]:
+    """The points requested and those around each resonance, ascending; and what had to be left out, in words.
 
-    Around a resonance at x they stand at x (1 + zeta tan t) with t evenly spaced: equal steps of phase of a single
-    mode, by sqrt(1 - 2 zeta^2) and its inverse (the peaks of angle and of acceleration of one degree of freedom).
+    at, ratio: (places,) of the resonances and their damping ratios. Around one at x they stand at x (1 + zeta tan t)
+    with t evenly spaced: equal steps of phase of a single mode, by sqrt(1 - 2 zeta^2) and its inverse (the peaks of
+    angle and of acceleration of one degree of freedom).
     """
     narrow = ratio < BROAD
-    at, zeta = where.at[narrow], ratio[narrow]
+    at, zeta = at[narrow], ratio[narrow]
     points, remark = POINTS, ""
     if len(at) * points > MOST_ADDED:
         points = max(FEWEST_POINTS, (MOST_ADDED // len(at) - 1) // 2 * 2 + 1)
         at, zeta = at[: MOST_ADDED // points], zeta[: MOST_ADDED // points]
         remark = f"{np.count_nonzero(narrow)} resonances lie in the range; {len(at)} of them have {points} points each"
-    added = [asked]
+    added = [requested]
     step = np.tan(np.linspace(-0.5, 0.5, points + 2)[1:-1] * math.pi)
     for x, z in zip(at.tolist(), zeta.tolist(), strict=True):
         if z < UNDAMPED:
@@ -121,7 +123,29 @@ def refined(asked: FloatArray, where: Places, ratio: FloatArray) -> tuple[FloatA
         peak = math.sqrt(1.0 - 2.0 * z * z)
         added.append(np.concatenate([x * (1.0 + z * step), [x * peak, x / peak]]))
     every = np.unique(np.concatenate(added))
-    return every[(every >= asked[0]) & (every <= asked[-1])], remark
+    return every[(every >= requested[0]) & (every <= requested[-1])], remark
+
+
+def with_peaks(
+    solve: Callable[[FloatArray], Result], requested: FloatArray, points: FloatArray, remark: str,
+    refuse_too_many: Callable[[int], None],
+) -> Result:  # fmt: skip
+    """The response at the points and wherever a peak shows between two of them; `remark` says what was left out.
+
+    solve: the response at points, ascending. refuse_too_many: raises InputError where so many points are too many.
+    """
+    refuse_too_many(len(points) + min(len(points), ROUNDS_FOR_PEAKS * MOST_PEAKS))
+    found = solve(points)
+    for _ in range(ROUNDS_FOR_PEAKS):
+        sound, torque = found.status == Status.OK, found.torque
+        if sound.ndim == 1:
+            sound, torque = sound[:, None], torque[:, None]
+        missed, left_out = missed_peaks(found.points, torque, sound)
+        remark = left_out or remark
+        if missed.size == 0:
+            break
+        found = merged(found, solve(missed))
+    return replace(found, asked=np.isin(found.points, requested), remark=remark)
 
 
 def apart(known: FloatArray, more: FloatArray) -> FloatArray:

@@ -3,8 +3,8 @@
 Orders are exact, so that two sources of one order meet in one line and are added as phasors.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -26,6 +26,12 @@ class Line:
     frequency: float | None = result("Hz", (), "null for an order", key="fixed_frequency_Hz")
     sources: tuple[str, ...] = result("", (), "what excites it")
 
+    @property
+    def words(self) -> str:
+        """Its order or frequency, and what excites it."""
+        name = f"order {self.order}" if self.order is not None else f"{self.frequency:g} Hz"
+        return f"{name} ({', '.join(self.sources)})"
+
     def circular_frequency(self, speed: FloatArray) -> FloatArray:
         """(speeds,) rad/s at reference speeds (speeds,) rad/s."""
         if self.order is not None:
@@ -40,6 +46,7 @@ class JointError:
     span: int
     order: int  # of the driving station's own angle
     amplitude: complex  # rad of the driven angle
+    name: str  # of the joint
 
 
 @dataclass(frozen=True)
@@ -53,41 +60,28 @@ class Excitation:
 
 @dataclass(frozen=True)
 class Sources:
-    """Complex amplitudes on the folded tree, of one line, over speed."""
+    """Complex amplitudes on the condensed tree, of one component, over speed."""
 
     force: ComplexArray  # (tree stations, speeds) N m
     twist: ComplexArray | None  # (tree stations, speeds) rad imposed on the span leading to each; None without joints
 
 
-@dataclass
-class _Collected:
-    torques: list[Torque] = field(default_factory=list)
-    errors: list[JointError] = field(default_factory=list)
-    names: list[str] = field(default_factory=list)
-
-
 def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tuple[Excitation, ...]:
-    """Every line by order (ascending), then by fixed frequency; `orders` keeps those orders of the reference only."""
-    by_order: dict[Fraction, _Collected] = {}
-    by_frequency: dict[float, _Collected] = {}
+    """Every component, orders first, both ascending; `orders` keeps those orders of the reference alone."""
+    by_order: dict[Fraction, list[Torque | JointError]] = {}
+    by_frequency: dict[float, list[Torque | JointError]] = {}
     for torque in system.train.torques:
         if torque.order is not None:
-            place = by_order.setdefault(torque.order * system.stations[torque.station].ratio, _Collected())
+            by_order.setdefault(torque.order * system.stations[torque.station].ratio, []).append(torque)
         elif torque.frequency is not None:
-            place = by_frequency.setdefault(torque.frequency, _Collected())
-        else:
-            continue
-        place.torques.append(torque)
-        place.names.append(torque.name)
+            by_frequency.setdefault(torque.frequency, []).append(torque)
     for number, span in enumerate(system.own_spans):
         for order, amplitude in span.error:
-            place = by_order.setdefault(order * system.stations[span.driving].ratio, _Collected())
-            place.errors.append(JointError(number, order, amplitude))
-            place.names.append(span.name)
-    wanted = None if orders is None else set(orders)
-    kept = [order for order in sorted(by_order) if wanted is None or order in wanted]
+            error = JointError(number, order, amplitude, span.name)
+            by_order.setdefault(order * system.stations[span.driving].ratio, []).append(error)
+    wanted = by_order.keys() if orders is None else set(orders)
     return (
-        *(_excitation(by_order[order], order, None) for order in kept),
+        *(_excitation(by_order[order], order, None) for order in sorted(by_order) if order in wanted),
         *(_excitation(by_frequency[value], None, value) for value in sorted(by_frequency)),
     )
 
@@ -108,19 +102,20 @@ def excited_orders(train: Train) -> tuple[Fraction, ...]:
 def sweeping(system: System) -> Excitation:
     """The torques without order and frequency, that act at every frequency of a frequency response."""
     anywhere = [t for t in system.train.torques if t.order is None and t.frequency is None]
-    return _excitation(_Collected(anywhere, [], [torque.name for torque in anywhere]), None, None)
+    return _excitation(anywhere, None, None)
 
 
-def _excitation(found: _Collected, order: Fraction | None, frequency: float | None) -> Excitation:
-    names = tuple(dict.fromkeys(found.names))
-    return Excitation(Line(order, frequency, names), tuple(found.torques), tuple(found.errors))
+def _excitation(found: Sequence[Torque | JointError], order: Fraction | None, frequency: float | None) -> Excitation:
+    torques = tuple(one for one in found if isinstance(one, Torque))
+    errors = tuple(one for one in found if isinstance(one, JointError))
+    return Excitation(Line(order, frequency, tuple(dict.fromkeys(one.name for one in found))), torques, errors)
 
 
 def sources(system: System, excitation: Excitation, speed: FloatArray, steady: Steady | None) -> Sources:
     """Complex amplitudes of one line at reference speeds (speeds,) rad/s; `steady` holds the same speeds.
 
     A torque's phase counts from reference angle zero. A joint's error counts from its own driving angle, static
-    twist included. A force on a station of speed ratio r acts on the folded tree as r times itself.
+    twist included. A force on a station of speed ratio r acts on the condensed tree as r times itself.
     """
     folded = system.folded
     force = np.zeros((folded.tree.size, len(speed)), dtype=np.complex128)
@@ -177,6 +172,6 @@ def _mean_there(system: System, torque: Torque, steady: Steady | None) -> FloatA
     here = (system.driving == torque.station) | (system.driven == torque.station)
     if not here.any():
         return np.zeros(applied.shape)
-    # a span's torque is told at its driving station's speed; across a gear it is not the station's own
+    # a span's torque is stated at its driving station's speed; across a gear it is not the station's own
     own = steady.torque[here] * (system.span_ratio[here] / system.speed_ratio[torque.station])[:, None]
     return np.asarray(np.abs(own).max(axis=0))

@@ -1,8 +1,9 @@
 """Forced response: complex amplitudes of every order and fixed frequency over the speed range."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -11,9 +12,8 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
-from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, merged
+from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, blocks, refuse_too_large
 from torsion.analyses.response.harmonic_components import Excitation, Line, excitations, excited_orders, lines, sources
-from torsion.analyses.response.size import blocks, refuse_too_large
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -23,7 +23,6 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, silent
-from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 __all__ = ["FrequencyResponse", "Line", "Response", "ResponseSettings", "Synthesis", "response"]
@@ -71,33 +70,33 @@ def response(
     that is needed and `refine` is False; InputError where speeds, or a mean torque that an excitation or a damping
     follows, are not given, or an order is named that nothing excites.
     """
-    asked = _asked_speeds(study, speeds)
+    requested = _requested_speeds(study, speeds)
     orders = asked_orders(study)
     found = excitations(system, None if all_orders else orders)
-    highest = max((float(one.line.circular_frequency(asked[-1:])[0]) for one in found), default=0.0)
+    highest = max((float(one.line.circular_frequency(requested[-1:])[0]) for one in found), default=0.0)
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
-    scene = _Scene(study, system, found, progress or silent)
-    further = np.empty(0) if also is None else also[(also > asked[0]) & (also < asked[-1])]
-    points = np.union1d(asked, grid.apart(asked, further))
-    speed, remark = _refined_speeds(scene, points, damped, modes)
-    most = len(speed) + min(len(speed), grid.ROUNDS_FOR_PEAKS * grid.MOST_PEAKS)
-    refuse_too_large(system, most, len(found), study.memory, ("operation", "speeds"), "speeds")
-    result = _solve(scene, speed)
-    for _ in range(grid.ROUNDS_FOR_PEAKS):
-        missed, left_out = grid.missed_peaks(result.speed, result.torque, result.status == Status.OK)
-        remark = left_out or remark
-        if missed.size == 0:
-            break
-        result = merged(result, _solve(scene, missed))
+    further = np.empty(0) if also is None else also[(also > requested[0]) & (also < requested[-1])]
+    points = np.union1d(requested, grid.apart(requested, further))
+    by_order = np.array([float(one.line.order) for one in found if one.line.order is not None])
+
+    def ground(speed: FloatArray) -> FloatArray:
+        return ground_damping(system, speed, steady_if_known(study, system, speed))
+
+    remark = ""
+    if by_order.size:
+        known = grid.resonances(system, float(by_order.max() * points[-1]), modes, damped)
+        points, remark = grid.refined(points, *grid.places(known, system, by_order, points[0], points[-1], ground))
+    refuse = partial(refuse_too_large, system, len(found), study.memory, ("operation", "speeds"), "speeds")
+    solved = partial(_solved, study, system, found, progress or silent)
+    result = grid.with_peaks(solved, requested, points, remark, refuse)
     kept = {one.line.order for one in found}
-    rest = tuple(line for line in lines(system) if line.order not in kept)
-    return replace(result, asked=np.isin(result.speed, asked), remark=remark, left_out=rest)
+    return replace(result, left_out=tuple(line for line in lines(system) if line.order not in kept))
 
 
 def response_at(study: Study, system: System, found: Response, speeds: FloatArray) -> Response:
     """The response at `speeds` (speeds,) rad/s alone, ascending, of the lines that are found."""
     orders = [line.order for line in found.lines if line.order is not None]
-    return _solve(_Scene(study, system, excitations(system, orders), silent), speeds)
+    return _solved(study, system, excitations(system, orders), silent, speeds)
 
 
 def asked_orders(study: Study) -> tuple[Fraction, ...] | None:
@@ -126,15 +125,7 @@ def order_faults(study: Study) -> list[Fault]:
     ]
 
 
-@dataclass(frozen=True)
-class _Scene:
-    study: Study
-    system: System
-    found: tuple[Excitation, ...]
-    tell: Progress
-
-
-def _asked_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
+def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
     """(speeds,) rad/s, ascending."""
     if speeds is not None:
         return np.unique(np.asarray(speeds, dtype=np.float64))
@@ -144,55 +135,30 @@ def _asked_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
     return study.operation.speeds.values()
 
 
-def _refined_speeds(
-    scene: _Scene, asked: FloatArray, damped: DampedModes | None, modes: Modes | None
-) -> tuple[FloatArray, str]:
-    """The speeds asked for and those around each meeting of an order with a mode; and what was left out."""
-    orders = np.array([float(one.line.order) for one in scene.found if one.line.order is not None])
-    if not orders.size:
-        return asked, ""
-    known = grid.resonances(scene.system, float(orders.max() * asked[-1]), modes, damped)
-    where = grid.places(known, orders, float(asked[0]), float(asked[-1]))
-    ratio = [
-        grid.damping_ratios(known, some, _ground(scene, some.at))
-        for some in (grid.Places(where.at[part], where.mode[part]) for part in blocks(len(where.at), scene.system))
-    ]
-    return grid.refined(asked, where, np.concatenate(ratio))
-
-
-def _ground(scene: _Scene, speed: FloatArray) -> FloatArray:
-    """(stations, speeds) N m s/rad of damping to ground."""
-    return ground_damping(scene.system, speed, steady_if_known(scene.study, scene.system, speed))
-
-
-def _solve(scene: _Scene, speed: FloatArray) -> Response:
-    """Every line at every speed (rad/s), ascending."""
-    system, shape = scene.system, (len(speed), len(scene.found))
+def _solved(
+    study: Study, system: System, found: tuple[Excitation, ...], progress: Progress, speed: FloatArray
+) -> Response:
+    """Every harmonic component at every speed (rad/s), ascending."""
+    shape = (len(speed), len(found))
     angle, torque = (np.empty((*shape, len(each)), dtype=np.complex128) for each in (system.stations, system.spans))
     mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
-    each, asked = tuple(one.line for one in scene.found), np.zeros(len(speed), dtype=bool)
-    result = Response(speed, asked, each, frequency, angle, torque, mean, residual, status, joint_error, system)
     for part in blocks(len(speed), system):
-        _fill(scene, result, part)
-    return result
-
-
-def _fill(scene: _Scene, result: Response, part: slice) -> None:
-    """Every line at the speeds of a part, into its place."""
-    system, speed = scene.system, result.speed[part]
-    mean = steady_if_known(scene.study, system, speed)
-    ground = ground_damping(system, speed, mean)
-    if mean is not None:
-        result.mean[part] = mean.torque.T
-    for k, one in enumerate(scene.found):
-        scene.tell("response", (part.start + k * len(speed) / len(scene.found)) / max(len(result.speed), 1))
-        w = one.line.circular_frequency(speed)
-        found = answer(system, w, sources(system, one, speed, mean), ground)
-        result.frequency[part, k] = w / (2.0 * math.pi)
-        result.angle[part, k], result.torque[part, k] = found.angle, found.torque
-        result.residual[part, k], result.status[part, k] = found.residual, found.status
-        result.joint_error[part, k] = joint_errors(system, one, found.angle)
+        here = speed[part]
+        known = steady_if_known(study, system, here)
+        ground = ground_damping(system, here, known)
+        if known is not None:
+            mean[part] = known.torque.T
+        for k, one in enumerate(found):
+            progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
+            w = one.line.circular_frequency(here)
+            answered = answer(system, w, sources(system, one, here, known), ground)
+            frequency[part, k] = w / (2.0 * math.pi)
+            angle[part, k], torque[part, k] = answered.angle, answered.torque
+            residual[part, k], status[part, k] = answered.residual, answered.status
+            joint_error[part, k] = joint_errors(system, one, answered.angle)
+    each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
+    return Response(speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system)
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:

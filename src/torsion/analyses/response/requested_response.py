@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.requests import no_response
-from torsion.analyses.response.amplitudes import Response, Synthesis, joined, part_of
+from torsion.analyses.discretisation import no_response
+from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks, joined, part_of
 from torsion.analyses.response.over_speed import asked_orders, response, response_at
-from torsion.analyses.response.size import SMALL_BLOCK, blocks
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import System
@@ -34,14 +33,14 @@ def run(work: Work) -> None:
 def _found(work: Work) -> Response:
     """The response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
     study, log, ruled = work.study, work.log, "response" in work.ruled
-    with log.step("response over speed", "asked" if "response" in study.analyses else "something excites") as step:
+    with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
         also = work.rules.judged_speeds(study) if ruled else np.empty(0)
         found = response(
             study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
             progress=work.progress,
         )  # fmt: skip
         step.method = "two-sided elimination, every order apart"
-        step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.asked.sum())} asked)"
+        step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.asked.sum())} requested)"
         if ruled and asked_orders(study) is not None:
             step.size += "; all orders, not only those of `orders`: the rules judge them together"
         if found.remark:
@@ -52,7 +51,7 @@ def _found(work: Work) -> Response:
 
 
 def _synthesis(work: Work, found: Response) -> Synthesis:
-    lines = "the orders asked for" if found.left_out else "all orders"
+    lines = "the orders requested" if found.left_out else "all orders"
     with work.log.step("synthesis", f"rules and readers judge {lines} together") as step:
         total = _in_blocks(work.system, found)
         step.method = "sum over the common cycle, true to phase"

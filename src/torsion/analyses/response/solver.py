@@ -1,6 +1,7 @@
-"""The answer of the train to one harmonic at many frequencies, told at the stations' own speeds."""
+"""The answer of the train to one harmonic at many frequencies, at the stations' own speeds."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +12,10 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import TreeResponse, complex_compliance, status, tree_response
+from torsion.kernels.tree_response import complex_compliance, status, tree_response
+
+if TYPE_CHECKING:
+    from torsion.kernels.loops.looped_response import Chords
 
 
 @dataclass(frozen=True)
@@ -29,23 +33,24 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
 
     damping: (stations, frequencies) N m s/rad to ground at own speed.
     """
-    folded = system.folded
-    tree, closing = _tree(system), _closing(system)
+    folded, tree = system.folded, _tree(system)
+    # chords of loops with a stiffness or a damping
+    closing = folded.extra[np.isfinite(system.flexibility[folded.extra]) | (system.viscous[folded.extra] > 0)]
     ground = np.zeros((tree.size, len(w)))
     ground[folded.node] = damping * (system.speed_ratio**2)[:, None]
     compliance = complex_compliance(tree.flexibility, folded.viscous, folded.loss_factor, w)
+    acting: dict[str, Any] = {"twist": sources.twist, "ground_damping": ground, "compliance": compliance}
     if system.folded_bars is not None:
         loss = folded.loss_factor[system.folded_bars.node]
-        found = tree_response(
-            replace(tree, shafts=system.folded_bars), w, sources.force, twist=sources.twist, ground_damping=ground,
-            compliance=compliance, shaft_loss=loss,
-        )  # fmt: skip
+        found = tree_response(replace(tree, shafts=system.folded_bars), w, sources.force, shaft_loss=loss, **acting)
         torque = bar_torques(system, found.torque, found.torque_outer)
-    elif closing.size:
-        found = _with_loops(system, tree, closing, w, sources, ground, compliance)
-        torque = span_torques(system, found.torque, closing, found.chord_torque)
     else:
-        found = tree_response(tree, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance)
+        if closing.size:
+            from torsion.kernels.loops.looped_response import looped_response
+
+            found = looped_response(tree, _chords(system, closing, w), w, sources.force, **acting)
+        else:
+            found = tree_response(tree, w, sources.force, **acting)
         torque = span_torques(system, found.torque, closing, found.chord_torque)
     angle = found.angle[folded.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
@@ -75,29 +80,12 @@ def _tree(system: System) -> Tree:
     return replace(folded.tree, parent=parent, flexibility=np.where(loose, 0.0, folded.tree.flexibility))
 
 
-def _closing(system: System) -> IntArray:
-    """Spans that close loops with a stiffness or a damping."""
-    extra = system.folded.extra
-    return extra[np.isfinite(system.flexibility[extra]) | (system.viscous[extra] > 0)]
-
-
-def _with_loops(
-    system: System,
-    tree: Tree,
-    closing: IntArray,
-    w: FloatArray,
-    sources: Sources,
-    ground: FloatArray,
-    compliance: ComplexArray,
-) -> TreeResponse:
-    """The response with the spans `closing` that close loops."""
-    from torsion.kernels.loops.looped_response import Chords, looped_response
+def _chords(system: System, closing: IntArray, w: FloatArray) -> "Chords":
+    """The spans `closing` that close loops."""
+    from torsion.kernels.loops.looped_response import Chords
 
     folded, ratio = system.folded, system.span_ratio[closing]
     flexibility, viscous = system.flexibility[closing] / ratio**2, system.viscous[closing] * ratio**2
-    closing_compliance = complex_compliance(flexibility, viscous, system.loss_factor[closing], w)
+    compliance = complex_compliance(flexibility, viscous, system.loss_factor[closing], w)
     ends = folded.node[system.driving[closing]], folded.node[system.driven[closing]]
-    loops = Chords(*ends, closing_compliance, twist=np.zeros(len(closing)))
-    return looped_response(
-        tree, loops, w, sources.force, twist=sources.twist, ground_damping=ground, compliance=compliance
-    )
+    return Chords(*ends, compliance, twist=np.zeros(len(closing)))

@@ -30,7 +30,7 @@ __all__ = ["Synthesis", "synthesis"]
 def synthesis(system: System, response: Response) -> Synthesis:
     """Half range, peak with the mean torque, RMS and arithmetic bound of every span at every speed.
 
-    Orders are summed as phasors in time. Lines of fixed frequency have no common cycle with them: their magnitudes
+    Orders are summed as phasors in time. Fixed frequencies have no common cycle with them: their magnitudes
     are added. The same holds, as a bound, where the cycle of all orders is too long; `turns` is 0 then.
     Where the status of a line is not ok, the sum has no value: it is infinite.
     """

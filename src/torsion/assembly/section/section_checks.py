@@ -54,7 +54,7 @@ def _refuse_double_points(mesh: Triangles, tolerance: float) -> None:
     pairs = cKDTree(corners).query_pairs(tolerance, output_type="ndarray")
     if len(pairs):
         where = _at(corners[pairs[0, 0]])
-        raise SectionFault(f"two points of the mesh coincide {where}", "merge them, so that triangles hang together")
+        raise SectionFault(f"two points of the mesh coincide {where}", "merge them, so that triangles join")
 
 
 def _counterclockwise(mesh: Triangles) -> Triangles:
@@ -69,7 +69,7 @@ def _counterclockwise(mesh: Triangles) -> Triangles:
         return Triangles(mesh.points, mesh.nodes[:, [0, 2, 1, 5, 4, 3]])
     folded = np.any(twice < 0, axis=1) & np.any(twice > 0, axis=1)
     if np.any(folded):
-        raise SectionFault(_which("is folded over by a node amid its sides", mesh, folded), "mesh anew")
+        raise SectionFault(_which("is turned inside out by a node amid its sides", mesh, folded), "mesh anew")
     inverted = twice[:, 0] < 0
     if np.any(inverted):
         less = inverted if np.count_nonzero(inverted) * 2 <= len(inverted) else ~inverted
@@ -126,7 +126,7 @@ def _refuse_pinches(mesh: Triangles, edge: Boundary) -> None:
     count = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
     if np.any(count > 1):
         where = _at(mesh.points[int(np.argmax(count))])
-        raise SectionFault(f"the section hangs together by a point alone {where}", "a cross-section is one piece")
+        raise SectionFault(f"the section is joined by a point alone {where}", "a cross-section is one piece")
 
 
 def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
@@ -150,7 +150,7 @@ def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
 
 
 def _meet(one: IntArray, other: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
-    """(pairs,) whether stretches of the boundary (2, pairs) touch or cross, but at an end that they share."""
+    """(pairs,) whether segments of the boundary (2, pairs) touch or cross, but at an end that they share."""
     found = np.zeros(one.shape[1], dtype=bool)
     for end, (a, b) in ((one[0], other), (one[1], other), (other[0], one), (other[1], one)):
         found |= (end != a) & (end != b) & (_distance(points[end], points[a], points[b]) <= tolerance)
@@ -167,7 +167,7 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _distance(point: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
-    """(pairs,) from a point to the stretch from a to b."""
+    """(pairs,) from a point to the segment from a to b."""
     along = b - a
     share = np.clip(np.sum((point - a) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
     return np.asarray(np.linalg.norm(point - a - share[:, None] * along, axis=1))

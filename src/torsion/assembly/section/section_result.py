@@ -89,7 +89,7 @@ def section_mesh(mesh: SectionMesh) -> Triangles:
 
 
 def _stamp(file: str) -> tuple[int, int]:
-    """Time and size of a file; zeros where it cannot be read, which reading it will tell."""
+    """Time and size of a file; zeros where it cannot be read, which reading it will report."""
     try:
         seen = Path(file).stat()
     except (OSError, ValueError):

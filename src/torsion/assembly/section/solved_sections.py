@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def resolved(train: Train) -> Train:
     """The train with every section solved, and itself where none is to be solved.
 
-    Such a bar becomes the solid round one of the same polar moment I_p, its shear modulus lowered by I_t/I_p: stiffness
+    It becomes the solid round one of the same polar moment I_p, its shear modulus lowered by I_t/I_p: stiffness
     G I_t, inertia rho I_p and speed of waves are then those of the section. Raises InputError with every faulty mesh.
     """
     if not any(isinstance(bar.section, SectionMesh) for bar in train.bars):
@@ -28,7 +28,7 @@ def resolved(train: Train) -> Train:
 
 
 def mesh_faults(train: Train) -> list[Fault]:
-    """What is wrong with the meshes of a train, each told where its shaft names it."""
+    """What is wrong with the meshes of a train, each stated where its shaft names it."""
     found = []
     for bar in train.bars:
         if isinstance(bar.section, SectionMesh):
@@ -62,14 +62,14 @@ def _resolved(bar: Bar) -> Bar:
 
 
 def with_section(bar: Bar, section: Section) -> Bar:
-    """The bar with constants in place of its diameters."""
+    """The shaft with constants in place of its diameters."""
     across = (32.0 / math.pi * section.polar_moment) ** 0.25
     modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
     return replace(bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus)
 
 
 def stress_modulus(bar: Bar) -> float:
-    """Torque / largest nominal shear stress where a bar is thinnest, m3; of a section its own, NaN if it has none."""
+    """Torque / largest nominal shear stress where a shaft is thinnest, m3; of a section its own, NaN if it has none."""
     if isinstance(bar.section, Section):
         return bar.section.stress_modulus
     return float(min(section_modulus(bar.outer, bar.bore)))

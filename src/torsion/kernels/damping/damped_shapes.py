@@ -89,15 +89,10 @@ def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexA
         turned = x / guarded_sum(hc * at.branch[i], guard=True)
         angle[i] = np.where(reached[i], angle[i], turned)
         torque[i] = np.where(reached[i], torque[i], at.branch[i] * turned)
-    _hold(plan, torque)
-    return angle, torque
-
-
-def _hold(plan: Layout, torque: ComplexArray) -> None:
-    """A rigid span to a fixed station carries what the spans beyond it carry."""
-    for i in range(plan.size - 1, -1, -1):
+    for i in range(size - 1, -1, -1):  # a rigid span to a fixed station carries what the spans beyond it carry
         if plan.prescribed[i] and plan.parent[i] >= 0 and not plan.held[i]:
-            torque[i] = sum((torque[child] for child in plan.children[i]), np.zeros(torque.shape[1]))
+            torque[i] = sum((torque[child] for child in plan.children[i]), np.zeros(count))
+    return angle, torque
 
 
 def liveliest(tree: Tree, whole: ComplexArray) -> IntArray:

@@ -71,8 +71,8 @@ def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
     for i in spans:
         direction = _relative(ends[i], count)
         C += train.viscous[i] * np.outer(direction, direction)
-    groups = _slow_groups(inertia, ground, [ends[i] for i in spans if train.viscous[i] > 0])
-    return np.linalg.eigvals(_condense(inertia, C, G, groups))
+    slow = _slow_groups(inertia, ground, [ends[i] for i in spans if train.viscous[i] > 0])
+    return np.linalg.eigvals(_condense(inertia, C, G, *slow))
 
 
 def _merge(train: DampedTree) -> tuple[FloatArray, FloatArray, dict[int, tuple[int, int]], list[int]]:
@@ -99,13 +99,13 @@ def _relative(ends: tuple[int, int], count: int) -> FloatArray:
     return row
 
 
-def _condense(inertia: FloatArray, C: FloatArray, G: FloatArray, groups: "Groups") -> FloatArray:
-    """The matrix of the first-order form; stations without inertia condensed."""
-    heavy, slowed = np.flatnonzero(inertia > 0), groups.slowed
+def _condense(inertia: FloatArray, C: FloatArray, G: FloatArray, balanced: FloatArray, slowed: IntArray) -> FloatArray:
+    """The matrix of the first-order form; stations without inertia condensed (`_slow_groups`)."""
+    heavy = np.flatnonzero(inertia > 0)
     torques = np.eye(len(G))
-    if len(groups.balanced):
-        whole, _ = np.linalg.qr(G @ groups.balanced.T, mode="complete")
-        torques = whole[:, len(groups.balanced) :]
+    if len(balanced):
+        whole, _ = np.linalg.qr(G @ balanced.T, mode="complete")
+        torques = whole[:, len(balanced) :]
     root = 1 / np.sqrt(inertia[heavy])
     speed_speed = C[np.ix_(heavy, heavy)] * np.outer(root, root)
     torque_speed = torques.T @ G[:, heavy] * root
@@ -119,16 +119,14 @@ def _condense(inertia: FloatArray, C: FloatArray, G: FloatArray, groups: "Groups
     return matrix
 
 
-@dataclass(frozen=True)
-class Groups:
-    """Stations without inertia, by what sets their speed."""
+def _slow_groups(
+    inertia: FloatArray, ground: FloatArray, dampers: list[tuple[int, int]]
+) -> tuple[FloatArray, IntArray]:
+    """Stations without inertia by what sets their speed, from the graph alone.
 
-    balanced: FloatArray  # (groups, stations) 1 where in a group that no damper ties to anything: torques balance
-    slowed: IntArray  # the others, and all but one of each balanced group: dampers set their speed
-
-
-def _slow_groups(inertia: FloatArray, ground: FloatArray, dampers: list[tuple[int, int]]) -> Groups:
-    """Groups of massless stations joined by dampers, from the graph alone."""
+    First (groups, stations) 1 where in a group that no damper ties to anything: its torques balance. Then the numbers
+    of the others, and of all but one of each balanced group: dampers set their speed.
+    """
     light = inertia == 0
     group = np.arange(len(inertia))
     for first, second in dampers:
@@ -143,4 +141,4 @@ def _slow_groups(inertia: FloatArray, ground: FloatArray, dampers: list[tuple[in
     first_of = {int(np.flatnonzero(light & (group == part))[0]) for part in free}
     slowed = [station for station in np.flatnonzero(light).tolist() if station not in first_of]
     balanced = np.array([(light & (group == part)).astype(float) for part in free]).reshape(len(free), len(inertia))
-    return Groups(balanced, np.array(slowed, dtype=np.int64))
+    return balanced, np.array(slowed, dtype=np.int64)

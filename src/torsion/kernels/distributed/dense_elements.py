@@ -43,7 +43,9 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     `lower` and `upper` are the frequencies themselves and `certified` is False. Raises ValueError for other shafts.
     """
     shafts = _of(tree)
-    element = _element(shafts)
+    (element,) = shafts.laws if len(shafts.laws) == 1 else (None,)
+    if not isinstance(element, CondensedElements):
+        raise ValueError("the dense way is for finite elements of one degree; expected one law of elements")
     coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
     mass = _rows_of_inertia(tree, shafts, coordinates, _root(local))
     y = largest_right_vectors(mass, _number(tree, element, count))
@@ -95,12 +97,6 @@ def _of(tree: Tree) -> Shafts:
 def _number(tree: Tree, element: CondensedElements, count: int) -> int:
     """As many of the wanted modes as there are."""
     return min(count, rigidity(tree.static).elastic + int(np.count_nonzero(element.modes)))
-
-
-def _element(shafts: Shafts) -> CondensedElements:
-    if len(shafts.laws) != 1 or not isinstance(shafts.laws[0], CondensedElements):
-        raise ValueError("the dense way is for finite elements of one degree; expected one law of elements")
-    return shafts.laws[0]
 
 
 def _local_inertia(element: CondensedElements) -> FloatArray:

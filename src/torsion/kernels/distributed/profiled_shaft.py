@@ -82,7 +82,9 @@ class ProfileShafts(Law):
         root of that sum (Newton's identity).
         """
         first, second = self.spring[:, 1], self.spring[:, 2]
-        return float(np.sqrt(_over(1.0 / np.sqrt(first * first - 2.0 * second), self._travel).min(initial=np.inf)))
+        with np.errstate(divide="ignore"):  # a shaft without inertia has no limit
+            square = 1.0 / np.sqrt(first * first - 2.0 * second) / self._travel
+        return float(np.sqrt(square.min(initial=np.inf)))
 
     @property
     def reach(self) -> float:
@@ -136,7 +138,11 @@ def profile_shafts(
     outer, _ = _series(m[:, ::-1], f[:, ::-1], weight, from_start)
     _, spring = _series(f, m, weight, from_start)
     found = ProfileShafts(whole * long, mass * long, spring, inner, outer)
-    _check(found)
+    if found.size and math.isfinite(found.limit):
+        last = spring[:, -1] * ((found.limit * found.limit) * found._travel) ** (TERMS - 1)
+        worst = int(np.argmax(last))
+        if not last[worst] < _LARGEST_LEFT_OUT or not (spring > 0.0).all():
+            raise ValueError(f"shaft {worst} has too steep a profile for its series; divide it more finely")
     return found
 
 
@@ -153,18 +159,3 @@ def _series(
         after_second.append(product @ weight)
         running = product @ from_start.T
     return np.stack(after_second, axis=1), np.stack(after_first, axis=1)
-
-
-def _check(found: ProfileShafts) -> None:
-    if not found.size or not math.isfinite(found.limit):
-        return
-    v = (found.limit * found.limit) * found._travel
-    last = found.spring[:, -1] * v ** (TERMS - 1)
-    worst = int(np.argmax(last))
-    if not last[worst] < _LARGEST_LEFT_OUT or not (found.spring > 0.0).all():
-        raise ValueError(f"shaft {worst} has too steep a profile for its series; divide it more finely")
-
-
-def _over(numerator: FloatArray, travel: FloatArray) -> FloatArray:
-    over: FloatArray = np.divide(numerator, travel, out=np.full(travel.shape, np.inf), where=travel > 0.0)
-    return over

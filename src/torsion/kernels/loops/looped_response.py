@@ -54,7 +54,10 @@ def looped_response(
     with np.errstate(all="ignore"):
         torque, loss = _loop_torques(chords, sign, opened, hc, twist)
         loss = loss * np.max([part.amplification for part in opened], axis=0)
-        angles, torques = (_sum([getattr(part, name) for part in opened], torque) for name in ("angle", "torque"))
+        angles, torques = opened[0].angle.copy(), opened[0].torque.copy()
+        for part, row in zip(opened[1:], torque, strict=True):
+            angles += part.angle * row
+            torques += part.torque * row
         loss[~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0)) | np.isnan(loss)] = np.inf
     result = TreeResponse(angles, torques, np.full(w.size, np.nan), loss if check else np.full(w.size, np.nan), torque)
     if check:
@@ -92,13 +95,6 @@ def _loop_torques(
     torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(np.complex128)
     torque[:, lost] = np.nan
     return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / least))
-
-
-def _sum(parts: list[ComplexArray], torque: ComplexArray) -> ComplexArray:
-    total = parts[0].copy()
-    for part, row in zip(parts[1:], torque, strict=True):
-        total += part * row
-    return total
 
 
 def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:

@@ -9,7 +9,8 @@ from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.chapters.verdict import conclusion
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import given_rpm, number, order, rpm
-from torsion.output.reported_values import amplitude, largest, reference
+from torsion.output.reported_values import amplitude, reference
+from torsion.output.selection import highest
 from torsion.rules.verdict_line import Checks
 
 
@@ -30,19 +31,18 @@ def _proposals(findings: Findings) -> tuple[str, ...]:
     if response is None or not response.lines:
         return ()
     speeds = findings.study.operation.speeds
-    span = (
-        f"from {given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
-        if speeds is not None
-        else "over the speed range"
+    ends = (
+        "over the speed range" if speeds is None else f"from {given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
     )
     orders = ", ".join(order(line.order) for line in response.lines[:8] if line.order is not None)
     run = (
-        f"Run up and down slowly {span} (speed of {reference(findings)}) and at steps of constant speed, with an "
+        f"Run up and down slowly {ends} (speed of {reference(findings)}) and at steps of constant speed, with an "
         f"analysis by orders{f' ({orders})' if orders else ''} and of the frequencies below."
     )
     found = [run, *_strain(findings), *_angle(findings)]
-    if findings.get(Modes) is not None and len(findings.need(Modes).frequency):
-        values = ", ".join(number(f, 4) for f in findings.need(Modes).frequency[:3].tolist())
+    modes = findings.get(Modes)
+    if modes is not None and len(modes.frequency):
+        values = ", ".join(number(f, 4) for f in modes.frequency[:3].tolist())
         found.append(
             f"Compare the measured natural frequencies with {values} Hz; a difference above 5 % calls for new data."
         )
@@ -51,19 +51,14 @@ def _proposals(findings: Findings) -> tuple[str, ...]:
 
 def _strain(findings: Findings) -> list[str]:
     """Where torque is best measured: the shaft with the largest vibratory torque at one speed."""
-    shafts = [e for e in elements(findings.system) if e.kind == "shaft"]
-    sized = [(float(np.nanmax(np.append(amplitude(findings, e.spans), 0.0))) * e.ratio, e) for e in shafts]
-    if not sized or max(size for size, _ in sized) == 0:
+    shafts = [(amplitude(findings, e.spans), e) for e in elements(findings.system) if e.kind == "shaft"]
+    values, shaft = max(shafts, key=lambda pair: highest(pair[0]) * pair[1].ratio, default=(np.zeros(0), None))
+    if shaft is None or highest(values) == 0:
         return []
-    shaft = max(sized, key=lambda pair: pair[0])[1]
-    values = amplitude(findings, shaft.spans)
-    at = largest(np.nanmax(np.where(np.isfinite(values), values, 0.0), axis=1))
-    where = (
-        f"; the largest amplitude is expected at {rpm(float(findings.need(Response).speed[at]))} rpm"
-        if findings.get(Response) and at is not None
-        else ""
-    )
-    return [f"Torque by strain gauges with telemetry on {shaft.name}{where}."]
+    at = int(np.argmax(np.nan_to_num(values, nan=0.0).max(axis=1)))
+    speed = rpm(float(findings.need(Response).speed[at]))
+    where = f"the largest amplitude is expected at {speed} rpm"
+    return [f"Torque by strain gauges with telemetry on {shaft.name}; {where}."]
 
 
 def _angle(findings: Findings) -> list[str]:

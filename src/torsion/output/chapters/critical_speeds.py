@@ -1,33 +1,31 @@
 """Chapter: critical speeds, order by mode, and the Campbell diagram."""
 
-from fractions import Fraction
-
-from torsion.analyses.critical import CriticalSpeeds
+from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
+from torsion.study import SpeedRange
 
 MOST_ORDERS = 12  # in the figure
 MOST_ROWS = 60
+IN_RANGE = "Critical speeds in the speed range"
+Crossings = tuple[CriticalSpeed, ...]
 
 
 def chapter(findings: Findings) -> list[Block]:
     """Nothing where no order excites or no speed range is given."""
-    speeds = findings.study.operation.speeds
-    if findings.get(Modes) is None or not findings.need(CriticalSpeeds).crossings or speeds is None:
+    speeds, found = findings.study.operation.speeds, findings.need(CriticalSpeeds).crossings
+    if not found or speeds is None:
         return []
-    inside = [c for c in findings.need(CriticalSpeeds).crossings if c.is_inside]
     text = (
         f"A speed of {reference(findings)} is critical where an order that is excited meets a natural frequency. "
-        f"{_inside(len(inside), len(findings.need(CriticalSpeeds).crossings))} in the speed range "
+        f"{_inside(sum(c.is_inside for c in found), len(found))} in the speed range "
         f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm."
     )
-    return [
-        Heading("Critical speeds"), Paragraph(text), _matrix(findings), _list(findings),
-        Figure("campbell", "Campbell diagram", "campbell", _diagram(findings)),
-    ]  # fmt: skip
+    blocks: list[Block] = [Heading("Critical speeds"), Paragraph(text), _matrix(found), _list(found, rated(findings))]
+    return [*blocks, Figure("campbell", "Campbell diagram", "campbell", _diagram(findings, found, speeds))]
 
 
 def _inside(inside: int, total: int) -> str:
@@ -37,58 +35,38 @@ def _inside(inside: int, total: int) -> str:
     return f"Of {total} such speeds {inside if inside else 'none'} {'lie' if inside > 1 else 'lies'}"
 
 
-def _orders(findings: Findings) -> list[Fraction]:
-    return sorted({c.order for c in findings.need(CriticalSpeeds).crossings})
-
-
-def _matrix(findings: Findings) -> Table:
+def _matrix(found: Crossings) -> Table:
     """Order by mode."""
-    modes = sorted({c.mode for c in findings.need(CriticalSpeeds).crossings})
-    at = {(c.order, c.mode): c for c in findings.need(CriticalSpeeds).crossings}
+    modes = sorted({c.mode for c in found})
+    at = {(c.order, c.mode): rpm(c.speed) + (" *" if c.is_inside else "") for c in found}
     columns = (Column("Order"), *(Column(f"Mode {mode}", "rpm") for mode in modes))
-    rows = []
-    for value in _orders(findings):
-        cells = [at.get((value, mode)) for mode in modes]
-        rows.append(
-            (order(value), *(NONE if c is None else rpm(c.speed) + (" *" if c.is_inside else "") for c in cells))
-        )
+    rows = [(order(one), *(at.get((one, mode), NONE) for mode in modes)) for one in sorted({c.order for c in found})]
     return Table(columns, tuple(rows), "Critical speeds, order by mode (* in the speed range)")
 
 
-def _list(findings: Findings) -> Table:
-    """The critical speeds in the range, and how far they lie from the rated speed."""
-    speed = rated(findings)
-    columns = [
-        *head("Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz]"),
-        *([Column("Distance from rated", "%")] if speed else []),
-        *head("< Sources -> excited by"),
-    ]  # fmt: skip
-    inside = sorted((c for c in findings.need(CriticalSpeeds).crossings if c.is_inside), key=lambda c: c.speed)
+def _list(found: Crossings, speed: float | None) -> Table:
+    """The critical speeds in the range, and how far they lie from the rated speed (rad/s)."""
+    distance = "Distance from rated [%] | " if speed else ""
+    columns = head(
+        f"Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz] | {distance}< Sources -> excited by"
+    )
+    inside = sorted((c for c in found if c.is_inside), key=lambda c: c.speed)
     rows = []
     for c in inside[:MOST_ROWS]:
         own = [number(100 * (c.speed / speed - 1), 3)] if speed else []
         rows.append((rpm(c.speed), order(c.order), str(c.mode), number(c.frequency), *own, ", ".join(c.sources)))
     rest = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
-    title = "Critical speeds in the speed range"
-    return Table(tuple(columns), tuple(rows), title + rest, short=title)
+    return Table(columns, tuple(rows), IN_RANGE + rest, short=IN_RANGE)
 
 
-def _diagram(findings: Findings) -> dict[str, object]:
-    speeds, modes = findings.study.operation.speeds, findings.get(Modes)
-    if speeds is None or modes is None:
-        return {}
-    orders = _orders(findings)
-    met = {c.order for c in findings.need(CriticalSpeeds).crossings if c.is_inside}
-    shown = sorted([*[o for o in orders if o in met], *[o for o in orders if o not in met]][:MOST_ORDERS])
+def _diagram(findings: Findings, found: Crossings, speeds: SpeedRange) -> dict[str, object]:
+    met = {c.order for c in found if c.is_inside}
+    orders = sorted({c.order for c in found}, key=lambda one: (one not in met, one))
+    shown = sorted(orders[:MOST_ORDERS])
     return {
-        "frequencies": modes.frequency.tolist(),
-        "orders": [(float(o), f"order {order(o)}") for o in shown],
-        "crossings": [
-            (c.speed * RPM, c.frequency, c.is_inside)
-            for c in findings.need(CriticalSpeeds).crossings
-            if c.order in shown
-        ],
-        "speeds": (speeds.first * RPM, speeds.last * RPM),
-        "rated": rated_rpm(findings),
+        "frequencies": findings.need(Modes).frequency.tolist(),
+        "orders": [(float(one), f"order {order(one)}") for one in shown],
+        "crossings": [(c.speed * RPM, c.frequency, c.is_inside) for c in found if c.order in shown],
+        "speeds": (speeds.first * RPM, speeds.last * RPM), "rated": rated_rpm(findings),
         "barred": barred_rpm(findings),
-    }
+    }  # fmt: skip

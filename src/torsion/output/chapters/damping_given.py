@@ -7,12 +7,18 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
+from torsion.assembly.system import System
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, given, given_rpm, number
 from torsion.output.reported_values import rated
 
+MODEL = (
+    "Internal damping of a loss factor η enters as k (1 + i η), with η = ψ/(2π) = 1/M, independent of frequency; "
+    "viscous damping c as i ω c. Damping to ground acts on the deviation from the mean motion, at the component's own "
+    "speed."
+)
 BARELY = 1e-4  # damping ratio: below what any real train has
 GIVEN = {"psi": "ψ", "magnifier": "M", "loss_factor": "η", "viscous": "c", "damping": "c"}
 
@@ -27,13 +33,9 @@ def chapter(findings: Findings) -> list[Block]:
             "Nothing in the train takes energy out: at a resonance the response has no finite value and is not printed."
         )
         return [Heading("Damping"), Paragraph(text, "note")]
-    blocks: list[Block] = [Heading("Damping"), Paragraph(_explanation())]
-    inner, outer = _elements(findings), _grounds(findings)
-    if inner.rows:
-        blocks.append(inner)
-    if outer.rows:
-        blocks.append(outer)
-    bare = [e.name for e in elements(system) if _is_elastic(findings, e.spans[0]) and not _damps(findings, e.spans[0])]
+    blocks: list[Block] = [Heading("Damping"), Paragraph(MODEL)]
+    blocks += [table for table in (_elements(findings), _grounds(findings)) if table.rows]
+    bare = [e.name for e in elements(system) if system.flexibility[e.spans[0]] > 0 and not _damps(system, e.spans[0])]
     if bare:
         blocks.append(Paragraph(f"Taken as undamped: {', '.join(bare)}."))
     weak = _barely_damped(findings)
@@ -51,20 +53,8 @@ def _barely_damped(findings: Findings) -> str:
     return ", ".join(str(k + 1) for k in np.flatnonzero(findings.need(DampedModes).damping_ratio < BARELY).tolist())
 
 
-def _explanation() -> str:
-    return (
-        "Internal damping of a loss factor η enters as k (1 + i η), with η = ψ/(2π) = 1/M, independent of frequency; "
-        "viscous damping c as i ω c. Damping to ground acts on the deviation from the mean motion, at the "
-        "component's own speed."
-    )
-
-
-def _is_elastic(findings: Findings, span: int) -> bool:
-    return bool(findings.system.flexibility[span] > 0)
-
-
-def _damps(findings: Findings, span: int) -> bool:
-    return bool(findings.system.loss_factor[span] > 0 or findings.system.viscous[span] > 0)
+def _damps(system: System, span: int) -> bool:
+    return bool(system.loss_factor[span] > 0 or system.viscous[span] > 0)
 
 
 def _elements(findings: Findings) -> Table:
@@ -72,7 +62,7 @@ def _elements(findings: Findings) -> Table:
     rows = []
     for element in elements(system):
         first = element.spans[0]
-        if not _damps(findings, first):
+        if not _damps(system, first):
             continue
         eta, viscous = float(system.loss_factor[first]), float(system.viscous[first])
         rows.append((
@@ -80,10 +70,7 @@ def _elements(findings: Findings) -> Table:
             number(2 * math.pi * eta) if eta else NONE, number(1 / eta) if eta else NONE,
             number(viscous) if viscous else NONE,
         ))  # fmt: skip
-    columns = head(
-        "< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | "
-        "Viscous c [N m s/rad]"
-    )  # fmt: skip
+    columns = head("< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | Viscous c [N m s/rad]")
     return Table(columns, tuple(rows), "Internal damping")
 
 

@@ -11,7 +11,8 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
-from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm
+from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm, worth_a_figure
+from torsion.output.selection import torques
 
 if TYPE_CHECKING:
     from torsion.output.first_order_and_exact import Compared
@@ -41,12 +42,15 @@ def chapter(findings: Findings) -> list[Block]:
     if rows:
         unit = scale("N m", [point[0] for row in rows for point in (row.first, row.exact) if point is not None])
         blocks.append(_table(findings, rows, unit))
-        blocks += [_figure(findings, element) for element in _drawn(findings, rows)]
+        size: dict[Element, float] = {}
+        for row in rows:
+            if row.exact is not None:
+                size[row.element] = max(size.get(row.element, 0.0), row.exact[0])
+        blocks += [_figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES)]
     return blocks
 
 
 def _introduction(findings: Findings) -> Paragraph:
-
     found = findings.need(PeriodicResponse)
     known = found.truncation[np.isfinite(found.truncation)]
     harmonics = int(found.harmonics.max(initial=0))
@@ -93,16 +97,15 @@ def _others(findings: Findings) -> list[Block]:
     if findings.need(PeriodicResponse).others is None:
         return []
     columns = head(
-        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | "
-        "Growth of deviations [1/s]"
-    )  # fmt: skip
+        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | Growth of deviations [1/s]"
+    )
     rows = [
         (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
         for one in other_motions(findings)
     ]
     text = (
         "At some peaks the equations have several periodic motions. Which of them the train settles in depends on how "
-        "it comes there; where deviations grow it does not stay. The curves and tables hold the one called `told`."
+        "it comes there; where deviations grow it does not stay. The curves and tables hold the one called `reported`."
     )
     caption = "Periodic motions found at the same speed, at the highest peaks"
     return [Paragraph(text, "note"), Table(columns, tuple(rows), caption)]
@@ -113,22 +116,21 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
 
     response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
     columns = head(
-        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | "
-        f"At speed [rpm] | Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | "
-        "Difference [%] -> % | < Remark ->"
-    )  # fmt: skip
+        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | At speed [rpm] | "
+        f"Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->"
+    )
     cells, marks = [], []
     for row in sorted(rows, key=lambda row: row.order is not None)[:MOST_ROWS]:
-        first = (NONE, NONE) if row.first is None else (
-            unit.text(row.first[0]), rpm(float(response.speed[row.first[1]])))  # fmt: skip
-        there = (NONE, NONE) if row.exact is None else (
-            unit.text(row.exact[0]), rpm(float(exact.speed[row.exact[1]])))  # fmt: skip
+        both = [
+            (NONE, NONE) if point is None else (unit.text(point[0]), rpm(float(speed[point[1]])))
+            for point, speed in ((row.first, response.speed), (row.exact, exact.speed))
+        ]
         remark = "" if row.exact is not None else "no periodic motion"
         if row.exact is not None and bad[row.exact[1]]:
             remark = "unstable there" if exact.is_unstable[row.exact[1]] else "coarse there"
         change = signed(row.excess) if np.isfinite(row.excess) else NONE
         line = "all" if row.order is None else order(row.order)
-        cells.append((row.element.name, line, *first, *there, change, remark))
+        cells.append((row.element.name, line, *both[0], *both[1], change, remark))
         marks.append("fail" if remark else "")
     rest = f"; {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else ""
     caption = (
@@ -136,17 +138,6 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
         f"sum true to phase{rest}"
     )
     return Table(columns, tuple(cells), caption, tuple(marks), "Exact periodic response, largest torque")
-
-
-def _drawn(findings: Findings, rows: "tuple[Compared, ...]") -> list[Element]:
-    """The elements with the largest exact torque referred to one speed, in the order of the train."""
-    flexibility = findings.system.flexibility
-    size: dict[Element, float] = {}
-    for row in rows:
-        if row.exact is not None and (flexibility[row.element.spans[0]] > 0 or row.element.kind == "gear"):
-            size[row.element] = max(size.get(row.element, 0.0), row.exact[0] * row.element.ratio)
-    strong = sorted(size, key=lambda element: -size[element])[:MOST_FIGURES]
-    return [element for element in size if element in strong]
 
 
 def joint_orders(findings: Findings) -> list[Fraction]:
@@ -162,7 +153,7 @@ def _figure(findings: Findings, element: Element) -> Figure:
 
     response, found = findings.need(Response), findings.need(PeriodicResponse)
     first, exact = amplitude(findings, element.spans), exact_amplitude(findings, element.spans)
-    unit = scale("N m", [float(np.nanmax(np.append(exact, 0.0)))])
+    unit = torques([exact])
     lines = [line.order for line in response.lines]
     pairs = [
         (

@@ -29,9 +29,9 @@ def chapter(findings: Findings) -> list[Block]:
 
 def _torques(findings: Findings) -> Table:
     columns = head(
-        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) | "
-        "Phase [deg] | < Source"
-    )  # fmt: skip
+        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) | Phase [deg] | "
+        "< Source"
+    )
     rows = []
     for torque in findings.study.train.torques:
         station = findings.system.stations[torque.station]

@@ -4,7 +4,6 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.over_speed import asked_orders
-from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
@@ -12,12 +11,10 @@ from torsion.output.chapters.resonance_peaks import peaks
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
 from torsion.output.reported_values import (
-    NO_VALUE,
     amplitude,
     barred_rpm,
     joint_model,
     judged,
-    largest,
     orders_together,
     rated_rpm,
     reference,
@@ -26,7 +23,9 @@ from torsion.output.reported_values import (
     unreliable,
     unstable_rpm,
     without,
+    worth_a_figure,
 )
+from torsion.output.selection import NO_VALUE, highest, largest, strongest, torques
 
 MOST_LINES = 8  # orders in one figure
 MOST_FIGURES = 12
@@ -38,17 +37,13 @@ def chapter(findings: Findings) -> list[Block]:
     if response is None or not response.lines:
         return []
     found = [e for e in elements(findings.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
-    unit = scale("N m", [float(np.nanmax(np.append(amplitude(findings, e.spans), 0.0))) for e in found])
-    blocks: list[Block] = [
-        Heading("Response over the speed range"),
-        _introduction(findings, response),
-        _status(findings, response),
-    ]
+    unit = torques(amplitude(findings, e.spans) for e in found)
+    title = Heading("Response over the speed range")
+    blocks: list[Block] = [title, _introduction(findings, response), _status(findings, response)]
     if found:
         blocks.extend([_summary(findings, found, unit), peaks(findings, found, unit), _angles(findings, response)])
-    drawn = _worth_a_figure(findings, found)
-    for element in drawn:
-        blocks.append(_figure(findings, element))
+    drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, MOST_FIGURES)
+    blocks += [_figure(findings, element) for element in drawn]
     if len(drawn) < len(found):
         rest = ", ".join(e.name for e in found if e not in drawn)
         blocks.append(Paragraph(f"Without a figure, as they follow the others or carry less: {rest}."))
@@ -72,18 +67,12 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
         "between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and damping part "
         f"together, at the element's own speed.{cycle}"
     )
-    text += _orders(findings, response)
-    return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))
-
-
-def _orders(findings: Findings, response: Response) -> str:
-    """Which orders are told, where the file names some, in a sentence; else empty."""
     if response.left_out:
         names = "; ".join(f"order {order(line.order)} ({', '.join(line.sources)})" for line in response.left_out)
-        return f" Left out of all that follows, as `orders` does not name it: {names}."
-    if asked_orders(findings.study) is None:
-        return ""
-    return " All orders are told, not only those that `orders` names, as the rules judge them together."
+        text += f" Left out of all that follows, as `orders` does not name it: {names}."
+    elif asked_orders(findings.study) is not None:
+        text += " All orders are reported, not only those that `orders` names, as the rules judge them together."
+    return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))
 
 
 def _status(findings: Findings, response: Response) -> Paragraph:
@@ -105,10 +94,10 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     response, made = findings.need(Response), findings.get(Synthesis)
     mean = scale("N m", np.abs(response.mean).max(axis=0).tolist())
     columns = head(
-        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | "
-        f"At speed [rpm] -> at rpm | Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | "
-        f"Sum of magnitudes [{unit.unit}] | Mean [{mean.unit}]"
-    )  # fmt: skip
+        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | At speed [rpm] -> at rpm | "
+        f"Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
+        f"Mean [{mean.unit}]"
+    )
     rows, nothing = [], rounding(findings)
     for element in found:
         here = nothing[list(element.spans)]
@@ -139,9 +128,8 @@ def _line(response: Response, index: int) -> str:
 
 def _angles(findings: Findings, response: Response) -> Table:
     columns = head(
-        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | "
-        "Speed amplitude [rpm]"
-    )  # fmt: skip
+        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | Speed amplitude [rpm]"
+    )
     rows = []
     for index, station in enumerate(findings.study.train.stations):
         if station.is_ground:
@@ -161,46 +149,20 @@ def _angles(findings: Findings, response: Response) -> Table:
     return Table(columns, tuple(rows), "Largest angular amplitude of any one order, each at its own speed of rotation")
 
 
-def _worth_a_figure(findings: Findings, found: list[Element]) -> list[Element]:
-    """Elements with the largest torque referred to one speed, in the order of the train; rigid ones only for a gear."""
-    system = findings.system
-    shown = [e for e in found if system.flexibility[e.spans[0]] > 0 or e.kind == "gear"]
-    strong = sorted(shown, key=lambda e: -_referred(findings, e))[:MOST_FIGURES]
-    return [e for e in shown if e in strong]
-
-
-def _referred(findings: Findings, element: Element) -> float:
-    values = amplitude(findings, element.spans)
-    return float(np.nanmax(np.append(values, 0.0))) * element.ratio
-
-
 def _figure(findings: Findings, element: Element) -> Figure:
     response = findings.need(Response)
     parts, half = amplitude(findings, element.spans), synthesis(findings, element.spans)
-    limits = _limits(findings, element)
-    unit = scale("N m", [float(np.nanmax(np.append(parts, 0.0)))])
+    ratings = findings.study.train.parts[element.part].ratings
+    limit = None if ratings is None else ratings.vibratory_torque
+    unit = torques([parts])
     lines = [(f"order {_line(response, k)}" if response.lines[k].order is not None else _line(response, k),
-              parts[:, k] * unit.factor) for k in strongest(parts)]  # fmt: skip
+              parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]  # fmt: skip
     values = {
         "speed": response.speed * RPM, "lines": lines, "bad": unreliable(findings), "unit": unit.unit,
         "synthesis": half * unit.factor if len(response.lines) > 1 and len(half) else None,
-        "limits": [(label, limit * unit.factor) for label, limit in limits],
+        "limits": [] if limit is None else [("permissible vibratory torque (maker)", limit * unit.factor)],
         "rated": rated_rpm(findings), "barred": barred_rpm(findings), "unstable": unstable_rpm(findings),
     }  # fmt: skip
     rest = f" (the {len(lines)} strongest of {parts.shape[1]} lines)" if len(lines) < parts.shape[1] else ""
     name = f"torque-{element.part}-{element.spans[0]}"
     return Figure(name, f"Vibratory torque in {element.name}, {element.kind}{rest}", "torque", values)
-
-
-def strongest(parts: FloatArray) -> list[int]:
-    """The lines with the largest amplitude anywhere, in their order."""
-    size = np.nanmax(np.where(np.isfinite(parts), parts, 0.0), axis=0, initial=0.0)
-    kept = [k for k in np.argsort(-size, kind="stable").tolist() if size[k] > 0][:MOST_LINES]
-    return sorted(kept)
-
-
-def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
-    """The maker's limit of the vibratory torque, where the component has one."""
-    ratings = findings.study.train.parts[element.part].ratings
-    limit = None if ratings is None else ratings.vibratory_torque
-    return [] if limit is None else [("permissible vibratory torque (maker)", limit)]

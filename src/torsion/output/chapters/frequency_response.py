@@ -1,86 +1,77 @@
 """Chapter: the response over a frequency range."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from torsion.analyses.response.amplitudes import FrequencyResponse
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import elements
-from torsion.output.numbers import NONE, degrees, number, scale
-from torsion.output.reported_values import NO_VALUE, largest
+from torsion.output.numbers import NONE, Scale, degrees, number
+from torsion.output.selection import NO_VALUE, largest, strongest, torques
 
 MOST_LINES = 10
+DEGREES = Scale("deg", 180.0 / np.pi)
+Shown = Callable[[float], str]
 
 
 def chapter(findings: Findings) -> list[Block]:
-    """Nothing where no frequencies were asked."""
+    """Nothing where no frequencies were requested."""
     sweep = findings.get(FrequencyResponse)
     if sweep is None:
         return []
-    bad = sweep.status != Status.OK
-    natural = [] if findings.get(Modes) is None else findings.need(Modes).frequency.tolist()
-    found = elements(findings.system)
-    torque = np.array([np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in found])
-    torque = torque.reshape(len(found), sweep.frequency.size)
-    own = [k for k, s in enumerate(findings.study.train.stations) if not s.is_ground]
-    angle = np.where(bad, np.nan, np.abs(sweep.angle[:, own]).T)
-    unit = scale("N m", [float(np.nanmax(np.append(torque, 0.0)))])
-    common = {"frequency": sweep.frequency, "bad": bad, "natural": natural}
-    names = [e.name for e in found]
-    stations = [findings.study.train.stations[k].name for k in own]
-    blocks: list[Block] = [
-        Heading("Response over the frequency range"),
-        Paragraph("The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."),
-        *_unknown(sweep.frequency[bad]),
-    ]
+    bad, found = sweep.status != Status.OK, elements(findings.system)
+    stations = [(k, s.name) for k, s in enumerate(findings.study.train.stations) if not s.is_ground]
+    torque = {e.name: np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in found}
+    angle = {name: np.where(bad, np.nan, np.abs(sweep.angle[:, k])) for k, name in stations}
+    unit = torques(torque.values())
+    text = "The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."
+    blocks: list[Block] = [Heading("Response over the frequency range"), Paragraph(text)]
+    if bad.any():
+        at = ", ".join(dict.fromkeys(number(f, 5) for f in sweep.frequency[bad].tolist()))
+        text = (
+            f"At {at} Hz the response has no reliable finite value (undamped resonance). No amplitude is stated there, "
+            "nor a largest one of the range; give the damping of the train."
+        )
+        blocks.append(Paragraph(text, "note"))
     if found:
-        blocks += [
-            _table("Largest torque amplitude", "Element", names, torque * unit.factor, unit.unit, sweep.frequency),
-            Figure("sweep-torque", "Torque amplitude over the frequency", "frequency", {
-                **common, "lines": _lines(names, torque * unit.factor), "quantity": f"torque amplitude, {unit.unit}"}),
-        ]  # fmt: skip
-    return [
-        *blocks, _table("Largest angular amplitude", "Station", stations, angle, "rad", sweep.frequency),
-        Figure("sweep-angle", "Angular amplitude over the frequency", "frequency",
-               {**common, "lines": _lines(stations, np.degrees(angle)), "quantity": "angular amplitude, deg"}),
-    ]  # fmt: skip
+        columns = head(f"< Element | Amplitude [{unit.unit}] | At frequency [Hz]")
+        blocks.append(_table("Largest torque amplitude", columns, sweep.frequency, torque, (unit.text,)))
+        blocks.append(_figure(findings, "torque", torque, unit))
+    columns = head("< Station | Amplitude [rad] | Amplitude [deg] | At frequency [Hz]")
+    table = _table("Largest angular amplitude", columns, sweep.frequency, angle, (number, degrees))
+    return [*blocks, table, _figure(findings, "angle", angle, DEGREES)]
 
 
-def _unknown(frequency: np.ndarray) -> list[Block]:
-    """That no amplitude is stated at the frequencies without a reliable one; nothing where there is none."""
-    if frequency.size == 0:
-        return []
-    text = (
-        f"At {', '.join(dict.fromkeys(number(f, 5) for f in frequency.tolist()))} Hz the response has no reliable "
-        "finite value (undamped resonance). No amplitude is stated there, nor a largest one of the range; give the "
-        "damping of the train."
-    )
-    return [Paragraph(text, "note")]
+def _figure(findings: Findings, what: str, curves: dict[str, FloatArray], unit: Scale) -> Figure:
+    sweep, modes = findings.need(FrequencyResponse), findings.get(Modes)
+    name = {"torque": "torque amplitude", "angle": "angular amplitude"}[what]
+    values, names = np.array(list(curves.values())).reshape(len(curves), -1), list(curves)
+    drawn = {
+        "frequency": sweep.frequency, "bad": sweep.status != Status.OK,
+        "natural": [] if modes is None else modes.frequency.tolist(), "quantity": f"{name}, {unit.unit}",
+        "lines": [(names[k], values[k] * unit.factor) for k in strongest(values.T, MOST_LINES)],
+    }  # fmt: skip
+    return Figure(f"sweep-{what}", f"{name.capitalize()} over the frequency", "frequency", drawn)
 
 
-def _lines(names: list[str], values: np.ndarray) -> list[tuple[str, np.ndarray]]:
-    """The largest of the lines, in their order."""
-    size = np.nanmax(np.where(np.isfinite(values), values, 0.0), axis=1, initial=0.0)
-    kept = sorted(np.argsort(-size, kind="stable")[:MOST_LINES].tolist())
-    return [(names[k], values[k]) for k in kept if size[k] > 0]
-
-
-def _table(caption: str, what: str, names: list[str], values: np.ndarray, unit: str, frequency: np.ndarray) -> Table:
-    in_degrees = unit == "rad"
-    columns = [
-        Column(what, align="left"),
-        *head(f"Amplitude [{unit}] | At frequency [Hz]"),
-    ]
-    if in_degrees:
-        columns.insert(2, Column("Amplitude", "deg"))
+def _table(
+    caption: str,
+    columns: tuple[Column, ...],
+    frequency: FloatArray,
+    curves: dict[str, FloatArray],
+    shown: tuple[Shown, ...],
+) -> Table:
+    """The largest of every curve, in each of the units that are shown, and its frequency."""
     rows = []
-    for name, row in zip(names, values, strict=True):
-        at = largest(row)
+    for name, values in curves.items():
+        at = largest(values)
         if at is None:
-            rows.append((name, NO_VALUE, *[NONE] * (len(columns) - 2)))
-            continue
-        more = [degrees(float(row[at]))] if in_degrees else []
-        rows.append((name, number(float(row[at])), *more, number(float(frequency[at]))))
-    return Table(tuple(columns), tuple(rows), caption)
+            rows.append((name, NO_VALUE, *[NONE] * len(shown)))
+        else:
+            rows.append((name, *(one(float(values[at])) for one in shown), number(float(frequency[at]))))
+    return Table(columns, tuple(rows), caption)

@@ -16,7 +16,7 @@ MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first: then
 COLUMNS = head(
     "< Station | J referred [kg m²] | Angle [rad] | ω² J × angle [N m] | < Through | Torque [N m] | "
     "Flexibility [rad/(N m)] | Twist [rad]"
-)  # fmt: skip
+)
 
 
 def holzer_table(findings: Findings, modes: Modes, mode: int) -> list[Block]:

@@ -3,20 +3,20 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, head
 from torsion.output.chapters import joint_figures, joint_tables, verdict
-from torsion.output.numbers import NONE, number, order, rpm
-from torsion.output.reported_values import NO_VALUE, joint_model, largest
+from torsion.output.numbers import NONE, Scale, number, order
+from torsion.output.reported_values import amplitude, joint_model
+from torsion.output.selection import largest, worst
 from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.joints.joint_results import JointFound, Joints
 
+NEWTON_METRE = Scale("N m", 1.0)
 AXES = (
     "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "
     "normal n of the joint's plane, and about the axis in that plane that is square to the shaft."
@@ -92,9 +92,8 @@ def _response(findings: Findings, found: "Joints") -> list[Block]:
     if findings.get(Response) is None or not findings.need(Response).lines or not exciting:
         return []
     columns = head(
-        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | "
-        "Estimated model error there [%]"
-    )  # fmt: skip
+        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | Estimated model error there [%]"
+    )
     rows = [row for joint in exciting for row in _answers(findings, joint)]
     table = Table(columns, tuple(rows), "The order of each joint's shaft: response of the train")
     return [Heading("Excitation of the train", 2), table, Paragraph(f"{MODEL} {joint_model(findings)}".strip())]
@@ -103,17 +102,10 @@ def _response(findings: Findings, found: "Joints") -> list[Block]:
 def _answers(findings: Findings, joint: "JointFound") -> list[tuple[str, ...]]:
     """The largest torque in the joint's spans at every line of its order."""
     response, wanted = findings.need(Response), joint.order * joint.ratio
-    spans = [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
+    size = amplitude(findings, [k for k, span in enumerate(findings.system.spans) if span.part == joint.part])
     rows: list[tuple[str, ...]] = []
-    for place, line in enumerate(response.lines):
-        size = np.abs(response.torque[:, place, spans]).max(axis=1)
-        at = largest(np.where(response.status[:, place] == 0, size, np.nan))
-        if line.order != wanted:
-            continue
-        name = joint.name, f"order {order(wanted)}"
-        if at is None:
-            rows.append((*name, NO_VALUE, NONE, NONE))
-        else:
-            error = number(100 * float(response.joint_error[at, place]), 2)
-            rows.append((*name, number(float(size[at])), rpm(float(response.speed[at])), error))
+    for place in (k for k, line in enumerate(response.lines) if line.order == wanted):
+        at = largest(size[:, place])
+        error = NONE if at is None else number(100 * float(response.joint_error[at, place]), 2)
+        rows.append((joint.name, f"order {order(wanted)}", *worst(size[:, place], response.speed, NEWTON_METRE), error))
     return rows

@@ -28,10 +28,9 @@ ASSEMBLY = "1 deg"  # of error, for which the sensitivity is told
 def geometry(joints: "Joints") -> Table:
     """Kind, angle, plane and phase of every joint."""
     columns = head(
-        "< Joint -> | < Kind -> | Angle β [deg] -> angle | "
-        "Plane to the previous joint's [deg] -> plane | Phase of the yokes [deg] -> phase | "
-        "Driving yoke from its plane at angle zero [deg] | q = tan²(β/2)"
-    )  # fmt: skip
+        "< Joint -> | < Kind -> | Angle β [deg] -> angle | Plane to the previous joint's [deg] -> plane | "
+        "Phase of the yokes [deg] -> phase | Driving yoke from its plane at angle zero [deg] | q = tan²(β/2)"
+    )
     leading = {line.joints[0] for line in joints.lines}
     rows = tuple(
         (
@@ -50,7 +49,7 @@ def alone(joints: "Joints") -> Table:
     columns = head(
         "< Joint -> | Order, own shaft -> order | Order, reference | Error amplitude [rad] | "
         "Error amplitude [deg] -> error, deg | Its phase [deg] | Unevenness [%]"
-    )  # fmt: skip
+    )
     rows = []
     for joint in joints.joints:
         size = abs(joint.amplitude)
@@ -66,10 +65,9 @@ def alone(joints: "Joints") -> Table:
 def lines(joints: "Joints") -> Table:
     """The joints of each shaft line as one."""
     columns = head(
-        "< Joints -> | Resultant angle [deg] -> as one, deg | "
-        "Small-angle sum [deg] -> small-angle | Phase [deg] | Greatest speed ratio -> greatest | "
-        "at [deg] | Least -> | at [deg] | Index of fluctuation [%] -> index, %"
-    )  # fmt: skip
+        "< Joints -> | Resultant angle [deg] -> as one, deg | Small-angle sum [deg] -> small-angle | Phase [deg] | "
+        "Greatest speed ratio -> greatest | at [deg] | Least -> | at [deg] | Index of fluctuation [%] -> index, %"
+    )
     rows = []
     for line in joints.lines:
         varies = line.index > STILL
@@ -93,7 +91,7 @@ def at_speed(joints: "Joints") -> Table | None:
     columns = head(
         "< Joint -> | Mean speed [rpm] -> rpm | Greatest behind it [rpm] | Least [rpm] | "
         "Largest acceleration behind it [rad/s²] -> rad/s² behind | Speed × angle [deg/min]"
-    )  # fmt: skip
+    )
     rows = []
     for joint in known:
         speed = float(joint.speed or 0.0)
@@ -117,9 +115,9 @@ def couples(joints: "Joints") -> Table | None:
     torque = scale("N m", [abs(joint.torque or 0.0) for joint, _ in known])
     columns = [
         *head(
-            f"< Joint -> | < Shaft -> on the shaft | Torque [{torque.unit}] | "
-            f"Mean [{unit.unit}] -> mean | Order -> | Amplitude, normal [{unit.unit}] -> normal | "
-            f"Amplitude, in plane [{unit.unit}] -> in plane | Largest [{unit.unit}] -> largest"
+            f"< Joint -> | < Shaft -> on the shaft | Torque [{torque.unit}] | Mean [{unit.unit}] -> mean | Order -> | "
+            f"Amplitude, normal [{unit.unit}] -> normal | Amplitude, in plane [{unit.unit}] -> in plane | "
+            f"Largest [{unit.unit}] -> largest"
         ),
         *([Column("Bearings", "N", short="bearing, N")] if held else []),
         *([Column("Force across", "N")] if pushed else []),
@@ -144,7 +142,7 @@ def optimum(joints: "Joints", line: "LineFound") -> list[Block]:
     columns = head(
         f"< Joint -> | {found.variable.capitalize()} now [deg] -> now | Best [deg] -> best | "
         f"Index if {ASSEMBLY} off the best [%] -> index if {ASSEMBLY} off, %"
-    )  # fmt: skip
+    )
     rows = best_rows(found)
     title = f"Best {found.variable} of {names(joints, line)}"
     return [Table(columns, rows, title, short=f"{title}, deg"), Paragraph(gained(found), brief=True)]

@@ -8,7 +8,7 @@ from torsion.arrays import FloatArray
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Table, head
 from torsion.output.numbers import NONE, RPM, number, rpm, scale
-from torsion.output.reported_values import NO_VALUE, largest
+from torsion.output.selection import NO_VALUE, highest, largest
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.couple_response import Answer
@@ -39,9 +39,9 @@ def shafts(found: "tuple[ShaftFound, ...]") -> Table:
 def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
     """Speeds of the reference at which an order of a shaft meets one of its bending frequencies."""
     columns = head(
-        "< Shaft -> | Order -> | Mode | Critical speed [rpm] -> rpm | Frequency [Hz] -> Hz | "
-        "< Whirl -> | Damping ratio -> | In the range -> in range"
-    )  # fmt: skip
+        "< Shaft -> | Order -> | Mode | Critical speed [rpm] -> rpm | Frequency [Hz] -> Hz | < Whirl -> | "
+        "Damping ratio -> | In the range -> in range"
+    )
     told = [(shaft, one) for shaft in found for one in near(shaft, speeds)]
     rows = [(*_critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in told]
     marks = tuple("note" if row[-1] == "yes" else "" for row in rows)
@@ -94,9 +94,9 @@ def sense(direction: float) -> str:
 def whirl(found: "tuple[ShaftFound, ...]") -> Table | None:
     """Frequencies at both ends of the range, and whether the motion dies out; None where no speeds are given."""
     columns = head(
-        "< Shaft | Mode | Frequency at the lowest speed [Hz] | at the highest [Hz] | "
-        "< Whirl at the highest | Least log. decrement | at [rpm] | < Stability"
-    )  # fmt: skip
+        "< Shaft | Mode | Frequency at the lowest speed [Hz] | at the highest [Hz] | < Whirl at the highest | "
+        "Least log. decrement | at [rpm] | < Stability"
+    )
     rows, marks = [], []
     for shaft in found:
         over = shaft.whirl
@@ -145,9 +145,9 @@ def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
         return None
     unit = scale("N m", [_top(sound(one, extent(one.moment))) for _, one in told])
     columns = head(
-        "< Shaft | Order | Largest displacement [µm] | at [m] | at [rpm] | "
-        f"Largest bending moment [{unit.unit}] | at [m] | at [rpm] | Speeds without reliable answer"
-    )  # fmt: skip
+        f"< Shaft | Order | Largest displacement [µm] | at [m] | at [rpm] | Largest bending moment [{unit.unit}] | "
+        "at [m] | at [rpm] | Speeds without reliable answer"
+    )
     rows, marks = [], []
     for shaft, one in told:
         bad = int((one.status != Status.OK).sum())
@@ -190,7 +190,7 @@ def sound(answer: "Answer", values: FloatArray) -> FloatArray:
 
 
 def _top(values: FloatArray) -> float:
-    return float(np.nanmax(np.append(values, 0.0)))
+    return highest(values)
 
 
 def _worst(shaft: "ShaftFound", answer: "Answer", values: FloatArray) -> tuple[str, str, str]:

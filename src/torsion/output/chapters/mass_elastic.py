@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from torsion.analyses.requests import has_inertia
+from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, head
@@ -63,7 +63,7 @@ def _inertias(findings: Findings) -> Table:
     columns = head(
         "No. | < Station | J given, own [kg m²] | J with shaft share, own [kg m²] | Speed ratio i | "
         "J referred [kg m²] | < Source"
-    )  # fmt: skip
+    )
     return Table(columns, tuple(rows), "Inertias")
 
 
@@ -98,7 +98,7 @@ def _springs(findings: Findings) -> Table:
     columns = head(
         f"< Element | < Kind | < Between | k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
         f"k referred [{unit.unit}] | Loss factor | Viscous [N m s/rad] | < Source"
-    )  # fmt: skip
+    )
     return Table(columns, tuple(rows), "Elastic elements")
 
 
@@ -125,9 +125,9 @@ def _shafts(findings: Findings) -> Table:
             given(bar.density), str(findings.system.segments.get(bar.name, 1)), _source(findings, bar.part),
         ))  # fmt: skip
     columns = head(
-        "< Shaft | d [mm] | d_{i} [mm] | Length [mm] | W_{p} [mm³] | J of the shaft [kg m²] | "
-        f"< Material | G [GPa] | ρ [kg/m³] | {_pieces(findings)} | < Source"
-    )  # fmt: skip
+        "< Shaft | d [mm] | d_{i} [mm] | Length [mm] | W_{p} [mm³] | J of the shaft [kg m²] | < Material | G [GPa] | "
+        f"ρ [kg/m³] | {_pieces(findings)} | < Source"
+    )
     return Table(columns, tuple(rows), "Dimensions of the shafts (of a cone, the smallest W_{p})")
 
 

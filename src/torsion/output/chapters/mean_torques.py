@@ -25,9 +25,8 @@ def chapter(findings: Findings) -> list[Block]:
     speed = rated(findings)
     at = int(np.argmin(np.abs(steady.speed - speed))) if speed is not None else len(steady.speed) - 1
     columns = head(
-        f"< Element | Own speed [rpm] | Mean torque [{unit.unit}] | Power [kW] | "
-        f"Largest over the range [{unit.unit}]"
-    )  # fmt: skip
+        f"< Element | Own speed [rpm] | Mean torque [{unit.unit}] | Power [kW] | Largest over the range [{unit.unit}]"
+    )
     rows = []
     for element, values in zip(found, torque, strict=True):
         own = float(steady.speed[at]) * element.ratio

@@ -13,7 +13,6 @@ from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Tab
 from torsion.output.chapters.holzer_table import holzer_table
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import number, rpm
-from torsion.output.reported_values import per_minute
 from torsion.output.station_layout import Layout, layout
 
 MOST_NAMES = 14  # components on the main line up to which links are named under a mode plot
@@ -31,19 +30,17 @@ def chapter(findings: Findings) -> list[Block]:
     if len(modes.frequency) == 0:
         return blocks
     blocks.append(_frequencies(modes))
-    if findings.get(DampedModes) is not None:
-        blocks.extend(_damped(findings))
+    damped = findings.get(DampedModes)
+    if damped is not None:
+        blocks.extend(_damped(damped))
     blocks.extend([Heading("Energy shares", 2), _shares(findings, modes)])
     shown = min(len(modes.frequency), MOST_MODES)
     for mode in range(shown):
         title = f"Mode {mode + 1}: {number(float(modes.frequency[mode]))} Hz"
         blocks.extend([Heading(title, 2), _plot(findings, modes, mode), *holzer_table(findings, modes, mode)])
     if shown < len(modes.frequency):
-        blocks.append(
-            Paragraph(
-                f"Plots and tables of modes {shown + 1} to {len(modes.frequency)} are left out; see results.json."
-            )
-        )
+        text = f"Plots and tables of modes {shown + 1} to {len(modes.frequency)} are left out; see results.json."
+        blocks.append(Paragraph(text))
     return blocks
 
 
@@ -62,32 +59,29 @@ def _introduction(modes: Modes) -> Paragraph:
 
 def _frequencies(modes: Modes) -> Table:
     columns = head(
-        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | "
-        "Nodes -> | Lower bound [Hz] | Upper bound [Hz] | Width / frequency"
-    )  # fmt: skip
+        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | Nodes -> | "
+        "Lower bound [Hz] | Upper bound [Hz] | Width / frequency"
+    )
     rows = []
     for index, f in enumerate(modes.frequency.tolist()):
         low, high = float(modes.lower[index]), float(modes.upper[index])
         rows.append((
-            str(index + 1), number(f, 7), number(per_minute(f), 7), number(2 * math.pi * f, 7),
+            str(index + 1), number(f, 7), number(60.0 * f, 7), number(2 * math.pi * f, 7),
             str(int(modes.nodes[index])), number(low, 10), number(high, 10), number((high - low) / f, 2),
         ))  # fmt: skip
     return Table(columns, tuple(rows), "Natural frequencies of the undamped train", short="Natural frequencies")
 
 
-def _damped(findings: Findings) -> list[Block]:
-    damped = findings.get(DampedModes)
-    if damped is None:
-        return []
+def _damped(damped: DampedModes) -> list[Block]:
     columns = head(
-        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | "
-        "Damping ratio [%] -> damping ratio, % | Magnifier 1/(2ζ) | Decay [1/s]"
-    )  # fmt: skip
+        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Damping ratio [%] -> damping ratio, % | "
+        "Magnifier 1/(2ζ) | Decay [1/s]"
+    )
     rows = []
     for index, f in enumerate(damped.frequency.tolist()):
         ratio = float(damped.damping_ratio[index])
         rows.append((
-            str(index + 1), number(f, 7), number(per_minute(f), 7), number(100 * ratio, 4),
+            str(index + 1), number(f, 7), number(60.0 * f, 7), number(100 * ratio, 4),
             number(0.5 / ratio if ratio > 0 else math.inf, 4), number(-float(damped.eigenvalue[index].real), 4),
         ))  # fmt: skip
     at = f", damping as at {rpm(damped.speed)} rpm" if damped.speed > 0 else ""

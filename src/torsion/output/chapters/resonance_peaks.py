@@ -13,6 +13,7 @@ from torsion.output.blocks import Table, head
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import NONE, Scale, number, order, rpm
 from torsion.output.reported_values import amplitude
+from torsion.output.selection import highest
 
 SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
 MOST_ROWS = 40
@@ -41,7 +42,7 @@ def found_peaks(findings: Findings, elements: list[Element]) -> list[Peak]:
     found: list[Peak] = []
     for element in elements:
         parts = amplitude(findings, element.spans)
-        top = float(np.nanmax(np.append(parts, 0.0)))
+        top = highest(parts)
         mine = [
             Peak(element, line, at, float(parts[at, line]))
             for line in range(parts.shape[1])
@@ -59,9 +60,8 @@ def peaks(findings: Findings, elements: list[Element], unit: Scale) -> Table:
     size = [-peak.torque * peak.element.ratio for peak in found]
     kept = sorted(sorted(range(len(found)), key=size.__getitem__)[:MOST_ROWS])
     columns = head(
-        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | "
-        "< Sources"
-    )  # fmt: skip
+        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | < Sources"
+    )
     rows = []
     for peak in (found[place] for place in kept):
         line, frequency = response.lines[peak.line], float(response.frequency[peak.at, peak.line])

@@ -82,10 +82,9 @@ def _verdict(findings: Findings, found: "Stability") -> Paragraph:
 def _ranges(findings: Findings, found: "Stability") -> Table:
     speeds = findings.study.operation.speeds
     columns: tuple[Column, ...] = head(
-        "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | "
-        "Largest growth [1/s] -> growth, 1/s | At speed [rpm] -> at rpm | Factor per turn | "
-        "< Within the operation -> operation"
-    )  # fmt: skip
+        "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | Largest growth [1/s] -> growth, 1/s | "
+        "At speed [rpm] -> at rpm | Factor per turn | < Within the operation -> operation"
+    )
     shown = found.ranges[:MOST_ROWS]
     further = any(beyond(one) for one in shown)
     if further:
@@ -164,7 +163,7 @@ def _values(found: "StabilityMap", what: str, unit: str, value: np.ndarray) -> T
     columns = head(
         f"{what.capitalize()} [{unit}] | Largest growth [1/s] | At speed [rpm] | Speeds unstable [%] | "
         "Without an answer [%] | < "
-    )  # fmt: skip
+    )
     rows, marks = [], []
     for k in np.unique(np.linspace(0, len(value) - 1, MOST_VALUES).round().astype(int)).tolist():
         growth = found.growth[:, k]

@@ -41,9 +41,9 @@ def zone_name(zone: "Zone") -> str:
 
 def _bodies(told: "list[tuple[ShaftFound, Tilting]]") -> Table:
     columns = head(
-        "< Shaft | < Driven by | Transverse inertia [kg m²] | Polar inertia [kg m²] | "
-        "Frequency of the tilt, y [Hz] | z [Hz] | Decay rate, y [1/s] | z [1/s]"
-    )  # fmt: skip
+        "< Shaft | < Driven by | Transverse inertia [kg m²] | Polar inertia [kg m²] | Frequency of the tilt, y [Hz] | "
+        "z [Hz] | Decay rate, y [1/s] | z [1/s]"
+    )
     rows = []
     for shaft, tilting in told:
         body = tilting.shaft
@@ -73,9 +73,8 @@ def _verdict(findings: Findings) -> list[Block]:
 def _zones(findings: Findings, told: "list[tuple[ShaftFound, Tilting]]") -> Table:
     speeds = findings.study.operation.speeds
     columns = head(
-        "< Shaft | From [rpm] | To [rpm] | < Type | Largest growth [1/s] | At speed [rpm] | "
-        "< Within the operation"
-    )  # fmt: skip
+        "< Shaft | From [rpm] | To [rpm] | < Type | Largest growth [1/s] | At speed [rpm] | < Within the operation"
+    )
     rows, marks = [], []
     for shaft, tilting in told:
         for zone in tilting.zones:

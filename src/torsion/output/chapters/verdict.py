@@ -14,28 +14,19 @@ from torsion.output.reported_values import band_words, barred_rpm, failed, unrel
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
 COLUMNS = head(
-    "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | "
-    "< Unit -> | At speed [rpm] -> at rpm | Order | < Limit from -> | "
-    "< Verdict ->"
-)  # fmt: skip
+    "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | < Unit -> | "
+    "At speed [rpm] -> at rpm | Order | < Limit from -> | < Verdict ->"
+)
 
 
 def chapter(findings: Findings) -> list[Block]:
     """The verdict comes first in every report."""
     blocks: list[Block] = [Heading("Verdict", at_end=True)]
-    if findings.need(Checks).lines:
-        rows = tuple(_row(check) for check in findings.need(Checks).lines)
-        marks = tuple(check.verdict for check in findings.need(Checks).lines)
-        blocks.append(
-            Table(
-                COLUMNS,
-                rows,
-                "Checks against the rules asked, each at its worst point; without an order: all orders together, "
-                "or none",
-                marks,
-                "Checks, each at its worst point",
-            )
-        )
+    checks = findings.need(Checks).lines
+    if checks:
+        caption = "Checks against the rules, each at its worst point; without an order: all orders together, or none"
+        rows, marks = tuple(_row(check) for check in checks), tuple(check.verdict for check in checks)
+        blocks.append(Table(COLUMNS, rows, caption, marks, "Checks, each at its worst point"))
     blocks.extend(on_terminal(conclusion(findings)))
     notes = _notes(findings)
     if notes:
@@ -53,22 +44,18 @@ def conclusion(findings: Findings) -> list[Block]:
     blocks: list[Block] = [_overall(findings)]
     for one in findings.plan.unanswered:
         blocks.append(Paragraph(f"No answer: {one.what}, because {one.words}.", "fail"))
-    if findings.get(Compared) is not None:
-        blocks.append(compared_models(findings.need(Compared)))
+    compared = findings.get(Compared)
+    if compared is not None:
+        blocks.append(compared_models(compared))
     if findings.get(PeriodicResponse) is not None:
-        blocks.extend(_first_order(findings))
+        from torsion.output.first_order_and_exact import first_order_judged
+
+        text = first_order_judged(findings)
+        blocks += [Paragraph(text, "note")] if text else []
     restrictions = _restrictions(findings)
     if restrictions:
         blocks.append(Points(restrictions))
     return blocks
-
-
-def _first_order(findings: Findings) -> list[Block]:
-    """That the rules judge the first-order response beside an exact one."""
-    from torsion.output.first_order_and_exact import first_order_judged
-
-    text = first_order_judged(findings)
-    return [Paragraph(text, "note")] if text else []
 
 
 def _row(check: Check) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import torsion
-from torsion.analyses.compare.frontier import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
+from torsion.analyses.compare.timing import Spread, TimedQuantity, TimedRow, Timings, fastest, unbeaten
 from torsion.findings import Findings
 from torsion.output.chapters import chapters
 from torsion.output.cover import checksum, cover

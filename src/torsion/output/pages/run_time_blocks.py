@@ -6,8 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from torsion.analyses.compare.frontier import TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
-from torsion.analyses.compare.timing import FULL
+from torsion.analyses.compare.timing import FULL, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
 from torsion.output.blocks import (
     Block,
     Column,

@@ -1,7 +1,7 @@
 """Harmonic torques that act at a component: a motor's ripple and the file's own excitations."""
 
 from itertools import pairwise
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import field_validator, model_validator
 
@@ -16,9 +16,11 @@ Table = tuple[tuple[float | str, float | str], ...]  # [[speed, torque], ...] as
 class Harmonic(Declared):
     """A torque by order of the component's own speed, or at a fixed frequency."""
 
-    order: fields.Exact | None = given("cycles per turn of the component's own shaft")
+    order: fields.Exact | None = given("cycles per revolution of the component's own shaft")
     frequency: fields.Frequency | None = given("a fixed frequency, in place of `order`")
     phase: fields.Angle = given("phase at angle zero, or at time zero for a fixed frequency", 0.0)
+    if TYPE_CHECKING:
+        torque: Any
 
     @model_validator(mode="after")
     def _order_or_frequency(self) -> Self:
@@ -26,9 +28,15 @@ class Harmonic(Declared):
             raise refuse("`order` and `frequency` exclude each other", "keep one of them", "frequency")
         return self
 
+    def primitive(self, name: str, station: int, path: Path) -> Torque:
+        """The torque at a station; `path` is where the file states it."""
+        amount = self.torque if isinstance(self.torque, Amount) else Amount()
+        table = () if isinstance(self.torque, Amount) else self.torque
+        return Torque(name, station, self.order, self.frequency, amount.torque, amount.of_mean, table, self.phase, path)
+
 
 class Ripple(Harmonic):
-    """One line of a motor's torque ripple."""
+    """One harmonic component of a motor's torque ripple."""
 
     torque: fields.TorqueAmount = required("amplitude (half range): N m, or % of the mean torque")
 
@@ -37,10 +45,6 @@ class Ripple(Harmonic):
         if self.order is None and self.frequency is None:
             raise refuse("a ripple needs `order` or `frequency`", "for example `order: 6`")
         return self
-
-    def at(self, station: int, name: str, path: Path) -> Torque:
-        """The primitive at a station; `path` is where the file says it."""
-        return _harmonic(self, self.torque, (name, station), path)
 
 
 class Excitation(Harmonic, Sized):
@@ -54,24 +58,10 @@ class Excitation(Harmonic, Sized):
     note: str | None = given("free text")
     source: str | None = given("where the figure comes from")
 
-    @field_validator("torque", mode="wrap", json_schema_input_type=fields.TorqueAmount | Table)
+    @field_validator("torque", mode="plain", json_schema_input_type=fields.TorqueAmount | Table)
     @classmethod
-    def _table(cls, value: object, handler: object) -> object:
-        if not isinstance(value, list | tuple):
-            return fields.read_amount(value)
-        return read_table(value)
-
-    def on(self, station: int, path: Path) -> Torque:
-        """The primitive at a station; `path` is where the file says it."""
-        if isinstance(self.torque, Amount):
-            return _harmonic(self, self.torque, (self.at, station), path)
-        return Torque(self.at, station, self.order, self.frequency, table=self.torque, phase=self.phase, path=path)
-
-
-def _harmonic(line: Harmonic, amount: Amount, point: tuple[str, int], path: Path) -> Torque:
-    """A torque at a point, by its name and station."""
-    size = amount.torque, amount.of_mean
-    return Torque(*point, line.order, line.frequency, *size, phase=line.phase, path=path)
+    def _table(cls, value: object) -> object:
+        return read_table(value) if isinstance(value, list | tuple) else fields.read_amount(value)
 
 
 def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, float], ...]:

@@ -29,7 +29,7 @@ def _model_faults(study: Study) -> Iterator[Fault]:
 
 
 def _held_faults(study: Study) -> list[Fault]:
-    """Held points that nothing elastic keeps apart."""
+    """Fixed points that nothing elastic keeps apart."""
     return fixed_point_faults(study.train)
 
 
@@ -53,7 +53,7 @@ def _joint_faults(study: Study) -> list[Fault]:
 
 
 def _motion_faults(study: Study) -> list[Fault]:
-    """Trains of which there is no exact motion, where it is asked for."""
+    """Trains of which there is no exact motion, where it is requested."""
     exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
     if not exact and "stability" not in study.analyses:
         return []
@@ -82,7 +82,7 @@ def _lateral_faults(study: Study) -> list[Fault]:
 
 
 def _response_faults(study: Study) -> Iterator[Fault]:
-    """A response runs when it or a rule about it is asked for or, where no analysis is named, when a torque excites."""
+    """A response runs when it or a rule about it is requested or, where no analysis is named, when a torque excites."""
     ruled = "response" in needed(study)
     asked = study.analyses.get("response")
     if not ruled and asked is None and (study.analyses or not study.train.torques):
@@ -93,7 +93,7 @@ def _response_faults(study: Study) -> Iterator[Fault]:
         hint = f"{_SPEEDS}, or `response: {{frequencies: {{from: 1, to: 200}}}}`"
         yield Fault(("analyses", "response"), "a response needs speeds or frequencies", hint)
     if any(torque.table for torque in study.train.torques):
-        from torsion.analyses.coverage import table_faults
+        from torsion.analyses.steady import table_faults
 
         yield from table_faults(study)
     yield from _speed_faults(study, speeds=speeds or asked is not None or ruled, frequencies=frequencies)
@@ -116,7 +116,7 @@ def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[
         if torque.order is None and torque.frequency is None:
             if not frequencies:
                 hint = "give it `order` or `frequency`, or `analyses: {response: {frequencies: {from: 1, to: 200}}}`"
-                yield Fault(torque.path, "this torque acts at every frequency, and no frequencies are asked for", hint)
+                yield Fault(torque.path, "this torque acts at every frequency, and no frequencies are requested", hint)
         elif not speeds:
             yield Fault(torque.path, "this excitation needs the speeds at which the train runs", _SPEEDS)
             speeds = True
@@ -135,7 +135,7 @@ def _power_faults(study: Study) -> list[Fault]:
     """A mean torque that finds no way through the train, or whose table does not cover the speeds."""
     if not study.operation.has_mean_torque:
         return []
-    from torsion.analyses.coverage import power_faults
+    from torsion.analyses.steady import power_faults
 
     return power_faults(study)
 

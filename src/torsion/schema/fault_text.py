@@ -1,6 +1,5 @@
 """Faults of the input as an engineer reads them: sorted by place, each with its line quoted and a caret underneath."""
 
-import difflib
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -9,7 +8,7 @@ from typing import TYPE_CHECKING
 from torsion.errors import Fault, InputError
 
 if TYPE_CHECKING:
-    from torsion.schema.source import Source
+    from torsion.schema.yaml_source import Source
 
 _WIDTH = 120  # characters quoted of a longer line
 _BEFORE = 60  # of these in front of the caret
@@ -49,22 +48,13 @@ def locate(faults: Iterable[Fault], source: "Source") -> list[Fault]:
     return sorted(located, key=lambda fault: (fault.line or 0, fault.column or 0))
 
 
-def fault_text(faults: Iterable[Fault], source: "Source") -> str:
-    """All faults in words: `file:line:column: message (hint)`, the line, a caret; a blank line between two faults."""
-    return "\n\n".join(_told(fault, source) for fault in locate(faults, source))
-
-
 def input_error(faults: Iterable[Fault], source: "Source") -> InputError:
-    """The error to raise for these faults: it holds them located, and says them all."""
+    """The error to raise for these faults: it holds them located, and its text is all of them.
+
+    `file:line:column: message (hint)`, the line, a caret; a blank line between two faults.
+    """
     located = locate(faults, source)
-    return InputError(located, fault_text(located, source))
-
-
-def nearest(word: str, candidates: Iterable[str]) -> str | None:
-    """The candidate that `word` was probably meant to be, for 'did you mean'; capitals, '-' and '_' do not count."""
-    known = {_folded(candidate): candidate for candidate in candidates}
-    close = difflib.get_close_matches(_folded(word), known, 1)
-    return known[close[0]] if close else None
+    return InputError(located, "\n\n".join(_text(fault, source) for fault in located))
 
 
 def syntax_words(problem: str, at: str) -> tuple[str, str, bool]:
@@ -93,7 +83,7 @@ def _excerpt(line: str) -> str:
     return f"`{plain}`" if len(plain) <= _WIDTH // 2 else f"`{plain[: _WIDTH // 2]}…`"
 
 
-def _told(fault: Fault, source: "Source") -> str:
+def _text(fault: Fault, source: "Source") -> str:
     hint = f" ({fault.hint})" if fault.hint else ""
     line, column = fault.line or 1, fault.column or 1
     head = f"{source.name}:{line}:{column}: {fault.message}{hint}"
@@ -108,7 +98,3 @@ def _quoted(line: str, column: int) -> Sequence[str]:
     shown = "".join(sign if sign.isprintable() or sign == "\t" else "?" for sign in line[first : first + _WIDTH])
     indent = "".join("\t" if sign == "\t" else " " for sign in shown[: column - 1 - first])
     return f"    {shown}".rstrip(), f"    {indent}^"
-
-
-def _folded(word: str) -> str:
-    return word.casefold().replace("-", "_").replace(" ", "_")

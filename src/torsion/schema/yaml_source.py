@@ -14,7 +14,7 @@ from typing import Any
 import yaml
 
 from torsion.errors import Fault, InputError, Path
-from torsion.schema.faults import input_error, syntax_words
+from torsion.schema.fault_text import input_error, syntax_words
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
 _LARGEST = 100_000  # values after aliases are written out; bounds what a few lines can blow up to

@@ -1,6 +1,6 @@
 """What every component is: a frozen declaration of its fields, and how it lowers to primitives."""
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import InstanceOf, WithJsonSchema
 
@@ -20,6 +20,11 @@ class Component(Sized):
     name: str | None = given("name by which excitations, links and results call it (default: kind and number)")
     note: str | None = given("free text")
     source: str | None = given("where the figures come from: maker, drawing, estimate")
+
+    def __init_subclass__(cls, **facts: Any) -> None:
+        super().__init_subclass__()
+        for name, fact in facts.items():
+            setattr(cls, name, fact)
 
     def lower(self, build: "Lowering") -> None:
         """Add this component's stations and primitives where the train has arrived."""

@@ -1,21 +1,21 @@
 """The file of a shaft train as a study; every fault of the file at once, each with its line and column."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
-from torsion.components.excitation import Excitation
+from torsion.components.harmonic_torques import Excitation
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given, required
-from torsion.schema import sections
-from torsion.schema.checks import study_faults
-from torsion.schema.faults import input_error
-from torsion.schema.meshes import with_meshes
-from torsion.schema.messages import declared
-from torsion.schema.models import model_of
-from torsion.schema.source import Source, parse_source, read_source
+from torsion.primitives import SectionMesh
+from torsion.schema import scene_sections as sections
+from torsion.schema.declaration_reader import declared
+from torsion.schema.fault_text import input_error
+from torsion.schema.study_faults import study_faults
 from torsion.schema.train_reader import components, kinds_by_name, repeated_names
-from torsion.study import Operation, Study
+from torsion.schema.yaml_source import Source, parse_source, read_source
+from torsion.study import FiniteElements, Operation, Study
 from torsion.train import Link, Train, lowered, name_fault
 
 
@@ -55,11 +55,26 @@ def _study(source: Source) -> Study:
     study = _sections(source, faults)
     if study is not None:
         if "train" not in _faulty(faults):
-            study = with_meshes(study, faults)
+            study = _with_meshes(study, faults)
         faults += study_faults(study, _faulty(faults))
     if faults or study is None:
         raise input_error(faults, source)
     return study
+
+
+def _with_meshes(study: Study, faults: list[Fault]) -> Study:
+    """The study with every mesh found from the folder of its file, and read; faulty meshes are noted."""
+    if not study.has_meshed_sections:
+        return study
+    from torsion.assembly.section.solved_sections import mesh_faults
+
+    folder, bars = FilePath(study.file).parent, list(study.train.bars)
+    for place, bar in enumerate(bars):
+        if isinstance(bar.section, SectionMesh):
+            bars[place] = replace(bar, section=replace(bar.section, file=str(folder / bar.section.file)))
+    train = replace(study.train, bars=tuple(bars))
+    faults += mesh_faults(train)
+    return replace(study, train=train)
 
 
 def _faulty(faults: list[Fault]) -> set[str]:
@@ -77,7 +92,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     materials = sections.materials(data.get("materials"), faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
     analyses = sections.analyses(data.get("analyses"), faults)
-    model, fem = model_of(data.get("analyses"), faults)
+    model = sections.shaft_model(data.get("analyses"), faults)
     rules = sections.rules(data.get("rules"), faults)
     found = _train(data, materials, operation, faults)
     if found is None:
@@ -87,8 +102,8 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         description=scene.description if scene is not None else "",
         train=found,
         operation=operation or Operation(),
-        model=model,
-        fem=fem,
+        model=model.model,
+        fem=model.fem or FiniteElements(),
         analyses=analyses,
         rules=tuple(rules),
         file=source.name,

@@ -1,16 +1,16 @@
 """Faults in an engineer's words from what a declaration refuses."""
 
 from collections.abc import Iterator
-from typing import Any, TypeVar, get_args
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from torsion import units
-from torsion.errors import Fault, Path
-from torsion.fields import Declared, Quantity
-from torsion.schema.faults import nearest
+from torsion.errors import Fault, Path, nearest, printable
+from torsion.fields import Declared, Quantity, shown
+from torsion.schema.declaration_keys import items_of, keys_of, mappings_of
 
 Read = TypeVar("Read", bound=Declared)
 
@@ -20,20 +20,22 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
     if body is None:
         body = {}
     if not isinstance(body, dict):
-        faults.append(Fault(path, f"{shown(body)} is not a mapping of keys", _keys(kind)))
+        keys = f"keys: {', '.join(keys_of(kind))}"
+        faults.append(Fault(path, f"{shown(body)} is not a mapping of keys", keys))
         return None
+    absent = getattr(kind, "unbuilt", ())
     known = [_without_value((*path, *where), where) for where in _empty(body)]
-    known += [unbuilt((*path, key), f"`{key}`") for key in getattr(kind, "unbuilt", ()) if body.get(key) is not None]
-    filled = {key: value for key, value in _filled(body).items() if key not in getattr(kind, "unbuilt", ())}
+    known += [unbuilt((*path, key), f"`{key}`") for key in absent if body.get(key) is not None]
+    noted = [fault.path[len(path) :] for fault in known]
     try:
-        read = kind.model_validate(filled, strict=True)
+        there = {key: item for key, item in body.items() if key not in absent}
+        read = kind.model_validate(_filled(there), strict=True)
     except ValidationError as error:
-        told = [fault.path[len(path) :] for fault in known]
+        read = None
         for detail in error.errors(include_url=False):
             where, fault = _fault(kind, detail, body)
-            if not (_is_echo(detail, body) or any(_touch(where, other) for other in told)):
-                known.append(_under(path, fault))
-        read = None
+            if not _is_echo(detail, body) and not any(where[: len(other)] == other[: len(where)] for other in noted):
+                known.append(replace(fault, path=(*path, *fault.path)))
     faults += known
     return None if known else read
 
@@ -47,21 +49,7 @@ def unknown(path: Path, what: str, word: str, candidates: list[str]) -> Fault:
     """The fault of a word that is none of the candidates."""
     near = nearest(word, candidates)
     hint = f"did you mean `{near}`?" if near else f"there is {', '.join(candidates)}"
-    return Fault(path, f"unknown {what} `{_short(word)}`", hint, at_key=True)
-
-
-def shown(value: object) -> str:
-    """A value as it is quoted in a message."""
-    if isinstance(value, dict | list | tuple):
-        return "a mapping" if isinstance(value, dict) else "a list"
-    if value is None:
-        return "nothing"
-    return f"'{_short(value)}'" if isinstance(value, str) else str(value).lower()[:60]
-
-
-def _short(text: str) -> str:
-    plain = "".join(sign if sign.isprintable() else "?" for sign in text[:60])
-    return plain if len(text) <= 60 else f"{plain}…"
+    return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
 
 
 def _empty(value: object, path: Path = ()) -> Iterator[Path]:
@@ -75,7 +63,7 @@ def _empty(value: object, path: Path = ()) -> Iterator[Path]:
 
 def _without_value(path: Path, where: Path) -> Fault:
     """The fault of a key without a value; one that begins with digits is half of a number with a decimal comma."""
-    name = _name(where)
+    name = next((step for step in reversed(where) if isinstance(step, str)), "the entry")
     hint = "a decimal comma? write a point" if name[:1].isdecimal() else "give one, or leave the key out"
     return Fault(path, f"`{name}` has no value", hint, True)
 
@@ -87,23 +75,8 @@ def _filled(value: Any) -> Any:
     return tuple(_filled(item) for item in value) if isinstance(value, list) else value
 
 
-def _touch(one: Path, other: Path) -> bool:
-    """One path is the other or leads to it."""
-    length = min(len(one), len(other))
-    return one[:length] == other[:length]
-
-
-def _under(path: Path, fault: Fault) -> Fault:
-    return Fault((*path, *fault.path), fault.message, fault.hint, fault.at_key)
-
-
-def _name(path: Path) -> str:
-    """The last key of a path, or what stands for the whole."""
-    return next((step for step in reversed(path) if isinstance(step, str)), "the entry")
-
-
 def _is_echo(detail: ErrorDetails, body: dict[str, Any]) -> bool:
-    """A list that is long enough is called too short where one of its values is faulty, which is told anyway."""
+    """A list that is long enough is called too short where one of its values is faulty, which is reported anyway."""
     _, value = _path(detail["loc"], body)
     return detail["type"] == "too_short" and _size(value) >= detail["ctx"]["min_length"]
 
@@ -121,8 +94,8 @@ def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) ->
             where = (*path, key)
             return where, Fault(where, f"`{key}` is missing", _meaning(kind, where))
         case "extra_forbidden":
-            keys = _model(kind, path[:-1])
-            return path, unknown(path, "key", str(path[-1]), _names(keys) if keys else [])
+            model = _model(kind, path[:-1])
+            return path, unknown(path, "key", str(path[-1]), list(keys_of(model)) if model else [])
         case other:
             message, hint = _words(other, context, below)
             return path, Fault(path, message, hint or _meaning(kind, path))
@@ -142,7 +115,8 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
     """What is wrong and what would be right, for the errors of pydantic's own types."""
     match error:
         case "literal_error":
-            near = nearest(str(value), [choice.strip("' ") for choice in _choices(context)])
+            choices = context["expected"].replace(" or ", ", ").split(",")
+            near = nearest(str(value), [choice.strip("' ") for choice in choices])
             return f"{shown(value)} is none of {context['expected']}", f"did you mean '{near}'?" if near else ""
         case "int_type" | "int_parsing" | "int_from_float" | "int_parsing_size":
             return f"{shown(value)} is not a whole number", ""
@@ -152,10 +126,9 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
             return f"{shown(value)} is not text", "put it in quotes" if isinstance(value, int | float) else ""
         case "tuple_type":
             return f"{shown(value)} is not a list", ""
-        case "missing" | "too_short":
-            return f"the list is too short: {_count(value)}", ""
-        case "too_long":
-            return f"the list is too long: {_count(value)}", ""
+        case "missing" | "too_short" | "too_long":
+            size, fits = _size(value), "long" if error == "too_long" else "short"
+            return f"the list is too {fits}: {size} value{'s' * (size != 1)}", ""
         case "greater_than_equal" | "less_than_equal":
             limit = f"at least {context['ge']}" if "ge" in context else f"at most {context['le']}"
             return f"{shown(value)} is out of range", f"must be {limit}"
@@ -165,58 +138,25 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
             return f"{shown(value)} is not possible here", ""
 
 
-def _choices(context: dict[str, Any]) -> list[str]:
-    return str(context["expected"]).replace(" or ", ", ").split(",")
-
-
-def _count(value: object) -> str:
-    size = _size(value)
-    return f"{size} value" if size == 1 else f"{size} values"
-
-
 def _size(value: object) -> int:
     return len(value) if isinstance(value, list | tuple) else 1
-
-
-def _names(kind: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in kind.model_fields.items()]
-
-
-def _keys(kind: type[BaseModel]) -> str:
-    return f"keys: {', '.join(_names(kind))}"
-
-
-def _field(kind: type[BaseModel] | None, key: str) -> FieldInfo | None:
-    fields = {} if kind is None else kind.model_fields
-    return next((field for name, field in fields.items() if key == (field.alias or name)), None)
 
 
 def _model(kind: type[BaseModel] | None, path: Path) -> type[BaseModel] | None:
     """The declaration that stands at a path below another one."""
     for step in path:
-        if isinstance(step, str):
-            field = _field(kind, step)
-            if field is not None:  # else a name that the user chose
-                kind = next(_parts(field.annotation, BaseModel), None)
+        field = None if kind is None else keys_of(kind).get(str(step))
+        if field is not None:  # else a position, or a name that the user chose
+            kind = next(mappings_of(field), None)
     return kind
-
-
-def _parts(annotation: Any, kind: type) -> Iterator[Any]:
-    """Classes derived from `kind`, or instances of it, anywhere in an annotation."""
-    if isinstance(annotation, kind) or (isinstance(annotation, type) and issubclass(annotation, kind)):
-        yield annotation
-    for part in get_args(annotation):
-        yield from _parts(part, kind)
 
 
 def _meaning(kind: type[BaseModel], path: Path) -> str:
     """What the key at a path is, and in which unit."""
-    keys = [position for position, step in enumerate(path) if isinstance(step, str)]
-    if not keys:
-        return ""
-    field = _field(_model(kind, path[: keys[-1]]), str(path[keys[-1]]))
+    place = max((position for position, step in enumerate(path) if isinstance(step, str)), default=-1)
+    model = None if place < 0 else _model(kind, path[:place])
+    field = None if model is None else keys_of(model).get(str(path[place]))
     if field is None:
         return ""
-    found = [*_parts(field.annotation, Quantity), *(item for item in field.metadata if isinstance(item, Quantity))]
-    unit = f"; {units.speak(found[0].unit)} in {found[0].unit}" if found and found[0].unit != "1" else ""
-    return f"{field.description or ''}{unit}"
+    quantity = next((item for item in items_of(field) if isinstance(item, Quantity) and item.unit != "1"), None)
+    return (field.description or "") + (f"; {units.speak(quantity.unit)} in {quantity.unit}" if quantity else "")

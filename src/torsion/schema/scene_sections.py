@@ -3,15 +3,15 @@
 from typing import Any
 
 from torsion.analyses import ANALYSES, UNBUILT
-from torsion.components.excitation import Excitation
+from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, Path
-from torsion.fields import Declared
+from torsion.fields import Declared, shown
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.messages import declared, shown, unbuilt, unknown
-from torsion.schema.models import MODEL_KEYS
+from torsion.schema.declaration_reader import declared, unbuilt, unknown
 from torsion.schema.train_reader import one_component
+from torsion.study import ShaftModel
 from torsion.train import Link
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
@@ -66,16 +66,25 @@ def analyses(section: object, faults: list[Fault]) -> dict[str, Declared]:
     path: Path = ("analyses",)
     for name, body in _mapping(section, path, "`modes: {count: 6}`", faults).items():
         where = (*path, name)
-        if name in MODEL_KEYS:
+        if name in ShaftModel.model_fields:
             continue
         if name in UNBUILT:
             faults.append(unbuilt(where, f"`{name}`"))
         elif name not in ANALYSES or not ANALYSES[name].settings:
             known = [key for key, analysis in ANALYSES.items() if analysis.settings]
-            faults.append(unknown(where, "analysis", name, [*MODEL_KEYS, *known]))
+            faults.append(unknown(where, "analysis", name, [*ShaftModel.model_fields, *known]))
         elif (settings := declared(ANALYSES[name].settings_class(), body, where, faults)) is not None:
             read[name] = settings
     return read
+
+
+def shaft_model(section: object, faults: list[Fault]) -> ShaftModel:
+    """The model of the shafts; the lumped model where the section names none."""
+    stated = section if isinstance(section, dict) else {}
+    named = {key: body for key, body in stated.items() if key in ShaftModel.model_fields}
+    if "fem" in named:
+        named["fem"] = {} if named["fem"] is None else named["fem"]
+    return declared(ShaftModel, named, ("analyses",), faults) or ShaftModel()
 
 
 def rules(section: object, faults: list[Fault]) -> list[tuple[str, Declared]]:
