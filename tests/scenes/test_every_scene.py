@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes

@@ -42,7 +42,7 @@ def _joint_faults(study: Study) -> list[Fault]:
     asked = study.analyses.get("joints")
     if asked is None:
         return []
-    from torsion.analyses.joints.joints import JointsSettings, settings_faults
+    from torsion.analyses.joints.joint_analysis import JointsSettings, settings_faults
 
     return settings_faults(study.train, asked) if isinstance(asked, JointsSettings) else []
 
@@ -52,7 +52,7 @@ def _motion_faults(study: Study) -> list[Fault]:
     exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
     if not exact and "stability" not in study.analyses:
         return []
-    from torsion.analyses.motion.faults import asked_faults
+    from torsion.analyses.motion.stability_settings import asked_faults
 
     found = asked_faults(study)
     lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
@@ -66,7 +66,7 @@ def _lateral_faults(study: Study) -> list[Fault]:
     """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
     if "lateral" not in study.analyses and not study.has_supports:
         return []
-    from torsion.analyses.lateral.bending import LateralSettings, lateral_faults
+    from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral_faults
 
     asked = study.analyses.get("lateral")
     return lateral_faults(study.train, asked if isinstance(asked, LateralSettings) else None)
