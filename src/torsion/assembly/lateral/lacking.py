@@ -17,7 +17,7 @@ def supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
 
 
 def missing(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
-    """Why a shaft of the bars `row` cannot be computed, and the key it is about; both empty where it can."""
+    """Why a shaft made of `row` cannot be computed, and the key it is about; both empty where it can."""
     of_mesh = [bar for bar in row if bar.section is not None]
     if of_mesh:
         place = (*train.parts[of_mesh[0].part].path, "section")
@@ -38,22 +38,22 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
     if not any(free):
         return _held_softly(beam, given)
     if not given:
-        return "it is not held: a joint at either end, a joint and a `support`, or two supports would hold it", ()
+        return "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports", ()
     if free[0] != free[1]:
         plane = free.index(max(free))
         path = next(path for one, path in given if not one.stiffness_of_planes[plane] > 0)
-        why = f"it is not held in the plane {PLANES[plane]}, in which its support has no stiffness"
+        why = f"it is not supported in the plane {PLANES[plane]}, in which its support has no stiffness"
         return why, (*path, "stiffness")
     at = [point.at for point in beam.points]
     if len(set(at)) < len(at):
         where = "on the joint itself" if any(point.held == "pinned" for point in beam.points) else "where another does"
         path = given[-1][1]
-        return f"it is held at one place only, as its support stands {where}", (*path, "at")
-    return "it is held at one place only: another `support`, or a joint at an end, would hold it", given[-1][1]
+        return f"it is supported at one place only, as its support stands {where}", (*path, "at")
+    return "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]
 
 
 def _held_softly(beam: Beam, given: list[tuple[Support, Path]]) -> tuple[str, Path]:
-    """That its supports are too soft to be told from none."""
+    """That its supports are too soft to differ from none."""
     hold = min(beam.hold(0), beam.hold(1))
     if hold >= SOFTEST or not given:
         return "", ()

@@ -66,7 +66,7 @@ def _nodes(train: Train) -> list[int]:
 
 
 def _rows(bars: Sequence[Bar], node: list[int]) -> list[list[Bar]]:
-    """Bars that touch each other; in a row each starts where the one before it ends."""
+    """Distributed shafts that touch each other; in a row each starts where the one before it ends."""
     rows: list[list[Bar]] = []
     for bar in bars:
         ends = {node[bar.driving], node[bar.driven]}

@@ -13,7 +13,7 @@ SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an element; both ends, as a moment ma
 
 @dataclass(frozen=True)
 class Places:
-    """Rows that give the values of one plane, (places, unknowns); an end between two elements is told twice."""
+    """Rows that give the values of one plane, (places, unknowns); an end between two elements is there twice."""
 
     position: FloatArray  # (places,) m from the start
     displacement: FloatArray  # m

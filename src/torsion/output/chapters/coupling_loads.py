@@ -23,9 +23,9 @@ def chapter(findings: Findings) -> list[Block]:
     if not found:
         return []
     text = (
-        "Heat is the mean power that the internal damping takes from the vibration, the sum over all lines "
-        f"({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic torque T. "
-        "Values stand at their own worst speed."
+        "Heat is the mean power that the internal damping takes from the vibration, the sum over all harmonic "
+        f"components ({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic "
+        "torque T. Values stand at their own worst speed."
     )
     return [Heading("Couplings"), Paragraph(text), _table(findings, found)]
 
@@ -55,8 +55,9 @@ def _table(findings: Findings, found: list[Element]) -> Table:
         peak, _ = worst(np.where(bad, np.nan, made.peak[:, spans].max(axis=1)), speed, unit)
         mean = NONE if steady is None else unit.text(float(np.abs(steady.torque[spans]).max()))
         rows.append((
-            element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean, unit.text(limits.rated_torque), peak,
-            unit.text(limits.max_torque), *worst(_heat(findings, spans), speed, WATT), WATT.text(limits.heat_limit),
+            element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,
+            unit.text(limits.rated_torque), peak, unit.text(limits.max_torque),
+            *worst(_heat(findings, spans), speed, WATT), WATT.text(limits.heat_limit),
         ))  # fmt: skip
     return Table(columns, tuple(rows), "Torque and heat of the couplings (limits of the maker where given)")
 
