@@ -9,7 +9,7 @@ from time import perf_counter, process_time
 import numpy as np
 
 from benchmarks.page_file import Report, verdict
-from torsion.analyses.motion.map import StabilityMap, stability_map
+from torsion.analyses.motion.stability_map import StabilityMap, stability_map
 from torsion.assembly import assemble
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc

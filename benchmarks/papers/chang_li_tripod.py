@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 from benchmarks.papers import tripod_equations as paper
+from benchmarks.papers import tripod_first_order as first_order
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.tripod_space import Tripod
@@ -62,7 +63,7 @@ def bodies(degrees: int, share: float = SHARE) -> tuple[Tripod, ...]:
 
 def couple(degrees: float) -> np.ndarray:
     """M1 over the turn to first order, N m."""
-    return tripod.first_order_statics(TURN, np.radians(degrees), RADIUS, ARM, TORQUE).couple
+    return first_order.first_order_statics(TURN, np.radians(degrees), RADIUS, ARM, TORQUE).couple
 
 
 def _numbers() -> Iterator[tuple[str, ...]]:
@@ -153,7 +154,7 @@ def _misprints() -> tuple[Misprint, ...]:
     right, corrected = paper.driven_torque_right(g, FEW, SHARE), paper.couple_right(g, FEW, SHARE)
     level = np.tan(g / 2.0)
     about = np.array([one.normal for one in bodies(40)])
-    normal = tripod.first_order_statics(FEW, g, RADIUS, ARM, 1.0).driving_normal
+    normal = first_order.first_order_statics(FEW, g, RADIUS, ARM, 1.0).driving_normal
     twin, turned = paper.twin_right(g), paper.twin_printed(g)
     small = paper.couple_right(g, FEW, SMALL), paper.couple_printed(g, FEW, SMALL)
     return (

@@ -10,7 +10,7 @@ from benchmarks.papers import space
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, compared, told
-from torsion.analyses.joints.joints import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.kinematics import couples, cross, line
 
 NAME = "liu_2023"

@@ -12,19 +12,16 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.writing import Page, Picture, bound, compared, told
 from benchmarks.papers.zhu_wang_faults import faults
 from benchmarks.papers.zhu_wang_motion import DENSITY, RADIUS, SHAFT, body, exact, linear, shaft
-from torsion.analyses.lateral.misaligned import (
-    EXACT,
+from benchmarks.papers.zhu_wang_theory import (
     SMALL_ANGLE,
-    MisalignedShaft,
-    Model,
     exact_rate,
-    growth,
     hill_growth,
     natural_frequencies,
     response,
     undamped,
 )
-from torsion.analyses.lateral.misaligned_zones import Zone, zones
+from torsion.analyses.lateral.misaligned_shaft import EXACT, MisalignedShaft, Model, growth
+from torsion.analyses.lateral.tilt_stability import Zone, zones
 
 NAME = "zhu_wang"
 SPEEDS = (25.9, 26.2)  # rad/s of the paper's curves
@@ -68,7 +65,7 @@ def page() -> Page:
                 "from notes on the paper."
             ),
         ),
-        computed_by="`torsion.analyses.lateral.misaligned`",
+        computed_by="`torsion.analyses.lateral.misaligned_shaft`",
         tested_by="test_zhu_wang.py",
     )
 

@@ -1,7 +1,7 @@
 """Equations of Zhu and Wang as printed and as they must be: the couple's matrix, its parts, the criteria.
 
-Matrices are for the left side, / (T0/J0), as in `torsion.kernels.misaligned_joint`; x driving angle, phi
-misalignment, rad.
+Matrices are for the left side, / (T0/J0), as in
+`torsion.analyses.lateral.misaligned_shaft`; x driving angle, phi misalignment, rad.
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.analyses.lateral.misaligned import MisalignedShaft
-from torsion.kernels.misaligned_joint import linearised, small_angle, small_angle_part
+from benchmarks.papers.zhu_wang_theory import small_angle
+from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft, linearised, small_angle_part
 
 Array = NDArray[np.float64]
 

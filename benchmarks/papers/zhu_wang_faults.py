@@ -7,17 +7,17 @@ import numpy as np
 from benchmarks.papers import zhu_wang_equations as paper
 from benchmarks.papers.writing import Misprint, apart, bound
 from benchmarks.papers.zhu_wang_motion import RADIUS, SHAFT
-from torsion.analyses.lateral.misaligned import (
+from benchmarks.papers.zhu_wang_theory import SMALL_ANGLE, moment, small_angle, undamped
+from torsion.analyses.lateral.misaligned_shaft import (
     EXACT,
-    SMALL_ANGLE,
     MisalignedShaft,
     Model,
     growth,
+    linearised,
     monodromies,
-    undamped,
+    small_angle_part,
 )
-from torsion.analyses.lateral.misaligned_zones import Zone, zones
-from torsion.kernels import misaligned_joint as kernel
+from torsion.analyses.lateral.tilt_stability import Zone, zones
 
 TURN = np.linspace(0.0, np.pi, 91)
 SPEEDS = np.array([25.9, 26.2])
@@ -46,7 +46,7 @@ def derivative(couple: object, step: float = 1e-3) -> np.ndarray:
 
 def growing_phase(shaft: MisalignedShaft, which: int) -> float:
     """Phase, rad, of the growing motion of one angle at its own frequency by E0 alone; 0: cosine, pi/2: sine."""
-    model = Model(lambda turned, tilt: kernel.small_angle_part(turned, sine=1.0, cosine=0.0, constant=0.0))
+    model = Model(lambda turned, tilt: small_angle_part(turned, sine=1.0, cosine=0.0, constant=0.0))
     speed = float(np.sqrt(shaft.square[which]))
     value, vector = np.linalg.eig(monodromies(shaft, np.array([speed]), model)[0])
     motion = np.real(vector[:, np.abs(value).argmax()])
@@ -54,8 +54,8 @@ def growing_phase(shaft: MisalignedShaft, which: int) -> float:
 
 
 def _matrix() -> tuple[Misprint, ...]:
-    truth = derivative(kernel.moment)
-    right, kept = kernel.linearised(TURN, TILT), paper.frozen(TURN, TILT)
+    truth = derivative(moment)
+    right, kept = linearised(TURN, TILT), paper.frozen(TURN, TILT)
     rates = growth(SHAFT, SPEEDS, Model(paper.printed)).rate
     sec = growth(SHAFT, SPEEDS, Model(paper.frozen)).rate
     return (
@@ -79,7 +79,7 @@ def _matrix() -> tuple[Misprint, ...]:
 
 
 def _small_angle() -> tuple[Misprint, ...]:
-    limit = bound(kernel.small_angle(TURN), kernel.linearised(TURN, 1e-7), "1e-13")
+    limit = bound(small_angle(TURN), linearised(TURN, 1e-7), "1e-13")
     turned = growth(SHAFT, SPEEDS, Model(paper.turned_sign)).rate
     right = growth(SHAFT, SPEEDS, SMALL_ANGLE).rate
     low, high = growing_phase(STILL, 1), growing_phase(STILL, 0)
@@ -147,7 +147,7 @@ def _sum_zone(one: MisalignedShaft) -> Zone:
 
 
 def _simple(which: int) -> float:
-    model = Model(lambda turned, tilt: kernel.small_angle_part(turned, sine=1.0, cosine=0.0, constant=0.0))
+    model = Model(lambda turned, tilt: small_angle_part(turned, sine=1.0, cosine=0.0, constant=0.0))
     one = replace(STILL, polar=0.0)
     return float(growth(one, np.array([np.sqrt(one.square[which])]), model).rate[0])
 

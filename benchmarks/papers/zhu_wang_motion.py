@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.papers import zhu_wang_space as space
-from torsion.analyses.lateral.misaligned import EXACT, MisalignedShaft, coefficients, response, undamped
+from benchmarks.papers.zhu_wang_theory import response, undamped
+from torsion.analyses.lateral.misaligned_shaft import EXACT, MisalignedShaft, coefficients
 from torsion.kernels.periodic.monodromy import radau, step_matrices
 
 Array = NDArray[np.float64]

@@ -92,7 +92,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
 
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
     """
-    from torsion.analyses.joints.joints import JointsSettings
+    from torsion.analyses.joints.joint_analysis import JointsSettings
     from torsion.rules.universal_joints import tubes
 
     study = read(file)

@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.motion.periodic_orbits import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from torsion.analyses.joints.line import placed, turning
+from torsion.analyses.joints.joint_lines import placed, turning
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc

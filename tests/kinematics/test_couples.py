@@ -5,12 +5,50 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike
 
 from torsion.kinematics import couples, cross, line
 
 ORACLES = json.loads((Path(__file__).parent / "oracles.json").read_text())
 CARRIERS = ["driving", "driven"]
+
+
+def intermediate_couples(
+    driving: object, case: line.Line, torque: object, carrier: couples.Carrier = "driving"
+) -> tuple[couples.Couple, ...]:
+    """Net couple of the two joints on each shaft between joints, in the axes of the joint before it.
+
+    `torque` is constant on the first shaft (carrier "driving") or on the last. A plane of 180 degrees with equal
+    angles is the Z arrangement (outer shafts parallel), a plane of 0 the W arrangement.
+    """
+    every = line_couples(driving, case, torque, carrier)
+    nets = []
+    for before, behind, plane in zip(every[:-1], every[1:], case.plane[1:], strict=True):
+        turned = (behind.driving.normal + 1j * behind.driving.inplane) * np.exp(1j * plane)
+        nets.append(couples.Couple(before.driven.normal + turned.real, before.driven.inplane + turned.imag))
+    return tuple(nets)
+
+
+def line_couples(
+    driving: object, case: line.Line, torque: object, carrier: couples.Carrier = "driving"
+) -> tuple[couples.Couples, ...]:
+    """Couples of every joint of a line, each with the torque that its own shafts carry at that angle."""
+    turning = line.motion(driving, case)
+    given = np.asarray(torque, dtype=float)
+    power = given if carrier == "driving" else given * turning.speed[-1]
+    before = [power + np.zeros_like(turning.speed[0]), *(power / ratio for ratio in turning.speed[:-1])]
+    triples = zip(turning.yoke, case.angle, before, strict=True)
+    return tuple(couples.couples(yoke, angle, carried) for yoke, angle, carried in triples)
+
+
+def double_cardan(angle: object, torque: object, arrangement: str) -> tuple[couples.Harmonic, couples.Harmonic]:
+    """Net couple (normal, inplane) on the intermediate shaft of two equal joints with yokes in line, over x (P).
+
+    Z: none. W: T t sin 2x about the normal, T s (1 - cos 2x) in the plane (x counted in convention N; peak 2 T s).
+    """
+    bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
+    factor = 1.0 if arrangement == "W" else 0.0
+    slope, tilt = factor * given * np.tan(bend), factor * given * np.sin(bend)
+    return couples.Harmonic(np.zeros_like(slope), 1j * slope), couples.Harmonic(tilt, tilt + 0j)
 
 
 def close(found: object, expected: object, relative: float = 1e-13) -> None:
@@ -56,7 +94,9 @@ def test_couple_stands_square_to_both_pins_of_the_cross(carrier: couples.Carrier
         zero, start = (normal, np.cross(second, normal)) if convention == "N" else (np.cross(first, normal), -normal)
         pin = np.cos(driving) * zero + np.sin(driving) * np.cross(first, zero)
         driven_pin = np.cross(second, pin)
-        driven_pin *= np.sign(driven_pin @ turn(start, second, cross.driven_angle(driving, angle, convention)))
+        driven_pin *= np.sign(
+            driven_pin @ turn(start, second, driving + cross.transfer(driving, angle, convention).error)
+        )
         square = np.cross(pin, driven_pin)
         along = square / (square @ (first if carrier == "driving" else second)) * 3.0
         found = couples.couples(driving, angle, 3.0, carrier, convention)
@@ -80,7 +120,7 @@ def test_fixed_axes_hold_a_mean_and_a_second_harmonic_only(
 ) -> None:
     x, angle = np.linspace(0.0, 7.0, 71), 0.7
     found = couples.couples(x, angle, 5.0, carrier, convention)
-    own = x if carrier == "driving" else cross.driven_angle(x, angle, convention)
+    own = x if carrier == "driving" else x + cross.transfer(x, angle, convention).error
     closed = couples.couple_harmonics(angle, 5.0, carrier, convention)
     for history, part in (
         (found.driving.normal, closed.driving_normal),
@@ -94,7 +134,7 @@ def test_fixed_axes_hold_a_mean_and_a_second_harmonic_only(
 @pytest.mark.parametrize("carrier", CARRIERS)
 def test_torque_varies_along_a_line_as_speed_does_inversely(carrier: couples.Carrier) -> None:
     x, case = np.linspace(0.0, 6.0, 31), line.line_of([0.3, 0.5, 0.2], [0.0, 0.4, 1.0], [0.1, 0.7, -0.3])
-    every, turning = couples.line_couples(x, case, 4.0, carrier), line.motion(x, case)
+    every, turning = line_couples(x, case, 4.0, carrier), line.motion(x, case)
     close(
         [each.driven_torque * speed for each, speed in zip(every, turning.speed, strict=True)],
         every[0].driving_torque + np.zeros((3, 1)),
@@ -103,24 +143,15 @@ def test_torque_varies_along_a_line_as_speed_does_inversely(carrier: couples.Car
     close(every[0].driving_torque if carrier == "driving" else every[-1].driven_torque, 4.0, 1e-14)
 
 
-def net_couples(driving: ArrayLike, case: line.Line, torque: float) -> list[couples.Couple]:
-    """Net couple of the two joints on each shaft between joints, in the axes of the joint before it."""
-    every = couples.line_couples(driving, case, torque)
-    nets = []
-    for before, behind, plane in zip(every[:-1], every[1:], case.plane[1:], strict=True):
-        turned = (behind.driving.normal + 1j * behind.driving.inplane) * np.exp(1j * plane)
-        nets.append(couples.Couple(before.driven.normal + turned.real, before.driven.inplane + turned.imag))
-    return nets
-
-
 @pytest.mark.parametrize(("plane", "arrangement"), [(np.pi, "Z"), (0.0, "W")])
 def test_intermediate_shaft_is_free_of_couple_in_z_and_bears_twice_in_w(plane: float, arrangement: str) -> None:
     x, angle, torque = np.linspace(0.0, 6.0, 61), 0.4, 7.0
     case = line.line_of([angle, angle], [0.0, plane], [0.0, plane])
-    (net,) = net_couples(x, case, torque)
-    size = torque if arrangement == "W" else 0.0
-    np.testing.assert_allclose(net.normal, -size * np.tan(angle) * np.sin(2.0 * x), rtol=0.0, atol=1e-14)
-    np.testing.assert_allclose(net.inplane, size * np.sin(angle) * (1.0 + np.cos(2.0 * x)), rtol=0.0, atol=1e-14)
+    (net,) = intermediate_couples(x, case, torque)
+    for history, part in zip((net.normal, net.inplane), double_cardan(angle, torque, arrangement), strict=True):
+        np.testing.assert_allclose(history, part.mean + (part.second * np.exp(2j * x)).real, rtol=0.0, atol=1e-14)
+    peak = intermediate_couples(np.array(0.0), case, torque)[0].inplane
+    assert abs(peak - (2.0 * torque * np.sin(angle) if arrangement == "W" else 0.0)) < 1e-14
 
 
 def test_moments_of_a_whole_line_in_space_balance() -> None:
@@ -130,8 +161,8 @@ def test_moments_of_a_whole_line_in_space_balance() -> None:
         angles, planes, phases = rng.uniform(0.05, 0.9, 3), rng.uniform(-3, 3, 3), rng.uniform(-3, 3, 3)
         planes[0], driving = 0.0, rng.uniform(-3, 3)
         case = line.line_of(angles, planes, phases)
-        every = couples.line_couples(driving, case, 2.0)
-        nets = net_couples(driving, case, 2.0)
+        every = line_couples(driving, case, 2.0)
+        nets = intermediate_couples(driving, case, 2.0)
         normal, shaft = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]
         total = -in_space(every[0].driving, shaft, normal) + every[0].driving_torque * shaft
         for rank, angle in enumerate(angles):

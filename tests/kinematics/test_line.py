@@ -24,6 +24,13 @@ def random_line(rng: np.random.Generator, joints: int, steepest: float = 0.9) ->
     return line.line_of(rng.uniform(0.02, steepest, joints), plane, rng.uniform(-np.pi, np.pi, joints))
 
 
+def two_joint_rapidity(first: float, second: float, misphase: float) -> np.ndarray:
+    """The hyperbolic law of cosines without its difference; misphase = phase - plane of the second joint."""
+    apart = np.sin((first + second) / 2.0) * np.sin((first - second) / 2.0)
+    crossed = np.sin(first) * np.sin(second) * np.sin(misphase) / 2.0
+    return 2.0 * np.arcsinh(np.hypot(apart, crossed) / np.sqrt(np.cos(first) * np.cos(second)))
+
+
 def turned(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
     """Rodrigues' rotation of a vector square to the axis or along it."""
     return (
@@ -55,7 +62,7 @@ def test_yokes_stand_where_rotations_in_space_put_them(joints: int) -> None:
         found = line.motion(driving, case)
         pins = driven_pins(case, driving, frame)
         for rank, (shaft, zero, pin) in enumerate(pins):
-            driven = found.yoke[rank] + cross.transmission_error(found.yoke[rank], case.angle[rank])
+            driven = found.yoke[rank] + cross.transfer(found.yoke[rank], case.angle[rank]).error
             assert abs(turned(zero, shaft, driven) @ np.cross(shaft, pin)) < 1e-14
 
 
@@ -65,8 +72,9 @@ def test_the_equivalent_single_joint_turns_as_the_chain_does(joints: int) -> Non
     x = np.linspace(-9.0, 9.0, 181)
     for _ in range(60):
         case = random_line(rng, joints, 0.6)
-        chain, single = line.motion(x, case), line.equivalent(x, line.resultant(case))
-        np.testing.assert_allclose(single.error, chain.error[-1], rtol=0.0, atol=1e-13)
+        chain, whole = line.motion(x, case), line.resultant(case)
+        single = cross.transfer(x + whole.phase, whole.angle)
+        np.testing.assert_allclose(single.error + whole.lead, chain.error[-1], rtol=0.0, atol=1e-13)
         close(single.ratio, chain.speed[-1])
         size = np.abs(chain.acceleration).max(axis=1).max()
         np.testing.assert_allclose(single.curvature, chain.acceleration[-1], rtol=0.0, atol=1e-13 * size)
@@ -131,10 +139,11 @@ def test_two_joints_follow_the_hyperbolic_law_of_cosines(plane: float) -> None:
         rng.uniform(0.01, 1.5, 40), rng.uniform(0.01, 1.5, 40), rng.uniform(-4, 4, 40), strict=True
     ):
         case = line.line_of([first, second], [0.0, plane], [0.3, phase])
+        both = two_joint_rapidity(first, second, phase - plane)
+        close(line.resultant(case).rapidity, both, 3e-13)
         before, behind = cross.rapidity([first, second])
-        product = np.sinh(before) * np.sinh(behind)  # sinh(R/2)^2 = sinh((a - b)/2)^2 + sinh a sinh b sin(misphase)^2
-        half = np.sqrt(np.sinh((before - behind) / 2.0) ** 2 + product * np.sin(phase - plane) ** 2)
-        close(line.resultant(case).rapidity, 2.0 * np.arcsinh(half), 3e-13)
+        plain = np.cosh(before) * np.cosh(behind) - np.sinh(before) * np.sinh(behind) * np.cos(2 * (phase - plane))
+        close(np.cosh(both), plain)
 
 
 def test_equal_angles_with_yokes_in_line_cancel() -> None:
@@ -149,6 +158,7 @@ def test_cancelling_joints_of_almost_ninety_degrees() -> None:
     found = line.motion(np.linspace(-7.0, 7.0, 2001), case)
     np.testing.assert_allclose(found.error[-1], 0.0, rtol=0.0, atol=1e-11)
     close(found.speed[-1], 1.0, 1e-11)
+    assert two_joint_rapidity(np.radians(89.99), np.radians(89.99), 0.0) == 0.0
 
 
 def test_classical_sum_of_squares_is_its_small_angle_limit() -> None:

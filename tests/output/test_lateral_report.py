@@ -14,8 +14,8 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.analyses.lateral.bending import Lateral
-from torsion.analyses.lateral.response import extent
+from torsion.analyses.lateral.couple_response import extent
+from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Figure, Paragraph, Table

@@ -9,11 +9,10 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.analyses.motion.map import StabilityMap
-from torsion.analyses.motion.periodic import Found, PeriodicResponse
-from torsion.analyses.motion.ranges import UnstableRange
-from torsion.analyses.motion.stability import Stability
-from torsion.analyses.motion.zones import Zone
+from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
+from torsion.analyses.motion.stability_map import StabilityMap
+from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Paragraph, Table

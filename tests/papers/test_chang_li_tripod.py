@@ -87,7 +87,7 @@ def test_sign_of_the_denominators_of_9_and_10(right: str, wrong: str, name: str,
 
 def test_corrected_10_is_the_power_balance(paper) -> None:
     """V1 = Ti (1/i - cos g)/sin g, i = dTo/dTi of the motion to the same order."""
-    ratio = tripod.first_order_motion(HALF_TURN, FORTY, SHARE, 1.0).ratio
+    ratio = paper["tripod_first_order"].first_order_motion(HALF_TURN, FORTY, SHARE, 1.0).ratio
     expected = (1.0 / ratio - np.cos(FORTY)) / np.sin(FORTY)
     np.testing.assert_allclose(paper["tripod_equations"].couple_right(FORTY, HALF_TURN, SHARE), expected, rtol=1e-13)
     np.testing.assert_allclose(paper["tripod_equations"].couple_right(FORTY, HALF_TURN, 0.0), np.tan(FORTY / 2.0))

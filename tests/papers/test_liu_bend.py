@@ -62,7 +62,8 @@ def test_bearings_are_pushed_by_the_couples_of_the_joints(paper) -> None:
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(bent).max())
         front = couples.couples(moving.angle[1], boat.angle, moving.joint[0], convention="N").driving
         rear = couples.couples(moving.angle[3], boat.angle, moving.joint[1], convention="P").driven
-        own = np.array([front.inplane, -front.normal, -rear.inplane, rear.normal]) / boat.span
+        ends = (front, -boat.span), (rear, boat.span)  # distance times force + couple = 0
+        own = np.array([value / span for end, span in ends for value in (-end.inplane, end.normal)])
         np.testing.assert_allclose(found, own, rtol=0.0, atol=1e-12 * np.abs(own).max())
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from torsion.analyses.joints.joints import joints
+from torsion.analyses.joints.joint_analysis import joints
 from torsion.analyses.response.over_speed import Line, Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.assembly import assemble

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.stability import Stability, UnstableRange
-from torsion.analyses.motion.zones import Zone
+from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone
 from torsion.rules.stable_motion import stability_check
 from torsion.study import Operation
 

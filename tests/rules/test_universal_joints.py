@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from torsion.analyses.joints.joints import joints
-from torsion.analyses.lateral.bending import lateral
+from torsion.analyses.joints.joint_analysis import joints
+from torsion.analyses.lateral.shaft_bending import lateral
 from torsion.assembly import assemble
 from torsion.components.joint import Joint
 from torsion.components.material import Material

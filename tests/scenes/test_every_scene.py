@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes
@@ -132,15 +132,15 @@ def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(scen
 
 
 def test_ratios_of_the_scenes_are_those_of_their_gears(solved) -> None:
-    assert solved("haixun_06402").study.train.ratio("propeller-1") == Fraction(8, 21)  # 1/2.625
-    assert solved("pump_1200kw").study.train.ratio("impeller") == Fraction(42, 125)
+    assert solved("haixun_06402").study.train.part("propeller-1").ratio == Fraction(8, 21)  # 1/2.625
+    assert solved("pump_1200kw").study.train.part("impeller").ratio == Fraction(42, 125)
 
 
 @pytest.mark.parametrize(("scene", "propeller"), [("haixun_06402", "propeller-1"), ("usv", "propeller-1"),
                                                   ("pump_1200kw", "impeller")])  # fmt: skip
 def test_power_that_enters_at_the_motor_leaves_at_the_propeller(scene: str, propeller: str, solved) -> None:
     found = solved(scene)
-    ratio = float(found.study.train.ratio(propeller))
+    ratio = float(found.study.train.part(propeller).ratio)
     motor, load = (found.need(Steady).applied[station(found, name)] for name in ("motor-1", propeller))
     np.testing.assert_allclose(-load * ratio, motor, rtol=1e-14)
 

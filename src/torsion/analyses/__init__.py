@@ -93,20 +93,20 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
-        results={"periodic": "torsion.analyses.motion.periodic:PeriodicResponse"},
+        results={"periodic": "torsion.analyses.motion.periodic_orbits:PeriodicResponse"},
         wanted=lambda study: study.has_joints or study.setting("analyses", "response", "method") is not None,
         chapters=("exact_response",), place=("analyses", "response", "method"),
     ),
     "stability": Analysis(
         "stability", "torsion.analyses.motion.requested_motion", "run_stability",
-        settings="torsion.analyses.motion.asked:StabilitySettings", needs=("modes",),
-        results={"stability": "torsion.analyses.motion.stability:Stability"}, chapters=("stability_ranges",),
+        settings="torsion.analyses.motion.stability_settings:StabilitySettings", needs=("modes",),
+        results={"stability": "torsion.analyses.motion.stability_over_speed:Stability"}, chapters=("stability_ranges",),
     ),
     "stability map": Analysis(
         "stability map", "torsion.analyses.motion.requested_motion", "run_map", needs=("modes",),
-        results={"stability_map": "torsion.analyses.motion.map:StabilityMap"},
+        results={"stability_map": "torsion.analyses.motion.stability_map:StabilityMap"},
         wanted=lambda study: study.setting("analyses", "stability", "map") is not None,
-        place=("analyses", "stability", "map"),
+        chapters=("stability_ranges",), place=("analyses", "stability", "map"),
     ),
     "frequency response": Analysis(
         "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
@@ -119,12 +119,13 @@ ANALYSES: dict[str, Analysis] = {
         results={"critical_speeds": "CriticalSpeeds"}, wanted=always, chapters=("critical_speeds",),
     ),
     "joints": Analysis(
-        "universal joints", "torsion.analyses.joints.joints", settings="JointsSettings", needs=("steady",),
+        "universal joints", "torsion.analyses.joints.joint_analysis", settings="JointsSettings", needs=("steady",),
         results={"joints": "Joints"}, wanted=lambda study: study.has_joints, chapters=("joint_motion",),
     ),
     "lateral": Analysis(
-        "bending of the shafts", "torsion.analyses.lateral.bending", settings="LateralSettings", needs=("steady",),
-        results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports, chapters=("shaft_bending",),
+        "bending of the shafts", "torsion.analyses.lateral.shaft_bending", settings="LateralSettings",
+        needs=("steady",), results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
+        chapters=("shaft_bending",),
     ),
     "check": Analysis(
         "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",

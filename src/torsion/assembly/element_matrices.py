@@ -103,18 +103,10 @@ def _basis(cells: int, degree: int) -> Any:
 
 def _integrals(basis: Any, section: FloatArray) -> tuple[FloatArray, FloatArray]:
     """int section u' v' dx and int section u v dx of every element, (elements, degree + 1, degree + 1)."""
-    stiff = skfem.BilinearForm(_twisting).elemental(basis, section=section)
-    heavy = skfem.BilinearForm(_turning).elemental(basis, section=section)
+    stiff = skfem.BilinearForm(lambda u, v, w: w.section * u.grad[0] * v.grad[0]).elemental(basis, section=section)
+    heavy = skfem.BilinearForm(lambda u, v, w: w.section * u * v).elemental(basis, section=section)
     return _symmetric(stiff.tolocal()), _symmetric(heavy.tolocal())
 
 
 def _symmetric(local: FloatArray) -> FloatArray:
     return np.asarray((local + local.transpose(0, 2, 1)) / 2.0)
-
-
-def _twisting(u: Any, v: Any, w: Any) -> Any:
-    return w.section * u.grad[0] * v.grad[0]
-
-
-def _turning(u: Any, v: Any, w: Any) -> Any:
-    return w.section * u * v

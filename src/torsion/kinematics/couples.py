@@ -1,4 +1,4 @@
-"""Secondary couples of cross joints, on the shafts they bend, in the rotating yokes and at the bearings.
+"""Secondary couples of cross joints, on the shafts they bend and in the rotating yokes.
 
 A joint without friction carries a couple along the normal of its cross; what each shaft does not pass on as torque
 bends it. Fixed axes of a shaft of direction d at a joint of plane normal n = d_driving x d_driven/sin(angle):
@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kinematics.cross import Convention, transfer
-from torsion.kinematics.line import Line, motion
 
 Carrier = Literal["driving", "driven"]  # the shaft whose torque is constant
 
@@ -109,15 +108,3 @@ def couple_harmonics(
         driven_normal=Harmonic(none, -1j * sign * slope),
         driven_inplane=Harmonic(behind, -sign * behind + 0j),
     )
-
-
-def line_couples(
-    driving: ArrayLike, line: Line, torque: ArrayLike, carrier: Carrier = "driving"
-) -> tuple[Couples, ...]:
-    """Couples of every joint of a line, each with the torque that its own shafts carry at that angle."""
-    turning = motion(driving, line)
-    given = np.asarray(torque, dtype=float)
-    power = given if carrier == "driving" else given * turning.speed[-1]
-    before = [power + np.zeros_like(turning.speed[0]), *(power / ratio for ratio in turning.speed[:-1])]
-    triples = zip(turning.yoke, line.angle, before, strict=True)
-    return tuple(couples(yoke, angle, carried) for yoke, angle, carried in triples)

@@ -29,15 +29,6 @@ class Transfer:
 
 
 @dataclass(frozen=True, slots=True)
-class Harmonics:
-    """Fourier coefficients of orders 2, 4, ... 2 count over the driving angle; each of shape (count, *angle.shape)."""
-
-    error: FloatArray  # of sin(2 k x), rad
-    ratio: FloatArray  # of cos(2 k x); the mean is 1
-    curvature: FloatArray  # of sin(2 k x), 1/rad
-
-
-@dataclass(frozen=True, slots=True)
 class Extremes:
     """Extremes over a revolution and the driving angle x, 0 <= x < pi, at which each first occurs; rad.
 
@@ -85,32 +76,16 @@ def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P")
     return Transfer(error, ratio, -2.0 * sine * sine * product * ratio / squared)
 
 
-def transmission_error(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
-    """Driven minus driving angle, rad: atan((1 - c) tan x/(c + tan(x)^2)) in convention P (Ma 2011, eq. 4)."""
-    return transfer(driving, angle, convention).error
-
-
-def driven_angle(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
-    """Angle of the driven yoke, rad, continuous over any number of turns."""
-    return np.asarray(driving, dtype=float) + transmission_error(driving, angle, convention)
+def behind(before: Transfer, joint: Transfer) -> Transfer:
+    """The transfer up to behind a joint, from that up to it and its own at the angles where it stands."""
+    rate = before.ratio
+    gain = joint.curvature * rate * rate + joint.ratio * before.curvature
+    return Transfer(before.error + joint.error, joint.ratio * rate, gain)
 
 
 def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
     """Driven speed / driving speed: c/(1 - (s cos x)^2) in convention P, c/(1 - (s sin x)^2) in N."""
     return transfer(driving, angle, convention).ratio
-
-
-def torque_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
-    """Driven torque / driving torque, the reciprocal of the speed ratio (no friction, no inertia of the cross)."""
-    return 1.0 / speed_ratio(driving, angle, convention)
-
-
-def harmonics(angle: ArrayLike, count: int = 1, convention: Convention = "P") -> Harmonics:
-    """Closed Fourier coefficients: +-q^k/k, +-2 q^k and -+4 k q^k; in convention N the sign of every odd k changes."""
-    q = unevenness(angle)
-    rank = np.arange(1, count + 1, dtype=float).reshape(-1, *(1,) * q.ndim)
-    power = (q if convention == "P" else -q) ** rank
-    return Harmonics(power / rank, 2.0 * power, -4.0 * rank * power)
 
 
 def error_amplitude(angle: float, yoke: float, harmonic: int = 1) -> complex:

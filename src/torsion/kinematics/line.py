@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kinematics.cross import Transfer, rapidity, transfer
+from torsion.kinematics.cross import Transfer, behind, rapidity, transfer
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,14 +97,12 @@ def motion(driving: ArrayLike, line: Line, speed: ArrayLike = 1.0, acceleration:
     """Angle, speed and acceleration behind each joint of one line, driven at `speed` and `acceleration`."""
     turned = np.asarray(driving, dtype=float)
     shape = np.broadcast_shapes(turned.shape, np.shape(speed), np.shape(acceleration))
-    lead, rate, gain = np.zeros(shape), np.broadcast_to(speed, shape), np.broadcast_to(acceleration, shape)
+    before = Transfer(np.zeros(shape), np.broadcast_to(speed, shape), np.broadcast_to(acceleration, shape))
     result = np.empty((4, line.angle.size, *shape))
     for rank, (angle, offset) in enumerate(zip(line.angle, np.cumsum(line.offset), strict=True)):
-        yoke = turned + (lead + offset)
-        joint = transfer(yoke, angle)
-        gain = joint.curvature * rate * rate + joint.ratio * gain
-        lead, rate = lead + joint.error, joint.ratio * rate
-        result[:, rank] = lead, rate, gain, yoke
+        yoke = turned + (before.error + offset)
+        before = behind(before, transfer(yoke, angle))
+        result[:, rank] = before.error, before.ratio, before.curvature, yoke
     return Motion(*result)
 
 
@@ -152,12 +150,6 @@ def classical_angle(line: Line) -> FloatArray:
     gamma = np.cumsum(line.offset, axis=-1)
     total: FloatArray = np.abs(np.sum(line.angle**2 * np.exp(2j * gamma), axis=-1))
     return np.sqrt(total)
-
-
-def equivalent(driving: ArrayLike, result: Resultant) -> Transfer:
-    """Transmission error, ratio and second derivative of a whole line from its resultant; driving broadcasts."""
-    joint = transfer(np.asarray(driving, dtype=float) + result.phase, result.angle)
-    return Transfer(joint.error + result.lead, joint.ratio, joint.curvature)
 
 
 def rapidity_bound(line: Line) -> FloatArray:

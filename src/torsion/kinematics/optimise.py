@@ -6,7 +6,7 @@ less the other then remains (Ma 2011 finds the same by search).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -24,21 +24,10 @@ _LIMIT = np.radians(89.99)  # of a joint's angle
 class Optimum:
     """The best line found and what it gains."""
 
-    variable: Variable
-    joints: tuple[int, ...]  # positions in the line that were free
     line: Line
     before: Resultant
     after: Resultant
-    sensitivity: (
-        FloatArray  # index of fluctuation if that joint is `assembly_error` off, the worse of both senses; (free,)
-    )
-    assembly_error: float  # rad
-
-    @property
-    def gain(self) -> float:
-        """Share of the index of fluctuation that is saved: 1 - after/before (0 if there was none)."""
-        before = float(self.before.index)
-        return 1.0 - float(self.after.index) / before if before > 0.0 else 0.0
+    sensitivity: FloatArray  # (free,) index of fluctuation if that joint is `assembly_error` off, worse of both senses
 
 
 def optimise(
@@ -56,15 +45,7 @@ def optimise(
     if not free or (variable != "angle" and 0 in free):
         raise ValueError(f"a line of {line.angle.size} joints has no {variable} to choose at joints {free}")
     best = _pair(line, variable, free[0]) if line.angle.size == 2 and len(free) == 1 else _search(line, variable, free)
-    return Optimum(
-        variable=variable,
-        joints=free,
-        line=best,
-        before=resultant(line),
-        after=resultant(best),
-        sensitivity=_sensitivity(best, variable, free, assembly_error),
-        assembly_error=assembly_error,
-    )
+    return Optimum(best, resultant(line), resultant(best), _sensitivity(best, variable, free, assembly_error))
 
 
 def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -> FloatArray:
@@ -126,4 +107,4 @@ def _with(line: Line, variable: Variable, joints: tuple[int, ...], values: Float
     """The line with other values at some joints."""
     changed = np.array(getattr(line, variable))
     changed[list(joints)] = values
-    return replace(line, **{variable: changed})
+    return Line(**{"angle": line.angle, "plane": line.plane, "phase": line.phase, variable: changed})

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.motion.periodic import Found, PeriodicResponse
+from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import common_cycle, extremes
 from torsion.arrays import FloatArray

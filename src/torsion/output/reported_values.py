@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.rules.verdict_line import Check, Rule
 from torsion.study import Operation
 
 if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import Lateral, ShaftFound
-    from torsion.analyses.lateral.tilting import Tilting
-    from torsion.analyses.motion.stability import Stability
+    from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
+    from torsion.analyses.lateral.tilt_stability import Tilting
+    from torsion.analyses.motion.stability_over_speed import Stability
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
 WHOLE = "whole train"
@@ -33,7 +33,7 @@ class StableMotion(Rule):
 
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of the whole train."""
-        from torsion.analyses.motion.stability import Stability
+        from torsion.analyses.motion.stability_over_speed import Stability
 
         return (stability_check(evidence.need(Stability), evidence.study.operation),)
 
@@ -115,7 +115,7 @@ class StableBending(Rule):
 
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of every shaft that bends."""
-        from torsion.analyses.lateral.bending import Lateral
+        from torsion.analyses.lateral.shaft_bending import Lateral
 
         return bending_checks(evidence.need(Lateral), evidence.study.operation)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
-from torsion.analyses.joints.found import JointFound, Joints, LineFound
-from torsion.analyses.lateral.bending import Lateral
+from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
+from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
@@ -85,7 +85,7 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
 
 def _cannot_bend(train: Train, parts: tuple[int, ...]) -> str:
     """Why the bending of shafts on supports is not computed; empty where it is."""
-    from torsion.assembly.lateral.line import bending_shafts
+    from torsion.analyses.lateral.bending_shafts import bending_shafts
 
     shafts, _ = bending_shafts(train)
     return "; ".join(shaft.lacks for shaft in shafts if shaft.lacks and set(shaft.parts) & set(parts))

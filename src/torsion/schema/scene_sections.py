@@ -1,6 +1,6 @@
 """The sections of the file beside the train: materials, links, excitations, analyses and rules."""
 
-from typing import Any
+from typing import TypeVar
 
 from torsion.analyses import ANALYSES, UNBUILT
 from torsion.components.harmonic_torques import Excitation
@@ -14,6 +14,7 @@ from torsion.schema.train_reader import one_component
 from torsion.study import ShaftModel
 from torsion.train import Link
 
+Found = TypeVar("Found")
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 
 
@@ -22,19 +23,19 @@ def materials(section: object, faults: list[Fault]) -> dict[str, Material]:
     path: Path = ("materials",)
     return {
         name: declared(Material, body, (*path, name), faults) or STEEL
-        for name, body in _mapping(section, path, "`my-steel: {shear_modulus: 79.3 GPa, ...}`", faults).items()
+        for name, body in _sound(dict, section, path, "`my-steel: {shear_modulus: 79.3 GPa, ...}`", faults).items()
     }
 
 
 def excitations(section: object, faults: list[Fault]) -> list[Excitation | None]:
     """The excitations, None for a faulty one: their positions are places in the file."""
-    entries = _entries(section, ("excitations",), "`- {at: motor-1, order: 2, torque: 100 N*m}`", faults)
+    entries = _sound(list, section, ("excitations",), "`- {at: motor-1, order: 2, torque: 100 N*m}`", faults)
     return [declared(Excitation, entry, ("excitations", place), faults) for place, entry in enumerate(entries)]
 
 
 def links(section: object, faults: list[Fault]) -> list[Link | None]:
     """The links that close loops, None for a faulty one."""
-    entries = _entries(section, ("links",), "`- {between: [a, b], coupling: {stiffness: 2e4}}`", faults)
+    entries = _sound(list, section, ("links",), "`- {between: [a, b], coupling: {stiffness: 2e4}}`", faults)
     return [_link(entry, ("links", place), faults) for place, entry in enumerate(entries)]
 
 
@@ -64,7 +65,7 @@ def analyses(section: object, faults: list[Fault]) -> dict[str, Declared]:
     """The settings of every analysis that is named; defaults where it is named without any."""
     read: dict[str, Declared] = {}
     path: Path = ("analyses",)
-    for name, body in _mapping(section, path, "`modes: {count: 6}`", faults).items():
+    for name, body in _sound(dict, section, path, "`modes: {count: 6}`", faults).items():
         where = (*path, name)
         if name in ShaftModel.model_fields:
             continue
@@ -91,7 +92,7 @@ def rules(section: object, faults: list[Fault]) -> list[tuple[str, Declared]]:
     """The rules with their settings, in the order of the file."""
     read: list[tuple[str, Declared]] = []
     seen: set[str] = set()
-    for place, entry in enumerate(_entries(section, ("rules",), "`rules: [iacs-m68]`", faults)):
+    for place, entry in enumerate(_sound(list, section, ("rules",), "`rules: [iacs-m68]`", faults)):
         path: Path = ("rules", place)
         if isinstance(entry, str):
             name, body = entry, None
@@ -99,9 +100,8 @@ def rules(section: object, faults: list[Fault]) -> list[tuple[str, Declared]]:
             ((name, body),) = entry.items()
             path = (*path, name)
         else:
-            faults.append(
-                Fault(path, f"{shown(entry)} is not a rule", "`- iacs-m68`, or `- gear-hammer: {limit: 0.35}`")
-            )
+            hint = "`- iacs-m68`, or `- gear-hammer: {limit: 0.35}`"
+            faults.append(Fault(path, f"{shown(entry)} is not a rule", hint))
             continue
         if name not in RULES:
             faults.append(unknown(path, "rule", name, list(RULES)))
@@ -114,15 +114,9 @@ def rules(section: object, faults: list[Fault]) -> list[tuple[str, Declared]]:
     return read
 
 
-def _mapping(section: object, path: Path, example: str, faults: list[Fault]) -> dict[str, Any]:
-    if section is None or isinstance(section, dict):
-        return section or {}
-    faults.append(Fault(path, f"{shown(section)} is not a mapping", f"for example {example}"))
-    return {}
-
-
-def _entries(section: object, path: Path, example: str, faults: list[Fault]) -> list[Any]:
-    if section is None or isinstance(section, list):
-        return section or []
-    faults.append(Fault(path, f"{shown(section)} is not a list", f"for example {example}"))
-    return []
+def _sound(kind: type[Found], section: object, path: Path, example: str, faults: list[Fault]) -> Found:
+    """The section as a mapping or a list, empty where it is none."""
+    if section is not None and not isinstance(section, kind):
+        what = "mapping" if kind is dict else "list"
+        faults.append(Fault(path, f"{shown(section)} is not a {what}", f"for example {example}"))
+    return section if isinstance(section, kind) else kind()

@@ -28,11 +28,6 @@ def _model_faults(study: Study) -> Iterator[Fault]:
         yield Fault(("analyses", "model"), message, "model: lumped")
 
 
-def _held_faults(study: Study) -> list[Fault]:
-    """Fixed points that nothing elastic keeps apart."""
-    return fixed_point_faults(study.train)
-
-
 def _check_faults(study: Study) -> list[Fault]:
     """Trains of which there is no exact model to compare the others with."""
     if "check" not in study.analyses:
@@ -47,7 +42,7 @@ def _joint_faults(study: Study) -> list[Fault]:
     asked = study.analyses.get("joints")
     if asked is None:
         return []
-    from torsion.analyses.joints.joints import JointsSettings, settings_faults
+    from torsion.analyses.joints.joint_analysis import JointsSettings, settings_faults
 
     return settings_faults(study.train, asked) if isinstance(asked, JointsSettings) else []
 
@@ -57,25 +52,21 @@ def _motion_faults(study: Study) -> list[Fault]:
     exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
     if not exact and "stability" not in study.analyses:
         return []
-    from torsion.analyses.motion.faults import asked_faults
+    from torsion.analyses.motion.stability_settings import asked_faults
 
     found = asked_faults(study)
-    if "stability" in study.analyses and not _has_inertia(study):
+    lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
+    if "stability" in study.analyses and not (lumps or any(bar.density > 0 for bar in study.train.bars)):
         message = "the train has no component with an inertia, and without one nothing can grow"
         found.append(Fault(("analyses", "stability"), message, "leave it out, or give an inertia"))
     return found
-
-
-def _has_inertia(study: Study) -> bool:
-    lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
-    return lumps or any(bar.density > 0 for bar in study.train.bars)
 
 
 def _lateral_faults(study: Study) -> list[Fault]:
     """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
     if "lateral" not in study.analyses and not study.has_supports:
         return []
-    from torsion.analyses.lateral.bending import LateralSettings, lateral_faults
+    from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral_faults
 
     asked = study.analyses.get("lateral")
     return lateral_faults(study.train, asked if isinstance(asked, LateralSettings) else None)
@@ -141,7 +132,7 @@ def _power_faults(study: Study) -> list[Fault]:
 
 
 _CHECKS: tuple[tuple[Callable[[Study], Iterable[Fault]], tuple[str, ...]], ...] = (  # with the sections that each reads
-    (_held_faults, ("train", "links")),
+    (lambda study: fixed_point_faults(study.train), ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),
     (_check_faults, ("train", "links", "analyses")),
     (_response_faults, ("train", "operation", "analyses", "rules")),

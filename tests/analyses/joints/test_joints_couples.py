@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from torsion.analyses.joints.joints import JointsSettings, joints
+from torsion.analyses.joints.joint_analysis import JointsSettings, joints
 from torsion.analyses.steady import steady
 from torsion.assembly import assemble
 from torsion.components.branch import Branch

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.joints.found import Joints
-from torsion.analyses.joints.joints import JointsSettings, joints
-from torsion.analyses.joints.line import placed
+from torsion.analyses.joints.joint_analysis import JointsSettings, joints
+from torsion.analyses.joints.joint_lines import placed
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly import assemble

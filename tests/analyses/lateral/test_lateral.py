@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.lateral.planes import planes
-from torsion.analyses.lateral.refined import refined
-from torsion.analyses.lateral.response import answer, speeds_for
-from torsion.analyses.lateral.whirl import criticals, lowest, roots_among, whirl
-from torsion.assembly.lateral.places import places
-from torsion.assembly.lateral.shaft import Beam, Point, Segment, assemble_lateral
+from torsion.analyses.lateral.beam_elements import Segment
+from torsion.analyses.lateral.beam_matrices import Beam, Point, assemble_lateral, places
+from torsion.analyses.lateral.bending_modes import planes
+from torsion.analyses.lateral.couple_response import answer, speeds_for
+from torsion.analyses.lateral.whirl import criticals, lowest, refined, roots_among, whirl
 from torsion.errors import SolveError
 from torsion.kernels.tree_response import Status
 from torsion.rules.universal_joints import critical_speed
@@ -223,7 +222,7 @@ def test_answer_to_a_couple_is_its_sum_over_the_modes() -> None:
 def test_joints_bear_a_standing_couple_as_two_bearings_do() -> None:
     couple = np.array([[[50.0, -20.0], [0, 0]]], dtype=complex)
     found = answer(_turning(), 0, np.array([100.0]), couple)
-    exact = np.array([-20.0, -50.0]) / LENGTH  # on the farther bearing: span x force is the couple
+    exact = -np.array([20.0, 50.0]) / LENGTH  # of the shaft on the farther bearing: x times force + couple = 0
     np.testing.assert_allclose(found.force[0, 1], exact, rtol=1e-10)
     np.testing.assert_allclose(found.force[0, 0], -exact, rtol=1e-10)
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from torsion.analyses.joints.line import placed
-from torsion.analyses.lateral.bending import LateralSettings, lateral
-from torsion.analyses.lateral.couples import couples_at
-from torsion.assembly.lateral.line import bending_shafts
+from torsion.analyses.joints.joint_lines import placed
+from torsion.analyses.lateral.bending_shafts import bending_shafts
+from torsion.analyses.lateral.couple_response import couples_at
+from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
 from torsion.components.gear import Gear

@@ -11,9 +11,9 @@ from scipy.optimize import fsolve
 
 import torsion
 from torsion.analyses.motion.common_period import too_long
-from torsion.analyses.motion.loading import scene
-from torsion.analyses.motion.periodic import harmonics_at_least
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.mechanism_loads import scene
+from torsion.analyses.motion.periodic_orbits import harmonics_at_least
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.assembly import assemble
 from torsion.errors import SolveError
 from torsion.study import Study

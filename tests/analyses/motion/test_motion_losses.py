@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.motion.equations import right_hand_side
-from torsion.analyses.motion.floquet import variation
-from torsion.analyses.motion.loading import scene
-from torsion.analyses.motion.map import stability_map
-from torsion.analyses.motion.modes import basis
-from torsion.analyses.motion.periodic import orbit, periodic_response
-from torsion.analyses.motion.speeds import growths
-from torsion.analyses.motion.stability import Search, damped, search, stability
+from torsion.analyses.motion.equations_of_motion import right_hand_side
+from torsion.analyses.motion.floquet_exponents import Search, damped, search, variation
+from torsion.analyses.motion.mechanism_loads import scene
+from torsion.analyses.motion.periodic_orbits import orbit, periodic_response
+from torsion.analyses.motion.periodic_speeds import growths
+from torsion.analyses.motion.stability_map import stability_map
+from torsion.analyses.motion.stability_over_speed import stability
+from torsion.analyses.motion.straight_modes import basis
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling

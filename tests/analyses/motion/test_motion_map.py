@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.asked import MapSettings, StabilitySettings
-from torsion.analyses.motion.loading import scene
-from torsion.analyses.motion.map import stability_map
-from torsion.analyses.motion.modes import basis
-from torsion.analyses.motion.reduced import modes_that_matter
-from torsion.analyses.motion.stability import search
+from torsion.analyses.motion.floquet_exponents import modes_that_matter, search
+from torsion.analyses.motion.mechanism_loads import scene
+from torsion.analyses.motion.stability_map import stability_map
+from torsion.analyses.motion.stability_settings import MapSettings, StabilitySettings
+from torsion.analyses.motion.straight_modes import basis
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling

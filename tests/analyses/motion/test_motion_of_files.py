@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.joints.found import Joints
-from torsion.analyses.motion.map import StabilityMap
-from torsion.analyses.motion.periodic import PeriodicResponse
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.motion.periodic_orbits import PeriodicResponse
+from torsion.analyses.motion.stability_map import StabilityMap
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks

@@ -8,10 +8,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.motion.equations import right_hand_side
-from torsion.analyses.motion.loading import scene
-from torsion.analyses.motion.periodic import Found, PeriodicResponse, orbit, periodic_response, told
-from torsion.analyses.motion.several import others
+from torsion.analyses.motion.equations_of_motion import right_hand_side
+from torsion.analyses.motion.mechanism_loads import scene
+from torsion.analyses.motion.periodic_orbits import (
+    Found,
+    PeriodicResponse,
+    orbit,
+    others,
+    periodic_response,
+    response_of,
+)
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
@@ -128,7 +134,7 @@ def raised(angles: tuple[float, ...], phase: float, speed: float, damping: float
     for angle in angles:
         at = scene(*six_stations(angle, phase, damping))
         found = orbit(at, speed, found)
-    return told(at, np.array([speed]), [found], ("",))
+    return response_of(at, [found], np.array([speed]), ("",))
 
 
 def first_order(study: Study, system: System, speed: float, drive: float = 300.0) -> np.ndarray:

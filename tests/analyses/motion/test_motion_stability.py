@@ -8,13 +8,13 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from torsion.analyses.motion.equations import linearised, mean_angle, right_hand_side, state
-from torsion.analyses.motion.floquet import Variation, by_hill, by_monodromy, hill_count, variation
-from torsion.analyses.motion.loading import operating, scene
-from torsion.analyses.motion.modes import Basis, basis
-from torsion.analyses.motion.periodic import orbit
-from torsion.analyses.motion.stability import search, stability
-from torsion.analyses.motion.zones import zone
+from torsion.analyses.motion.equations_of_motion import linearised, mean_angle, right_hand_side, state
+from torsion.analyses.motion.floquet_exponents import Variation, by_hill, by_monodromy, hill_count, search, variation
+from torsion.analyses.motion.mechanism_loads import operating, scene
+from torsion.analyses.motion.periodic_orbits import orbit
+from torsion.analyses.motion.stability_over_speed import stability
+from torsion.analyses.motion.straight_modes import Basis, basis
+from torsion.analyses.motion.unstable_ranges import zone
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.system import System

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.ranges import UnstableRange, unstable_ranges
-from torsion.analyses.motion.stability import Search, search, stability
-from torsion.analyses.motion.zones import Zone
+from torsion.analyses.motion.floquet_exponents import Search, search
+from torsion.analyses.motion.stability_over_speed import stability
+from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone, unstable_ranges
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling

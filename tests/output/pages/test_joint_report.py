@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Points, Table
 from torsion.output.chapters.joint_motion import chapter

@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import combinations
 from math import inf
 
-from torsion.analyses.motion.layout import common_order
+from torsion.analyses.motion.mechanism import common_order
 from torsion.errors import SolveError
 from torsion.primitives import Bar, Constraint, Spring
 from torsion.train import Train

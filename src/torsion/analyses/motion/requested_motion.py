@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.analyses.motion.asked import StabilitySettings
+from torsion.analyses.motion.stability_settings import StabilitySettings
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
 from torsion.findings import Work
@@ -24,7 +24,7 @@ def run_periodic(work: Work) -> None:
         if asked or first_order is not None:
             log.without(PERIODIC, "`method: first-order`" if first_order is not None else "no response over speed")
         return
-    from torsion.analyses.motion.periodic import is_advised
+    from torsion.analyses.motion.periodic_orbits import is_advised
 
     if not asked and not is_advised(system, first_order.joint_error):
         log.without(PERIODIC, SMALL)
@@ -35,9 +35,9 @@ def run_periodic(work: Work) -> None:
 
 def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> None:
     """patient: it may take long."""
-    from torsion.analyses.motion.faults import motion_faults
-    from torsion.analyses.motion.periodic import Found
-    from torsion.analyses.motion.speeds import periodic_over_speed, too_long
+    from torsion.analyses.motion.periodic_orbits import Found
+    from torsion.analyses.motion.periodic_speeds import periodic_over_speed, too_long
+    from torsion.analyses.motion.stability_settings import motion_faults
 
     study, system, log = work.study, work.system.whole, work.log
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
@@ -72,9 +72,9 @@ def exciting_joints(system: System) -> bool:
 
 def run_stability(work: Work) -> None:
     """Stability over speed and its map, where they are requested."""
-    from torsion.analyses.motion.loading import scene
-    from torsion.analyses.motion.periodic import harmonics_at_least
-    from torsion.analyses.motion.reduced import stability_asked
+    from torsion.analyses.motion.mechanism_loads import scene
+    from torsion.analyses.motion.periodic_orbits import harmonics_at_least
+    from torsion.analyses.motion.stability_over_speed import stability_asked
 
     study, system, log = work.study, work.system.whole, work.log
     settings = work.settings("stability", StabilitySettings)
@@ -109,9 +109,9 @@ def run_map(work: Work) -> None:
     settings, speeds = stability.map, stability.speeds or work.study.operation.speeds
     if settings is None or speeds is None or not exciting_joints(work.system):
         return
-    from torsion.analyses.motion.loading import scene
-    from torsion.analyses.motion.map import stability_map
-    from torsion.analyses.motion.periodic import harmonics_at_least
+    from torsion.analyses.motion.mechanism_loads import scene
+    from torsion.analyses.motion.periodic_orbits import harmonics_at_least
+    from torsion.analyses.motion.stability_map import stability_map
 
     harmonics_at_least(scene(work.study, work.system.whole, vibratory=False))
     with work.log.step("stability map", "asked") as step:

@@ -11,14 +11,13 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.joints.first_order import joint_errors
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, blocks, refuse_too_large
 from torsion.analyses.response.harmonic_components import Excitation, Line, excitations, excited_orders, lines, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import FloatArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
@@ -160,3 +159,19 @@ def _solved(
             joint_error[part, k] = joint_errors(system, one, answered.angle)
     each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
     return Response(speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system)
+
+
+def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
+    """(frequencies,) estimated relative error of a line that joints excite, from its angles (frequencies, stations).
+
+    The model evaluates a joint's error e at the mean angle of its yokes. Terms of second order are left out: a joint
+    changes the stiffness seen through it by 4 q at twice its speed, and a yoke that oscillates by x changes e by its
+    slope times x. Acting twice, they come back at the same order with the square of both together, (2 q + 2 |x|)^2, of
+    the largest joint. It is an estimate and no bound; in 40 cases of a train of two joints (3 to 30 degrees, off and at
+    resonance, cancelling and adding) it was 1.3 to 32 times the error against the full non-linear solution.
+    """
+    worst = np.zeros(len(angle))
+    for error in excitation.errors:
+        amplitude = np.abs(angle[:, system.spans[error.span].driving])
+        worst = np.maximum(worst, (2.0 * abs(error.amplitude) + error.order * amplitude) ** 2)
+    return worst

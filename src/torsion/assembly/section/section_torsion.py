@@ -58,9 +58,11 @@ def solve_level(mesh: Triangles, degree: int) -> Level:
     element = skfem.ElementTriP4() if degree == 4 else skfem.ElementTriP2()
     basis, edge = skfem.Basis(_shape(mesh), element, intorder=ORDER), boundary(mesh)
     (x, y), dx = basis.default_parameters()["x"], basis.dx
-    stiffness = skfem.BilinearForm(_gradients).assemble(basis)
+    gradients = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1])
+    around = skfem.LinearForm(lambda v, w: w.x[1] * v.grad[0] - w.x[0] * v.grad[1])
+    stiffness = gradients.assemble(basis)
     lower, phi = _stress_function(basis, stiffness, edge, _facets(mesh, basis.mesh, edge))
-    upper = float(np.sum((x * x + y * y) * dx)) - _warping_energy(stiffness, skfem.LinearForm(_around).assemble(basis))
+    upper = float(np.sum((x * x + y * y) * dx)) - _warping_energy(stiffness, around.assemble(basis))
     stress, at = _largest_slope(basis, phi)
     return Level(len(mesh.nodes), lower, upper, stress, at)
 
@@ -83,18 +85,6 @@ def _facets(mesh: Triangles, shape: Any, edge: Boundary) -> IntArray:
     return np.asarray(order[np.searchsorted(known[order], wanted)])
 
 
-def _gradients(u: Any, v: Any, _: Any) -> Any:
-    return u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1]
-
-
-def _twofold(v: Any, _: Any) -> Any:
-    return 2.0 * v
-
-
-def _around(v: Any, w: Any) -> Any:
-    return w.x[1] * v.grad[0] - w.x[0] * v.grad[1]
-
-
 def _stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArray) -> tuple[float, FloatArray]:
     """Torsion constant, and phi (unknowns,): 0 on the outline, one unknown for each hole, all others free."""
     number, holes = stiffness.shape[0], len(edge.area) - 1
@@ -104,7 +94,7 @@ def _stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArra
     free = np.flatnonzero(column >= 0)
     used, place = np.unique(column[free], return_inverse=True)
     spread = csc_array((np.ones(len(free)), (free, place)), shape=(number, len(used)))
-    force = spread.T @ skfem.LinearForm(_twofold).assemble(basis)
+    force = spread.T @ skfem.LinearForm(lambda v, _: 2.0 * v).assemble(basis)
     force[:holes] -= 2.0 * edge.area[1:]  # negative around a hole
     answer = _solved(spread.T @ stiffness @ spread, force)
     return float(force @ answer), np.asarray(spread @ answer)

@@ -12,6 +12,7 @@ from torsion.kernels.periodic.hill import (
     Couplings,
     assembled,
     from_real_parts,
+    harmonics_of,
     hill_blocks,
     real_blocks,
     real_parts,
@@ -65,18 +66,12 @@ Equations = Callable[[Motion, FloatArray, int], Linearised]  # (motion, loads, h
 
 
 def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
-    """Deviation, speed and acceleration at `times` points of the period from harmonics (coordinates, 2 count + 1)."""
-    count = (harmonic.shape[1] - 1) // 2
-    half = np.zeros((harmonic.shape[0], times // 2 + 1), dtype=complex)
-    half[:, : count + 1] = harmonic[:, count:]
-    rate = 1j * w0 * np.arange(half.shape[1])
-    return Motion(*(np.fft.irfft(half * rate**k, times, axis=1) * times for k in range(3)))
-
-
-def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
-    """(..., 2 count + 1) Fourier coefficients of a real function sampled over its period (..., times)."""
-    spectrum = np.fft.fft(samples) / samples.shape[-1]
-    return np.asarray(spectrum[..., np.arange(-count, count + 1)])
+    """Deviation, speed and acceleration at `times` points of the period from harmonics (..., 2 count + 1)."""
+    count = harmonic.shape[-1] // 2
+    half = np.zeros((*harmonic.shape[:-1], times // 2 + 1), dtype=complex)
+    half[..., : count + 1] = harmonic[..., count:]
+    rate = 1j * w0 * np.arange(half.shape[-1])
+    return Motion(*(np.fft.irfft(half * rate**k, times) * times for k in range(3)))
 
 
 def resized(harmonic: ComplexArray, count: int) -> ComplexArray:

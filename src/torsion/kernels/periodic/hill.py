@@ -51,20 +51,26 @@ def couplings_of(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -
     return Couplings(row, column, *flat)
 
 
+def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
+    """(..., 2 count + 1) Fourier coefficients of a function sampled over its period (..., times).
+
+    Those beyond what the samples resolve are 0.
+    """
+    times, rank = samples.shape[-1], np.arange(-count, count + 1)
+    found = (np.fft.fft(samples) / times)[..., rank % times]
+    found[..., np.abs(rank) > (times - 1) // 2] = 0.0
+    return np.asarray(found)
+
+
 def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> ComplexArray:
     """(..., rows, 2 count + 1): multiplication by a periodic function, from harmonics -count..count to those of `rows`.
 
     samples: (..., times), evenly spaced over the period; rows: the same harmonics unless given.
     """
     columns = np.arange(-count, count + 1)
-    times = samples.shape[-1]
-    spectrum = np.fft.fft(samples) / times
     between = (columns if rows is None else rows)[:, None] - columns
-    found = spectrum[..., between % times]
-    outside = np.abs(between) > (times - 1) // 2
-    if outside.any():
-        found[..., outside] = 0.0
-    return np.asarray(found)
+    widest = int(np.abs(between).max())
+    return np.asarray(harmonics_of(samples, widest)[..., between + widest])
 
 
 def hill_blocks(entries: Couplings, w0: float, count: int, rows: IntArray | None = None) -> ComplexArray:

@@ -73,13 +73,25 @@ def monodromy(
     """(2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s)."""
     rule, size = radau(stages), mass.shape[1]
     share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
-    whole = np.eye(2 * size)
-    chunk = max(1, MOST_NUMBERS // (stages * size) ** 2)
-    parts = [at_times(part, share).reshape(steps, stages, size, size) for part in (mass, damping, stiffness)]
+    form = (steps, stages, size, size)
+    inert, damp, stiff = (at_times(part, share).reshape(form) for part in (mass, damping, stiffness))
+    return through_steps(inert, damp, stiff, period / steps, rule)
+
+
+def through_steps(
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, h: float, rule: Collocation
+) -> FloatArray:
+    """(..., 2 size, 2 size): what steps h (s) in a row make of (y, y'); M, C, K at the nodes of every step.
+
+    Each is (..., steps, stages, size, size).
+    """
+    steps, unknowns = mass.shape[-4], int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2
+    whole, chunk = np.eye(2 * mass.shape[-1]), max(1, MOST_NUMBERS // unknowns)
     for first in range(0, steps, chunk):
-        inert, damp, stiff = (part[first : first + chunk] for part in parts)
-        for step in step_matrices(inert, damp, stiff, period / steps, rule):
-            whole = step @ whole
+        some = np.s_[..., first : first + chunk, :, :, :]
+        each = step_matrices(mass[some], damping[some], stiffness[some], h, rule)
+        for k in range(each.shape[-3]):
+            whole = each[..., k, :, :] @ whole
     return whole
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.motion.periodic import PeriodicResponse
+from torsion.analyses.motion.periodic_orbits import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
@@ -148,7 +148,7 @@ def joint_orders(findings: Findings) -> list[Fraction]:
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
-    from torsion.analyses.motion.periodic import Found
+    from torsion.analyses.motion.periodic_orbits import Found
     from torsion.output.first_order_and_exact import exact_amplitude
 
     response, found = findings.need(Response), findings.need(PeriodicResponse)

@@ -11,7 +11,7 @@ from torsion.output.chapters.joint_tables import STILL, names, of_line
 from torsion.output.numbers import RPM, Scale, scale
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import CoupleFound, JointFound, Joints, LineFound
+    from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound
 
 IndexArray = NDArray[np.int64]
 MOST_POINTS = 3000  # of a curve that is drawn

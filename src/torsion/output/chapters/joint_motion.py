@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, head
@@ -14,7 +14,7 @@ from torsion.output.selection import largest, worst
 from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import JointFound, Joints
+    from torsion.analyses.joints.joint_results import JointFound, Joints
 
 NEWTON_METRE = Scale("N m", 1.0)
 AXES = (

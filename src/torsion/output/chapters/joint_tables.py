@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.joints.found import Joints
+from torsion.analyses.joints.joint_results import Joints
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Paragraph, Table, head
 from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale
 
 if TYPE_CHECKING:
-    from torsion.analyses.joints.joints import JointFound, LineFound, OptimumFound
+    from torsion.analyses.joints.joint_results import JointFound, LineFound, OptimumFound
 
 Series = tuple[str, FloatArray]  # title with unit; (angles,)
 LINES = "Joints of a shaft line as one: angle, speed ratios, index"  # on the terminal

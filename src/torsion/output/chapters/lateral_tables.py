@@ -11,7 +11,9 @@ from torsion.output.numbers import NONE, RPM, number, rpm, scale
 from torsion.output.selection import NO_VALUE, highest, largest
 
 if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import Answer, Critical, ShaftFound
+    from torsion.analyses.lateral.couple_response import Answer
+    from torsion.analyses.lateral.shaft_bending import ShaftFound
+    from torsion.analyses.lateral.whirl import Critical
 
 Range = tuple[float, float] | None  # lowest and highest reference speed, rad/s
 PURE, FLAT = 0.99, 0.1  # of a direction: a circle from the first on, nearly a line up to the second
@@ -136,7 +138,7 @@ def _clean(decrement: float) -> float:
 
 def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
     """Largest displacement and bending moment of every order; None where no torque is known."""
-    from torsion.analyses.lateral.response import extent
+    from torsion.analyses.lateral.couple_response import extent
 
     told = [(shaft, one) for shaft in found for one in shaft.answers]
     if not told:
@@ -162,7 +164,7 @@ def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
 
 def forces(found: "tuple[ShaftFound, ...]") -> Table | None:
     """Largest force of every order on every joint and support; None where no torque is known."""
-    from torsion.analyses.lateral.response import extent
+    from torsion.analyses.lateral.couple_response import extent
 
     told = [(shaft, one) for shaft in found for one in shaft.answers]
     if not told:

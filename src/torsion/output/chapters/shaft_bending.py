@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.lateral.bending import Lateral
+from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -17,7 +17,8 @@ from torsion.output.numbers import RPM, scale
 from torsion.output.reported_values import rated_rpm, reference
 
 if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import Answer, ShaftFound
+    from torsion.analyses.lateral.couple_response import Answer
+    from torsion.analyses.lateral.shaft_bending import ShaftFound
 
 AXES = (
     "y lies along the normal of the plane of the joint before the shaft (else of the one behind it), z square to y and "
@@ -92,7 +93,7 @@ def _answers(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> list[Block
 
 def _bending(findings: Findings, shaft: "ShaftFound", number: int) -> Figure:
     """Largest displacement, moment and force of the shaft over speed, every order apart."""
-    from torsion.analyses.lateral.response import extent
+    from torsion.analyses.lateral.couple_response import extent
 
     def over(of: "Callable[[Answer], FloatArray]") -> list[FloatArray]:
         return [of(one).max(axis=1) for one in shaft.answers]

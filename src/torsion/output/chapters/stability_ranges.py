@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from torsion.analyses.motion.map import StabilityMap
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.stability_map import StabilityMap
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
 from torsion.output.chapters.unstable_ranges import ABOVE, BELOW, beyond, end, fastest, legend

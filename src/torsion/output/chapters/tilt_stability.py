@@ -11,9 +11,8 @@ from torsion.output.reported_values import rated_rpm
 from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
-    from torsion.analyses.lateral.bending import ShaftFound
-    from torsion.analyses.lateral.misaligned_zones import Zone
-    from torsion.analyses.lateral.tilting import Tilting
+    from torsion.analyses.lateral.shaft_bending import ShaftFound
+    from torsion.analyses.lateral.tilt_stability import Tilting, Zone
 
 MODEL = (
     "The secondary couple of a joint follows the tilt of the shaft that it drives and so makes its stiffness vary at "

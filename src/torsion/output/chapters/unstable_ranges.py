@@ -6,8 +6,8 @@ from torsion.output.numbers import RPM, given_rpm, rpm, told_apart
 from torsion.output.reported_values import widened
 
 if TYPE_CHECKING:
-    from torsion.analyses.motion.ranges import UnstableRange
-    from torsion.analyses.motion.stability import Stability
+    from torsion.analyses.motion.stability_over_speed import Stability
+    from torsion.analyses.motion.unstable_ranges import UnstableRange
 
 BELOW, ABOVE = 0, 1
 GOES_ON, UNKNOWN = "+", "?"  # beside a figure, on the terminal

@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsion.analyses.compare.side_by_side import Compared
-from torsion.analyses.motion.periodic import PeriodicResponse
-from torsion.analyses.motion.stability import Stability
+from torsion.analyses.motion.periodic_orbits import PeriodicResponse
+from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, head, on_terminal

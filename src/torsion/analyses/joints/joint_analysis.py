@@ -1,0 +1,195 @@
+"""Universal joints by themselves: kinematics, secondary couples, the line of joints as one, and its best phase."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from torsion import fields
+from torsion.analyses.joints.joint_couples import couples_found
+from torsion.analyses.joints.joint_lines import (
+    Behind,
+    Placed,
+    has_third_order,
+    line_found,
+    motions,
+    optimum_found,
+    path_to,
+    paths,
+    placed,
+    steepest,
+    turning,
+)
+from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound, OptimumFound
+from torsion.analyses.steady import Steady
+from torsion.analyses.steady import steady as mean_torques
+from torsion.assembly import assemble
+from torsion.errors import Fault, InputError, Path
+from torsion.fields import Declared, Quantity, given
+from torsion.findings import Work
+from torsion.kinematics.cross import fluctuation
+from torsion.study import Operation
+from torsion.train import Train
+
+PLACE: Path = ("analyses", "joints")
+_SAMPLES = 720  # of a tripod's turn; symmetry puts the extremes of its speed at multiples of 30 degrees
+
+
+class JointsSettings(Declared):
+    """Settings of `joints`."""
+
+    optimise: Literal["phase", "angle", "plane"] | None = given("which quantity of the joints is to be chosen best")
+    joint: str | None = given("the one joint that may be changed (default: every joint of its line but the first)")
+    turns: Annotated[int, Field(ge=1, le=100)] = given("turns of the driving shaft that are shown", 1)
+    steps: Annotated[int, Field(ge=8, le=10_000)] = given("angles in a turn", 360)
+    torque: fields.Torque | None = given(
+        "torque in the driving shaft of every joint (default: the mean torque, if known)"
+    )
+    carrier: Literal["driving", "driven"] = given("the shaft of a joint whose torque is constant", "driving")
+    bearings: Mapping[str, Annotated[float, Quantity("m", above=0, usual=(None, 100.0), slip=("mm",))]] = given(
+        "distance of the bearings that carry a joint's couple, by joint", {}
+    )
+
+
+def joints(
+    train: Train, operation: Operation, asked: JointsSettings | None = None, steady: Steady | None = None
+) -> Joints:
+    """All joints of a train over the turns of each line's first shaft; the rest of the train is taken as rigid.
+
+    Each joint carries its own mean torque at the rated speed (else the highest), constant on the shaft `carrier`;
+    a `torque` that is asked for stands in its place everywhere. `steady` saves computing the mean torques again.
+    Raises InputError where the train has no joint, or a setting names none.
+    """
+    wanted = asked or JointsSettings()
+    every = placed(train)
+    if faults := _faults(every, wanted):
+        raise InputError(faults)
+    turned = np.linspace(0.0, 2.0 * math.pi * wanted.turns, wanted.steps * wanted.turns + 1)
+    speed = operation.speed
+    torques, lacking = _torques(train, operation, every, wanted, steady)
+    moved = motions(every, turned)
+    found = [_joint(every, k, moved[k], wanted, speed=speed, torque=torque) for k, torque in enumerate(torques)]
+    lines = tuple(line_found(every, path, _optimum(every, path, wanted)) for path in paths(every))
+    remarks = [*([] if speed else ["no speed is given: accelerations are told for speed 1 rad/s"]), *lacking]
+    return Joints(turned, tuple(found), lines, (*remarks, *_remarks(every, lines, wanted)))
+
+
+def _joint(
+    every: Sequence[Placed],
+    position: int,
+    behind: Behind,
+    asked: JointsSettings,
+    *,
+    speed: float | None,
+    torque: float | None,
+) -> JointFound:
+    place, moved = every[position], behind.transfer
+    pair: tuple[CoupleFound, ...] = ()
+    force = 0.0
+    if torque is not None:
+        distance = asked.bearings.get(place.name)
+        pair, force = couples_found(place, behind.yoke, torque, asked.carrier, distance)
+    return JointFound(
+        name=place.name, part=place.part, kind=place.joint.kind,
+        angle=place.joint.angle, plane=place.joint.plane, phase=place.joint.phase, yoke=place.joint.yoke,
+        ratio=place.ratio, order=place.joint.order, amplitude=place.error[0][1] if place.error else 0j,
+        unevenness=_unevenness(place), speed=None if speed is None else speed * float(place.ratio), torque=torque,
+        error=moved.error, speed_ratio=moved.ratio, acceleration=moved.curvature,
+        torque_ratio=1.0 / behind.ratio, couples=pair, steepest=steepest(every, path_to(every, position)),
+        force=force,
+    )  # fmt: skip
+
+
+def _unevenness(place: Placed) -> float:
+    """(Greatest - least)/mean driven speed of one joint at constant driving speed."""
+    if place.joint.order == 2:
+        return float(fluctuation(place.joint.angle))
+    ratio = turning(place.joint, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
+    return float(ratio.max() - ratio.min())
+
+
+def _torques(
+    train: Train, operation: Operation, every: Sequence[Placed], asked: JointsSettings, known: Steady | None
+) -> tuple[list[float | None], list[str]]:
+    """Mean torque in the driving shaft of every joint, N m, and what to say where it is not known."""
+    if asked.torque is not None:
+        return [asked.torque] * len(every), []
+    speed = operation.speed
+    if not speed or not operation.has_mean_torque:
+        return [None] * len(every), ["no torque is known: secondary couples are left out"]
+    if known is None:
+        known = mean_torques(train, assemble(train), operation, np.array([speed]))
+    column = int(np.argmin(np.abs(known.speed - speed)))
+    return [float(known.torque[place.span, column]) for place in every], []
+
+
+def _optimum(every: Sequence[Placed], path: tuple[int, ...], asked: JointsSettings) -> OptimumFound | None:
+    if asked.optimise is None:
+        return None
+    free = None if asked.joint is None else [k for k, place in enumerate(every) if place.name == asked.joint]
+    return optimum_found(every, path, asked.optimise, free)
+
+
+def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], asked: JointsSettings) -> list[str]:
+    """What a reader must know of the lines."""
+    found = []
+    for line in lines:
+        names = ", ".join(every[k].name for k in line.joints)
+        if has_third_order(every, line.joints):
+            found.append(f"{names}: the resulting angle and the optimum are of the cross joints alone; "
+                         "speeds include the tripods")  # fmt: skip
+        if asked.optimise and line.optimum is None:
+            found.append(f"{names}: no {asked.optimise} of a cross joint is free to be chosen on this line")
+    return found
+
+
+def settings_faults(train: Train, asked: JointsSettings) -> list[Fault]:
+    """Faults of the settings against the train."""
+    return _faults(placed(train), asked)
+
+
+def _faults(every: Sequence[Placed], asked: JointsSettings) -> list[Fault]:
+    if not every:
+        return [Fault(PLACE, "the train has no joint", "add one: `- joint: {angle: 5 deg}`")]
+    names = [place.name for place in every]
+    there = f"joints: {', '.join(names)}"
+    faults = [
+        Fault((*PLACE, "bearings", name), f"no joint is called '{name}'", there, at_key=True)
+        for name in asked.bearings
+        if name not in names
+    ]
+    if asked.joint is not None and asked.joint not in names:
+        faults.append(Fault((*PLACE, "joint"), f"no joint is called '{asked.joint}'", there))
+    elif asked.joint is not None:
+        faults += _freedom(every[names.index(asked.joint)], asked)
+    return faults
+
+
+def _freedom(place: Placed, asked: JointsSettings) -> list[Fault]:
+    """The joint that may be changed must change something."""
+    where = (*PLACE, "joint")
+    if asked.optimise is None:
+        message = "`joint` names what may be changed, and nothing is optimised"
+        return [Fault(where, message, "add `optimise: phase`")]
+    if place.joint.kind != "cross":
+        return [Fault(where, f"'{place.name}' is no cross joint; it has nothing to choose", "name a cross joint")]
+    if place.before is None and asked.optimise != "angle":
+        message = f"'{place.name}' is the first of its line; its {asked.optimise} changes nothing"
+        return [Fault(where, message, "name a later joint")]
+    return []
+
+
+def run(work: Work) -> None:
+    """The joints of the train by themselves."""
+    with work.log.step(
+        "universal joints", "asked" if "joints" in work.study.analyses else "the train has joints"
+    ) as step:
+        settings = work.settings("joints", JointsSettings)
+        found = joints(work.study.train, work.study.operation, settings, work.get(Steady))
+        step.method = "exact kinematics of rigid shafts, each line as one joint"
+        step.size = f"{len(found.joints)} joints on {len(found.lines)} lines, {found.angle.size} angles"
+    for remark in found.remarks:
+        work.log.without("universal joints, in part", remark)
+    work.put(joints=found)

@@ -1,0 +1,104 @@
+"""Secondary couples of one joint of a train, over the angles of its yoke and as mean and harmonic."""
+
+import math
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from torsion.analyses.joints.joint_lines import Placed
+from torsion.analyses.joints.joint_results import CoupleFound
+from torsion.arrays import FloatArray
+from torsion.kinematics.couples import Couple, Harmonic, couple_harmonics, couples
+from torsion.kinematics.cross import transfer
+from torsion.kinematics.tripod import constant_velocity_couple, exact_motion, exact_statics
+
+Carrier = Literal["driving", "driven"]
+_SAMPLES = 720  # over a revolution of a tripod; symmetry puts the extremes of its couples at multiples of 30 degrees
+
+
+Pair = tuple[CoupleFound, CoupleFound]
+
+
+def couples_found(
+    place: Placed, yoke: FloatArray, torque: float, carrier: Carrier, distance: float | None
+) -> tuple[Pair, float]:
+    """Couples on the driving and the driven shaft, and the greatest force across the driving shaft, N.
+
+    yoke (angles,) rad from the joint's plane; `torque` is constant on the shaft called `carrier`; distance of two
+    bearings, m.
+    """
+    force = 0.0
+    if place.joint.kind == "cross":
+        pair = _of_cross(place, yoke, torque, carrier)
+    elif place.joint.order == 0 or place.joint.angle == 0:
+        pair = _of_constant_velocity(place.joint.angle, yoke, torque)
+    else:
+        pair, force = _of_tripod(place, yoke, torque, carrier)
+    if distance is not None:
+        pair = (
+            replace(pair[0], bearing=pair[0].largest / distance),
+            replace(pair[1], bearing=pair[1].largest / distance),
+        )
+    return pair, force
+
+
+def _of_cross(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> Pair:
+    """Mean and second harmonic in closed form, counted over the carrier's own angle."""
+    angle, yoke_at_zero = place.joint.angle, place.joint.yoke
+    found, parts = couples(yoke, angle, torque, carrier), couple_harmonics(angle, torque, carrier)
+    start = yoke_at_zero if carrier == "driving" else yoke_at_zero + float(transfer(yoke_at_zero, angle).error)
+    turn, sine = np.exp(2j * start), math.sin(angle)
+    # on the shaft without the constant torque: the peak of tan u sqrt(1 - sin^2 u^2)
+    lesser = sine if 2.0 * sine * sine <= 1.0 else 0.5 / math.cos(angle)
+
+    def of(shaft: Carrier, couple: Couple, turning: FloatArray, normal: Harmonic, inplane: Harmonic) -> CoupleFound:
+        return CoupleFound(
+            shaft, couple.normal, couple.inplane, turning,
+            mean=(float(normal.mean), float(inplane.mean)),
+            amplitude=(complex(normal.second * turn), complex(inplane.second * turn)),
+            order=2, largest=abs(torque) * (math.tan(angle) if shaft == carrier else lesser), bearing=None,
+        )  # fmt: skip
+
+    return (
+        of("driving", found.driving, found.driving_yoke, parts.driving_normal, parts.driving_inplane),
+        of("driven", found.driven, found.driven_yoke, parts.driven_normal, parts.driven_inplane),
+    )
+
+
+def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair:
+    """Standing couple torque tan(angle/2) in the plane, the same on either shaft."""
+    size = float(constant_velocity_couple(angle, torque))
+    none, mean = np.zeros_like(yoke), (0.0, size)
+    driving = CoupleFound("driving", none, none + size, None, mean, (0j, 0j), 0, abs(size), None)
+    return driving, replace(driving, shaft="driven")
+
+
+def _of_tripod(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> tuple[Pair, float]:
+    """Exact couples of a single bearing; mean and third harmonic over the carrier's own angle from one revolution."""
+    joint, start = place.joint, place.joint.yoke + math.pi / 2
+    arms = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
+    data = joint.angle, joint.radius or 0.0, joint.arm or 1.0
+    x, share = arms - start, np.ones_like(arms)  # the carrier's angle from where it starts, its speed / driving speed
+    if carrier == "driven":
+        both = exact_motion(np.append(arms, start), *data)
+        x, share = x + both.error[:-1] - both.error[-1], both.ratio[:-1]
+
+    def statics(angles: FloatArray) -> tuple[dict[Carrier, tuple[FloatArray, FloatArray]], FloatArray]:
+        """(normal, inplane) on both shafts, the first arm at angles from the plane's normal, and the force."""
+        carried = np.full_like(angles, torque) if carrier == "driving" else torque * exact_motion(angles, *data).ratio
+        found = exact_statics(angles, *data, carried)
+        driving = found.driving_normal, found.driving_inplane
+        return {"driving": driving, "driven": (-driving[0], found.driven_inplane)}, np.hypot(*found.force)
+
+    curve, (whole, force) = statics(yoke + math.pi / 2)[0], statics(arms)
+
+    def of(shaft: Carrier) -> CoupleFound:
+        mean = [float(np.mean(part * share)) for part in whole[shaft]]
+        third = [complex(2.0 * np.mean(part * share * np.exp(-3j * x))) for part in whole[shaft]]
+        largest = float(np.hypot(*whole[shaft]).max())
+        return CoupleFound(
+            shaft, *curve[shaft], None, (mean[0], mean[1]), (third[0], third[1]), 3, largest, None
+        )  # fmt: skip
+
+    return (of("driving"), of("driven")), float(force.max())

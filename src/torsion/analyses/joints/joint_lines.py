@@ -1,0 +1,235 @@
+"""Joints of a train in the order of power flow: which stands behind which, and how the shafts behind them move."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+from scipy.optimize import brentq
+
+from torsion.analyses.joints.joint_results import Extreme, LineFound, OptimumFound
+from torsion.arrays import FloatArray
+from torsion.components.part_records import JointRecord
+from torsion.kinematics.cross import Transfer, behind, extremes, transfer
+from torsion.kinematics.line import Line, classical_angle, resultant
+from torsion.kinematics.optimise import Variable, index_over, optimise
+from torsion.kinematics.tripod import exact_motion
+from torsion.train import Train
+
+_SAMPLES = 256  # of a third of a turn; harmonics of a tripod that can turn fall below rounding long before the 128th
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A joint in its train."""
+
+    name: str
+    part: int
+    joint: JointRecord
+    ratio: Fraction  # speed of its driving shaft / reference speed
+    before: int | None  # position of the joint before it on its shaft line
+    error: tuple[tuple[int, complex], ...]  # (order, rad) to first order, as the response takes it
+    span: int  # position of its span in every assembly
+
+
+@dataclass(frozen=True)
+class Behind:
+    """Motion of the shaft behind a joint as the first shaft of the line turns at speed 1; arrays (angles,)."""
+
+    transfer: Transfer  # from the angle of the first shaft
+    yoke: FloatArray  # rad from its plane to its driving yoke
+    ratio: FloatArray  # of this joint alone: driven speed / driving speed
+
+
+def placed(train: Train) -> tuple[Placed, ...]:
+    """Every joint, the ones before it first. Assemblies number springs first, then gears and joints."""
+    found: list[Placed] = []
+    at: dict[int, int] = {}  # part -> position in the list
+    for number, mesh in enumerate(train.constraints):
+        part = train.parts[mesh.part]
+        if part.joint is None:
+            continue
+        before = None if mesh.after is None else at[mesh.after]
+        at[mesh.part] = len(found)
+        span = len(train.springs) + number
+        found.append(Placed(mesh.name, mesh.part, part.joint, part.ratio, before, mesh.error, span))
+    return tuple(found)
+
+
+def paths(joints: Sequence[Placed]) -> tuple[tuple[int, ...], ...]:
+    """Positions of the joints of every shaft line, from its first joint to one that no other stands behind."""
+    followed = {joint.before for joint in joints}
+    return tuple(path_to(joints, last) for last in range(len(joints)) if last not in followed)
+
+
+def path_to(joints: Sequence[Placed], last: int | None) -> tuple[int, ...]:
+    path: list[int] = []
+    while last is not None:
+        path.insert(0, last)
+        last = joints[last].before
+    return tuple(path)
+
+
+def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
+    """Exact motion behind every joint, its line's first shaft at the angles `turned` (angles,) rad."""
+    none, found = np.zeros(turned.size), list[Behind]()
+    for joint in joints:
+        before = Transfer(none, none + 1.0, none) if joint.before is None else found[joint.before].transfer
+        yoke = turned + (before.error + joint.joint.yoke)
+        own = turning(joint.joint, yoke)
+        found.append(Behind(behind(before, own), yoke, own.ratio))
+    return tuple(found)
+
+
+def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
+    """Error, ratio and second derivative of one joint, its driving yoke at angles from its plane, rad."""
+    if joint.order == 2:
+        return transfer(yoke, joint.angle)
+    if joint.order == 0 or joint.angle == 0:
+        return Transfer(np.zeros_like(yoke), np.ones_like(yoke), np.zeros_like(yoke))
+    radius, arm = joint.radius or 0.0, joint.arm or 1.0
+    arms = yoke + math.pi / 2  # from the normal of the plane
+    motion = exact_motion(arms, joint.angle, radius, arm)
+    return Transfer(motion.error, motion.ratio, _slope(joint.angle, radius, arm, arms))
+
+
+def _slope(angle: float, radius: float, arm: float, arms: FloatArray) -> FloatArray:
+    """Derivative of a tripod's speed ratio, 1/rad, from the Fourier series of the ratio over a third of a turn."""
+    third = 2.0 * np.pi / 3.0 * np.arange(_SAMPLES) / _SAMPLES
+    series = 2.0 * np.fft.rfft(exact_motion(third, angle, radius, arm).ratio)[1:-1] / _SAMPLES
+    order = 3.0 * np.arange(1, series.size + 1)
+    steps = 1j * order * series
+    heard = np.flatnonzero(np.abs(steps) > np.finfo(float).eps * np.abs(steps).max())
+    turn, total = np.exp(3j * arms), np.zeros(arms.shape, dtype=np.complex128)
+    for step in steps[heard[-1] :: -1]:  # Horner
+        total = (total + step) * turn
+    return np.asarray(total.real)
+
+
+def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, ...], Line]:
+    """Positions of the cross joints of a path, and the line that they make, joints between them turning its yokes."""
+    chosen: list[int] = []
+    angle: list[float] = []
+    plane: list[float] = []
+    phase: list[float] = []
+    carried = 0.0
+    for position in path:
+        joint = joints[position].joint
+        own, leaning = joint.phase, joint.plane
+        if joint.kind != "cross":
+            carried += own - leaning
+            continue
+        first = not chosen
+        chosen.append(position)
+        angle.append(joint.angle)
+        plane.append(0.0 if first else leaning)
+        phase.append(carried + own - leaning if first else carried + own)
+        carried = 0.0
+    return tuple(chosen), Line(np.array(angle), np.array(plane), np.array(phase))
+
+
+_TURN = 1440  # samples of a revolution, in which every extreme of speed or acceleration is first sought
+_WIDEST = math.radians(45.0)  # of a joint's angle in the picture of the index
+
+
+def line_found(joints: Sequence[Placed], path: tuple[int, ...], optimum: OptimumFound | None) -> LineFound:
+    """The joints of one path as one: the resultant of its cross joints, the speeds of all."""
+    chosen, line = crosses(joints, path)
+    if not chosen:
+        line = Line(*np.zeros((3, 1)))
+    one = resultant(line)
+    at = float(one.greatest_at)
+    greatest = Extreme(float(one.greatest), at)
+    least = Extreme(float(one.least), math.fmod(at + math.pi / 2.0, math.pi))
+    index = float(one.index)
+    if has_third_order(joints, path):
+        greatest, least = _extreme(joints, path, 1.0), _extreme(joints, path, -1.0)
+        index = greatest.speed_ratio - least.speed_ratio
+    return LineFound(
+        path, float(one.angle), float(one.phase), float(classical_angle(line)), index, greatest, least, optimum
+    )
+
+
+def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
+    """A tripod on the path moves the end of its shaft: no single cross joint turns as the line does."""
+    return any(joints[k].joint.order == 3 and joints[k].joint.angle > 0 for k in path)
+
+
+def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> Extreme:
+    """The extreme of the sampled speed, refined to where the acceleration vanishes."""
+    alone, step = _alone(joints, path), 2.0 * math.pi / _TURN
+
+    def acceleration(angle: float) -> float:
+        return float(motions(alone, np.array([angle]))[-1].transfer.curvature[0])
+
+    turned = np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)
+    near = float(turned[int(np.argmax(sense * motions(alone, turned)[-1].transfer.ratio))])
+    if acceleration(near - step) * acceleration(near + step) < 0.0:
+        near = float(brentq(acceleration, near - step, near + step, xtol=1e-15))
+    greatest = float(motions(alone, np.array([near]))[-1].transfer.ratio[0])
+    return Extreme(greatest, math.fmod(near + 2.0 * math.pi, 2.0 * math.pi))
+
+
+def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
+    """Greatest magnitude of the acceleration behind the last joint of a path at speed 1, 1/rad."""
+    chosen, line = crosses(joints, path)
+    if not has_third_order(joints, path):
+        return float(extremes(resultant(line).angle).curvature) if chosen else 0.0
+    alone = _alone(joints, path)
+    size = np.abs(motions(alone, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False))[-1].transfer.curvature)
+    at = int(np.argmax(size))
+    before, top, behind = size[at - 1], size[at], size[(at + 1) % _TURN]
+    bow = before - 2.0 * top + behind  # vertex of the parabola through the three
+    return float(top if bow >= 0.0 else top - (behind - before) ** 2 / (8.0 * bow))
+
+
+def _alone(joints: Sequence[Placed], path: tuple[int, ...]) -> tuple[Placed, ...]:
+    """The joints of a path alone, counted anew."""
+    return tuple(replace(joints[k], before=rank - 1 if rank else None) for rank, k in enumerate(path))
+
+
+def optimum_found(
+    joints: Sequence[Placed], path: tuple[int, ...], variable: Variable, free: Sequence[int] | None
+) -> OptimumFound | None:
+    """The best choice for the cross joints of a path, tripods left out; None where there is nothing to choose.
+
+    free: positions in `joints` that may be changed, all cross joints but the first if None.
+    """
+    chosen, line = crosses(joints, path)
+    ranks = range(1, len(chosen)) if free is None else [chosen.index(k) for k in free if k in chosen]
+    ranks = [rank for rank in ranks if rank > 0 or variable == "angle"]
+    if len(chosen) < 2 or not ranks:
+        return None
+    best = optimise(line, variable, ranks)
+    before = [_own(joints[chosen[rank]], variable) for rank in ranks]
+    changes = [float(getattr(best.line, variable)[rank] - getattr(line, variable)[rank]) for rank in ranks]
+    if variable != "angle":
+        changes = [math.remainder(change, math.pi) for change in changes]
+    over, values = _range(line, variable, ranks[0], before[0], before[0] + changes[0])
+    return OptimumFound(
+        variable=variable,
+        names=tuple(joints[chosen[rank]].name for rank in ranks),
+        before=tuple(before),
+        best=tuple(old + change for old, change in zip(before, changes, strict=True)),
+        index_before=float(best.before.index),
+        index_best=float(best.after.index),
+        sensitivity=tuple(float(value) for value in best.sensitivity),
+        over=over,
+        index_over=index_over(line, variable, ranks[0], values),
+    )
+
+
+def _own(place: Placed, variable: Variable) -> float:
+    """The value as the file gives it, rad."""
+    joint = place.joint
+    return {"phase": joint.phase, "plane": joint.plane, "angle": joint.angle}[variable]
+
+
+def _range(line: Line, variable: Variable, rank: int, before: float, best: float) -> tuple[FloatArray, FloatArray]:
+    """Values of a joint's variable to show, rad, and the same as the line counts them."""
+    if variable == "angle":
+        angles = np.linspace(0.0, max(_WIDEST, before, best), 361)
+        return angles, angles
+    around = np.linspace(0.0, 2.0 * math.pi, 361)
+    return around, around + (float(getattr(line, variable)[rank]) - before)

@@ -1,0 +1,202 @@
+"""A shaft that bends: its segments, what stands on it, its matrices by elements of high degree, values along it.
+
+Displacement u = y + i z, slope u' (m/m), x along the shaft in the direction of power flow, y, z, x right-handed. A
+round shaft turning at Omega obeys M u'' - i Omega G u' + K u = f (Genta 2005, Dynamics of Rotating Systems).
+A couple M_y + i M_z acts on the slope as f = -i (M_y + i M_z).
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from torsion.analyses.lateral.beam_elements import Segment, element, functions, scaled, size
+from torsion.arrays import FloatArray, IntArray
+from torsion.errors import SolveError
+
+LONGEST_PHASE = 4.5  # rad of the bending wave along an element: the error of a frequency is then below 1e-13
+STEEPEST = 1.5  # ratio of the diameters at the ends of one element of a cone
+MOST_ELEMENTS = 400
+SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an element; both ends, as a moment may jump between two of them
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """What stands at one place of the shaft: a disc, a spring and damper to ground, or a fixation."""
+
+    at: float  # m from the start
+    name: str = ""
+    mass: float = 0.0  # kg
+    diametral: float = 0.0  # kg m2
+    polar: float = 0.0  # kg m2
+    stiffness: tuple[float, float] = (0.0, 0.0)  # N/m in y and z
+    damping: tuple[float, float] = (0.0, 0.0)  # N s/m
+    held: Literal["free", "pinned", "clamped"] = "free"
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A shaft between joints or ends."""
+
+    segments: tuple[Segment, ...]
+    points: tuple[Point, ...] = ()
+    name: str = ""
+
+    @property
+    def length(self) -> float:
+        """m."""
+        return math.fsum(segment.length for segment in self.segments)
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Its supports are the same in both planes."""
+        return all(p.stiffness[0] == p.stiffness[1] and p.damping[0] == p.damping[1] for p in self.points)
+
+    def rigid_motions(self, plane: int) -> int:
+        """Motions of a plane (0 is y, 1 is z) that bend nothing and meet no spring: 0, 1 or 2."""
+        if any(point.held == "clamped" for point in self.points):
+            return 0
+        held = {point.at for point in self.points if point.held == "pinned" or point.stiffness[plane] > 0}
+        return max(0, 2 - len(held))
+
+    def hold(self, plane: int) -> float:
+        """How stiffly its points hold it against the softest motion that bends nothing, over E I/length^3; at most 1.
+
+        The motions are 1 - x/L and x/L; no point counts for more than the bending stiffness.
+        """
+        if any(point.held == "clamped" for point in self.points):
+            return 1.0
+        bent, total = self.bending_stiffness, np.zeros((2, 2))
+        for point in self.points:
+            share = 1.0 if point.held == "pinned" else min(1.0, point.stiffness[plane] / bent)
+            motion = np.array([1.0 - point.at / self.length, point.at / self.length])
+            total += share * np.outer(motion, motion)
+        return float(min(1.0, np.linalg.eigvalsh(total)[0]))
+
+    @property
+    def bending_stiffness(self) -> float:
+        """E I/length^3 of its weakest section, N/m."""
+        ends = np.array([0.0, 1.0])
+        return float(min((each.youngs_modulus * each.moment(ends)).min() for each in self.segments)) / self.length**3
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One element: where it lies, its section and its unknowns."""
+
+    start: float  # m
+    section: Segment
+    unknowns: IntArray
+
+
+@dataclass(frozen=True)
+class LateralSystem:
+    """Matrices of one plane, (n, n), over the displacements (m) and slopes (1) of the nodes and inner unknowns.
+
+    The two planes differ by the springs and dampers of the points alone.
+    """
+
+    beam: Beam
+    cells: tuple[Cell, ...]
+    stiffness: FloatArray  # N/m, of the shaft
+    lossy: FloatArray  # N/m, of the shaft, every piece times its loss factor
+    inertia: FloatArray  # kg
+    gyroscopic: FloatArray  # kg: of the polar inertia
+    free: IntArray  # unknowns that no fixation holds
+    place: IntArray  # (points,) unknown of the displacement; the slope is the next one
+    frequency: float  # rad/s up to which the elements are fine enough
+    shear: bool
+
+    def support(self, what: Literal["stiffness", "damping"], plane: int) -> FloatArray:
+        """(n, n) springs, N/m, or dampers, N s/m, of the points in a plane."""
+        matrix = np.zeros_like(self.stiffness)
+        for point, row in zip(self.beam.points, self.place, strict=True):
+            matrix[row, row] += getattr(point, what)[plane]
+        return matrix
+
+
+def assemble_lateral(
+    beam: Beam, *, frequency: float = 0.0, shear: bool = False, rotary_inertia: bool = True, elements: int = 1
+) -> LateralSystem:
+    """The system of a shaft, divided finely enough for a highest frequency, rad/s, and into `elements` at least.
+
+    An interval between two points or changes of section has as many elements as keep the bending wave's phase along
+    one of them below LONGEST_PHASE. rotary_inertia False is the beam of Euler: no inertia and no gyroscopic moment of
+    the sections. shear True is the beam of Timoshenko with the coefficient of Cowper. Raises ValueError for a beam
+    without length or a point beside it, SolveError where too many elements were needed.
+    """
+    cells, nodes = _cells(beam, frequency, shear, elements)
+    order = int(cells[-1].unknowns.max()) + 1
+    stiffness, lossy, inertia, gyroscopic = (np.zeros((order, order)) for _ in range(4))
+    for cell in cells:
+        at = np.ix_(cell.unknowns, cell.unknowns)
+        stiff, mass, rotary = element(cell.section, shear)
+        stiffness[at] += stiff
+        lossy[at] += cell.section.loss_factor * stiff
+        inertia[at] += mass + (rotary if rotary_inertia else 0.0)
+        gyroscopic[at] += 2.0 * rotary if rotary_inertia else 0.0
+    place = np.array([2 * int(np.argmin(np.abs(nodes - point.at))) for point in beam.points], dtype=np.intp)
+    held: set[int] = set()
+    for point, row in zip(beam.points, place.tolist(), strict=True):
+        inertia[row, row] += point.mass
+        inertia[row + 1, row + 1] += point.diametral
+        gyroscopic[row + 1, row + 1] += point.polar
+        held |= {"free": set(), "pinned": {row}, "clamped": {row, row + 1}}[point.held]
+    free = np.array([k for k in range(order) if k not in held], dtype=np.intp)
+    return LateralSystem(beam, cells, stiffness, lossy, inertia, gyroscopic, free, place, frequency, shear)
+
+
+def _cells(beam: Beam, frequency: float, shear: bool, elements: int) -> tuple[tuple[Cell, ...], FloatArray]:
+    """Elements from start to end, and the places of their nodes, m."""
+    if not beam.length > 0 or any(not 0 <= point.at <= beam.length * (1 + 1e-12) for point in beam.points):
+        raise ValueError(f"{beam.name or 'beam'}: it has no length, or a point stands beside it")
+    apart = 1e-12 * beam.length  # places nearer to each other are one, but for rounding
+    sections: list[tuple[float, Segment]] = []
+    begin = 0.0
+    for segment in beam.segments:
+        inner = sorted({p.at - begin for p in beam.points if apart < p.at - begin < segment.length - apart})
+        for left, right in pairwise([0.0, *inner, segment.length]):
+            whole = segment.between(left, right)
+            steep = abs(math.log(whole.outer[1] / whole.outer[0])) / math.log(STEEPEST)
+            number = max(elements, math.ceil(whole.phase(frequency, shear) / LONGEST_PHASE), math.ceil(steep))
+            marks = pairwise(np.linspace(left, right, number + 1).tolist())
+            sections += [(begin + start, segment.between(start, end)) for start, end in marks]
+        begin += segment.length
+    if len(sections) > MOST_ELEMENTS:
+        why = f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
+        raise SolveError(f"{beam.name or 'beam'}: {why}; request fewer `modes` or lower `speeds`")
+    inside, first = size(shear) - 4, 2 * (len(sections) + 1)
+    cells = [
+        Cell(start, section, np.r_[2 * k : 2 * k + 4, first + inside * k : first + inside * (k + 1)])
+        for k, (start, section) in enumerate(sections)
+    ]
+    return tuple(cells), np.array([*(start for start, _ in sections), beam.length])
+
+
+@dataclass(frozen=True)
+class Places:
+    """Rows that give the values of one plane, (places, unknowns); an end between two elements is there twice."""
+
+    position: FloatArray  # (places,) m from the start
+    displacement: FloatArray  # m
+    slope: FloatArray  # 1: of the section; with shear the axis of the shaft is steeper
+    moment: FloatArray  # N m: E I u'', which bends in the plane of y (about z) or of z
+    moment_of_loss: FloatArray  # N m: loss factor times that, in quadrature
+
+
+def places(system: LateralSystem, shares: tuple[float, ...] = SHARES) -> Places:
+    """The rows at shares of the length of every element."""
+    local = np.array(shares)
+    rows = np.zeros((4, len(system.cells), len(shares), len(system.inertia)))
+    for k, cell in enumerate(system.cells):
+        section = cell.section
+        shapes = scaled(functions(shares, system.shear), section.length, system.shear)
+        moment = shapes.bending * (section.youngs_modulus * section.moment(local))
+        for row, values in zip(
+            rows, (shapes.deflection, shapes.rotation, moment, section.loss_factor * moment), strict=True
+        ):
+            row[k][:, cell.unknowns] = values.T
+    position = [cell.start + cell.section.length * local for cell in system.cells]
+    return Places(np.concatenate(position), *rows.reshape(4, -1, rows.shape[3]))

@@ -1,0 +1,216 @@
+"""The shafts of a train that bend: each from joint to joint or end, with its supports, by the train's own data."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+import numpy as np
+
+from torsion.analyses.lateral.beam_elements import Segment
+from torsion.analyses.lateral.beam_matrices import Beam, Point
+from torsion.components.support import Support, fits
+from torsion.errors import Fault, Path
+from torsion.kernels.spanning_forest import connected
+from torsion.primitives import Bar
+from torsion.train import Train
+
+SOFTEST = 1e-8  # of E I/L^3: the lowest frequency is wrong by about 1e-13 over this share (measured), here 1e-5
+Placing = tuple[int, Literal["driving", "driven"], int]  # part of a joint, which of its shafts, where on this one
+
+
+@dataclass(frozen=True, slots=True)
+class JointAt:
+    """A joint at an end of a shaft."""
+
+    part: int  # of the joint
+    point: int  # of the beam
+    shaft: Literal["driving", "driven"]  # which of the joint's two shafts this one is
+
+
+@dataclass(frozen=True)
+class BendingShaft:
+    """Shafts in a row without joint, gear or elastic coupling between them; it bends as one."""
+
+    name: str
+    parts: tuple[int, ...]  # its shafts, in the direction of power flow
+    ratio: Fraction  # its speed / reference speed
+    beam: Beam
+    joints: tuple[JointAt, ...]  # before it, then behind it
+    loads: tuple[str, ...]  # components that stand on it, whose mass the file does not say
+    lacks: str = ""  # why its bending is not computed; empty where it is
+    place: Path = ()  # of the key in the file that this is about; empty where it is about none
+
+
+def bending_shafts(train: Train) -> tuple[tuple[BendingShaft, ...], list[Fault]]:
+    """Every shaft line of a train, and the faults of their data.
+
+    Joints hold both their shafts in place and let them tilt; everything else but a `support` leaves them free.
+    """
+    node = _nodes(train)
+    faults: list[Fault] = []
+    found = [_shaft(train, row, node, faults) for row in _rows(train.bars, node)]
+    return tuple(found), faults
+
+
+def _nodes(train: Train) -> list[int]:
+    """(stations,) the same number for stations that are joined rigidly."""
+    rigid = [(spring.driving, spring.driven) for spring in train.springs if spring.flexibility == 0]
+    ends = np.array(rigid, dtype=np.int64).reshape(-1, 2)
+    node: list[int] = connected(len(train.stations), ends[:, 0], ends[:, 1]).tolist()
+    return node
+
+
+def _rows(bars: Sequence[Bar], node: list[int]) -> list[list[Bar]]:
+    """Distributed shafts that touch each other; in a row each starts where the one before it ends."""
+    rows: list[list[Bar]] = []
+    for bar in bars:
+        ends = {node[bar.driving], node[bar.driven]}
+        near = [row for row in rows if ends & {node[s] for each in row for s in (each.driving, each.driven)}]
+        joined = [each for row in near for each in row] + [bar]
+        rows = [row for row in rows if row not in near] + [joined]
+    return rows
+
+
+def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -> BendingShaft:
+    names = ", ".join(bar.name for bar in row)
+    parts = tuple(bar.part for bar in row)
+    stations = [node[row[0].driving], *(node[bar.driven] for bar in row)]
+    straight = all(node[bar.driving] == at for bar, at in zip(row, stations, strict=False))
+    if not straight or len(set(stations)) < len(stations):
+        return BendingShaft(names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches")
+    before, of_material = len(faults), list[Fault]()
+    lacks: str = ""
+    place: Path = ()
+    joints = _joints(train, node, stations)
+    if any(at not in (0, len(row)) for _, _, at in joints):
+        lacks = "a joint stands between its ends"
+    segments = [_segment(train, bar, of_material) for bar in row]
+    points, held = _points(train, row, joints)
+    points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
+    beam = Beam(tuple(segments), tuple(points), names)
+    if not lacks and len(faults) == before:
+        lacks, place = _missing(train, row, beam)
+    faults += [] if lacks else of_material
+    at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
+    ratio = train.stations[row[0].driving].ratio
+    return BendingShaft(names, parts, ratio, beam, at, _loads(train, node, stations, parts), lacks, place)
+
+
+def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]:
+    """The joints on a shaft by their position among its stations."""
+    found: list[Placing] = []
+    for mesh in train.constraints:
+        if train.parts[mesh.part].joint is None:
+            continue
+        if node[mesh.driven] in stations:
+            found.append((mesh.part, "driven", stations.index(node[mesh.driven])))
+        if node[mesh.driving] in stations:
+            found.append((mesh.part, "driving", stations.index(node[mesh.driving])))
+    return sorted(found, key=lambda joint: joint[2])
+
+
+def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
+    part, name = train.parts[bar.part], train.shaft(bar).material
+    modulus = train.materials[name].youngs_modulus
+    if modulus is None:
+        hint = f"write it under materials: {name}"
+        faults.append(Fault((*part.path, "material"), f"bending needs the `youngs_modulus` of '{name}'", hint))
+    return Segment(bar.length, bar.outer, bar.bore, modulus or 1.0, bar.density, bar.shear_modulus, bar.loss_factor)
+
+
+def _points(train: Train, row: list[Bar], joints: list[Placing]) -> tuple[list[Point], list[int]]:
+    """Pinned points of the joints, one for all that share a place, and which of them each joint has."""
+    points: list[Point] = []
+    at: dict[int, int] = {}
+    for part, _, place in joints:
+        if place not in at:
+            at[place] = len(points)
+            points.append(Point(sum(bar.length for bar in row[:place]), train.parts[part].name, held="pinned"))
+    return points, [at[place] for _, _, place in joints]
+
+
+def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[Fault]) -> list[Point]:
+    """The supports of every shaft, counted from its end that faces the joint."""
+    points = []
+    begin = 0.0
+    for bar in row:
+        part, every = train.parts[bar.part], _supports_of(train, bar)
+        for number, (support, path) in enumerate(every):
+            if not fits(support, bar.length):
+                message = f"the support stands {support.at:g} m along a shaft of {bar.length:g} m"
+                faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
+                continue
+            place = bar.length - support.at if is_from_behind else support.at
+            name = part.name if len(every) == 1 else f"{part.name} {number + 1}"
+            points.append(
+                Point(
+                    begin + place, f"support of {name}", support.mass,
+                    stiffness=support.stiffness_of_planes, damping=support.damping_of_planes,
+                )
+            )  # fmt: skip
+        begin += bar.length
+    return points
+
+
+def _loads(train: Train, node: list[int], stations: list[int], parts: tuple[int, ...]) -> tuple[str, ...]:
+    """Names of the discs, motors, wheels and the like on a shaft."""
+    here = {place for place in range(len(node)) if node[place] in stations}
+    return tuple(
+        part.name
+        for number, part in enumerate(train.parts)
+        if number not in parts and not (part.joint or part.shaft) and here & set(part.stations)
+    )
+
+
+def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
+    """The supports of a shaft and where each stands in the file."""
+    every, path = train.shaft(bar).support, (*train.parts[bar.part].path, "support")
+    return [(one, path if len(every) == 1 else (*path, number)) for number, one in enumerate(every)]
+
+
+def _missing(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
+    """Why a shaft made of `row` cannot be computed, and the key it is about; both empty where it can."""
+    of_mesh = [bar for bar in row if bar.section is not None]
+    if of_mesh:
+        place = (*train.parts[of_mesh[0].part].path, "section")
+        return "its section is a mesh, and bending needs diameters", place
+    why, place = _not_held(train, row, beam)
+    if why:
+        return why, place
+    if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
+        place = (*train.parts[row[0].part].path, "material")
+        return "it has no mass: neither its material a density nor a support a `mass`", place
+    return "", ()
+
+
+def _not_held(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
+    """Why joints and supports do not hold a shaft in both planes."""
+    free = [beam.rigid_motions(plane) for plane in (0, 1)]
+    given = [one for bar in row for one in _supports_of(train, bar)]
+    if not any(free):
+        return _held_softly(beam, given)
+    if not given:
+        return "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports", ()
+    if free[0] != free[1]:
+        plane = free.index(max(free))
+        path = next(path for one, path in given if not one.stiffness_of_planes[plane] > 0)
+        why = f"it is not supported in the plane {'yz'[plane]}, in which its support has no stiffness"
+        return why, (*path, "stiffness")
+    at = [point.at for point in beam.points]
+    if len(set(at)) < len(at):
+        where = "on the joint itself" if any(point.held == "pinned" for point in beam.points) else "where another does"
+        path = given[-1][1]
+        return f"it is supported at one place only, as its support stands {where}", (*path, "at")
+    return "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]
+
+
+def _held_softly(beam: Beam, given: list[tuple[Support, Path]]) -> tuple[str, Path]:
+    """That its supports are too soft to differ from none."""
+    hold = min(beam.hold(0), beam.hold(1))
+    if hold >= SOFTEST or not given:
+        return "", ()
+    softest = min(given, key=lambda one: min(one[0].stiffness_of_planes))
+    bent = f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
+    why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft to compute"
+    return f"{why}; at least {SOFTEST:g} of it is needed", (*softest[1], "stiffness")

@@ -1,0 +1,241 @@
+"""Answer of a turning shaft to couples at its points: at rest in space (order 0) and at orders of its speed."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.analyses.joints.joint_couples import couples_found
+from torsion.analyses.joints.joint_lines import Behind, Placed, motions
+from torsion.analyses.lateral.beam_matrices import places
+from torsion.analyses.lateral.bending_modes import EPS, Planes
+from torsion.analyses.lateral.bending_shafts import BendingShaft
+from torsion.analyses.lateral.whirl import Critical, criticals
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
+from torsion.results import derived, reported, result, words
+
+SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is told
+UNDAMPED = 1e-9  # damping ratio below which the height of a resonance is not known
+REACH = 0.01  # of its speed: an amplitude so near an undamped resonance, 50 times the static one, is marked
+Lines = NDArray[np.uint8]
+CHUNK = 64  # speeds treated at once
+STEPS = np.tan(np.linspace(-0.5, 0.5, 13)[1:-1] * np.pi)  # equal steps of phase around a resonance
+SAMPLES = 512  # of a revolution; the orders of a joint of 70 degrees fall below rounding before the half of it
+Carrier = Literal["driving", "driven"]
+ASIDE = np.array([-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03])  # around one without damping
+
+
+@reported
+class Answer:
+    """Complex amplitudes Re[X exp(i order Omega t)] in y and z (last axis); NaN where the status is singular.
+
+    Order 0 stands still and is real. Amplitudes are half ranges.
+    """
+
+    order: int = result("", (), "per revolution of the shaft; 0 stands still")
+    speed: FloatArray  # (speeds,) rad/s of the shaft
+    displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude, half range")
+    slope: ComplexArray  # (speeds, places, 2)
+    moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
+    force: ComplexArray = result(
+        "N", ("speed", "point", "direction"), "[y, z] complex amplitude, of the shaft on its joints and supports"
+    )
+    amplification: FloatArray = result("1", ("speed",), "growth of relative errors of the data")
+    status: Lines  # (speeds,) uint8 of `Status`
+    ratio: float = 1.0  # speed of the shaft / reference speed
+
+    @derived("rad/s", ("speed",), "reference speeds, more of them around resonances", key="speed_rad_per_s")
+    def reference_speed(self) -> FloatArray:
+        """(speeds,)."""
+        return self.speed / self.ratio
+
+    @derived("N*m", ("speed", "place"), "largest amplitude of the bending moment in any direction", key="moment_Nm")
+    def largest_moment(self) -> FloatArray:
+        """(speeds, places)."""
+        return extent(self.moment)
+
+    @derived("", ("speed",), "ok, near-singular or singular", key="status")
+    def status_words(self) -> np.ndarray:
+        """(speeds,)."""
+        return words(self.status, Status)
+
+    @property
+    def orbit(self) -> FloatArray:
+        """(speeds, places) m, largest displacement in any direction."""
+        return extent(self.displacement)
+
+
+def extent(pairs: ComplexArray) -> FloatArray:
+    """(...) largest amplitude in any direction of amplitudes (..., 2) in y and z: half the long axis of the ellipse."""
+    y, z = pairs[..., 0], pairs[..., 1]
+    return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
+
+
+def speeds_for(asked: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:
+    """The speeds asked for, and more around the resonances between them, which are there themselves."""
+    added = [asked]
+    for resonance in resonances:
+        steps = ASIDE if resonance.damping_ratio < UNDAMPED else resonance.damping_ratio * np.append(STEPS, 0.0)
+        added.append(resonance.speed * (1.0 + steps[np.abs(steps) < 1.0]))
+    every: FloatArray = np.unique(np.concatenate(added))
+    inside: FloatArray = every[(every >= asked.min()) & (every <= asked.max())]
+    return inside
+
+
+def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) -> Answer:
+    """Answer to couples (speeds, points, 2) N m, M_y and M_z at the points, turning at speeds (speeds,) rad/s.
+
+    A loss factor of the shaft acts as E (1 + i eta) at orders from 2 on, as forward and backward whirl then bend it in
+    the sense in which they pass (Genta 2005); at order 0 it is left out. Raises ValueError for order 1.
+    """
+    if order == 1 or order < 0:
+        raise ValueError(f"order {order}: joints excite order 0 and orders from 2 on")
+    speeds = np.asarray(speed, dtype=np.float64)
+    y, z = _loads(planes, couple)
+    amplification = np.ones(len(speeds))
+    if order:
+        for part in (slice(k, k + CHUNK) for k in range(0, len(speeds), CHUNK)):
+            y[part], z[part], amplification[part] = _solved(planes, order, speeds[part], (y[part], z[part]))
+    status = _status(planes, order, speeds, amplification)
+    y[status == Status.SINGULAR] = z[status == Status.SINGULAR] = np.nan
+    x = np.stack([y @ planes.y.shape.T, z @ planes.z.shape.T], axis=-1)
+    return _told(planes, order, speeds, x, (amplification, status))
+
+
+def _loads(planes: Planes, couple: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """(speeds, n) of y and z: a couple M_y, M_z does the work M_z on the slope y' and -M_y on z'."""
+    slopes = planes.system.place + 1
+    return couple[..., 1] @ planes.y.shape[slopes], -couple[..., 0] @ planes.z.shape[slopes]
+
+
+def _solved(
+    planes: Planes, order: int, speeds: FloatArray, load: tuple[ComplexArray, ComplexArray]
+) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """(speeds, n) coordinates of y and z, and the growth of relative errors of stiffness and inertia (speeds,)."""
+    y, z = load
+    if planes.is_isotropic:
+        forward, grown = _solved_of(planes, order, speeds, 0.5 * (y + 1j * z))
+        backward, other = _solved_of(planes, -order, speeds, 0.5 * (y - 1j * z))
+        return forward + backward, -1j * (forward - backward), np.maximum(grown, other)
+    p, grown = _solved_of(planes, order, speeds, np.concatenate([y, 1j * z], axis=1))
+    n = len(planes.y.square)
+    return p[:, :n], -1j * p[:, n:], grown
+
+
+def _solved_of(planes: Planes, order: int, speeds: FloatArray, load: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """(speeds, coordinates); a negative order is the backward part, conjugate."""
+    w = abs(order) * speeds[:, None, None]
+    matrix = 1j * (w * planes.damping + planes.lossy) + order * speeds[:, None, None] ** 2 * planes.gyroscopic
+    index = np.arange(len(planes.square))
+    matrix[:, index, index] += 1.0 - w[:, :, 0] ** 2 * planes.square
+    size = len(planes.square)
+    right = np.concatenate([load[:, :, None], np.broadcast_to(np.eye(size), (len(load), size, size))], axis=2)
+    try:
+        found = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:  # exactly singular: moved by rounding, its growth then says so
+        found = np.linalg.solve(matrix + EPS * np.eye(size), right)
+    terms = found[:, :, 1:] * (1.0 + w**2 * planes.square)
+    answer: ComplexArray = np.asarray(found[:, :, 0], dtype=np.complex128)
+    grown: FloatArray = np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
+    return answer, grown
+
+
+def _status(planes: Planes, order: int, speeds: FloatArray, amplification: FloatArray) -> Lines:
+    """`Status` by the growth of errors, and by the neighbourhood of resonances that nothing damps."""
+    loss = EPS * amplification
+    lines = np.where(loss > NEAR_SINGULAR_LOSS, Status.NEAR_SINGULAR, Status.OK)
+    if order and len(speeds):
+        for resonance in criticals(planes, order, float(speeds.max()) * (1.0 + REACH)):
+            if resonance.damping_ratio < UNDAMPED:
+                away = np.abs(speeds / resonance.speed - 1.0)
+                lines[away <= REACH] = Status.NEAR_SINGULAR
+                lines[away <= NEAR_SINGULAR_LOSS] = Status.SINGULAR
+    lines[~(loss < SINGULAR_LOSS)] = Status.SINGULAR
+    return np.asarray(lines.astype(np.uint8))
+
+
+def _told(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray, judged: tuple[FloatArray, Lines]) -> Answer:
+    """The amplitudes along the shaft and at its points from its unknowns (speeds, unknowns, 2)."""
+    rows = places(planes.system)
+
+    def along(matrix: FloatArray) -> ComplexArray:
+        found: ComplexArray = matrix @ x
+        return found
+
+    bent = along(rows.moment + 1j * rows.moment_of_loss if order else rows.moment)
+    force = _forces(planes, order, speeds, x)
+    return Answer(order, speeds, along(rows.displacement), along(rows.slope), bent, force, *judged)
+
+
+def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> ComplexArray:
+    """(speeds, points, 2) N on supports, of springs and dampers, and on joints, what the shaft lacks to balance."""
+    system = planes.system
+    w = order * speeds[:, None]
+    at = system.place
+    shaft = system.stiffness[at] + 1j * system.lossy[at] if order else system.stiffness[at]
+    pushed = shaft @ x - w[:, :, None] ** 2 * (system.inertia[at] @ x)
+    turned = (1j * w * speeds[:, None])[:, :, None] * (system.gyroscopic[at] @ x)
+    pushed[..., 0] += turned[..., 1]
+    pushed[..., 1] -= turned[..., 0]
+    force = np.zeros_like(pushed)
+    for k, point in enumerate(system.beam.points):
+        if point.held != "free":
+            force[:, k] = -pushed[:, k]
+        else:
+            spring = np.array(point.stiffness) + 1j * w * np.array(point.damping)
+            force[:, k] = spring * x[:, at[k]]
+    return force
+
+
+def orders(every: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
+    """0, and the orders of all joints up to this shaft and at its end."""
+    found = {0}
+    for at in shaft.joints:
+        position: int | None = next(k for k, place in enumerate(every) if place.part == at.part)
+        while position is not None:
+            found.add(every[position].joint.order)
+            position = every[position].before
+    return tuple(sorted(found))
+
+
+def couples_at(
+    every: Sequence[Placed], shaft: BendingShaft, torque: FloatArray, carrier: Carrier = "driving"
+) -> dict[int, ComplexArray]:
+    """By order: (speeds, points, 2) N m, amplitudes about y and z of Re[C exp(i order x)], x the first shaft's angle.
+
+    torque: (joints of `every`, speeds) N m, mean, constant on the first shaft of the line (carrier driving) or on the
+    last. y is the normal of the plane of the joint before the shaft, else of the one behind it.
+    """
+    turned = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
+    moved = motions(every, turned)
+    result = {
+        order: np.zeros((torque.shape[1], len(shaft.beam.points), 2), dtype=np.complex128)
+        for order in orders(every, shaft)
+    }
+    for at in shaft.joints:
+        position = next(k for k, place in enumerate(every) if place.part == at.part)
+        place = every[position]
+        pair, _ = couples_found(place, moved[position].yoke, 1.0, "driving", None)
+        couple = pair[0] if at.shaft == "driving" else pair[1]
+        curve = (couple.normal + 1j * couple.inplane) * _carried(every, position, moved, carrier)
+        if at is not shaft.joints[0] and at.shaft == "driving":
+            curve = curve * np.exp(1j * place.joint.plane)
+        for order, amplitude in result.items():
+            turn = (1.0 if order == 0 else 2.0) / SAMPLES * np.exp(-1j * order * turned)
+            pair_of_planes = np.array([curve.real @ turn, curve.imag @ turn])
+            amplitude[:, at.point] += torque[position][:, None] * pair_of_planes
+    return result
+
+
+def _carried(every: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier) -> FloatArray:
+    """(angles,) torque in the driving shaft of a joint over the constant one."""
+    before = every[position].before
+    speed = np.ones(SAMPLES) if before is None else moved[before].transfer.ratio
+    if carrier == "driving":
+        return np.asarray(1.0 / speed)
+    last = position
+    while following := [k for k, place in enumerate(every) if place.before == last]:
+        last = following[0]
+    return np.asarray(moved[last].transfer.ratio / speed)

@@ -1,0 +1,253 @@
+"""Bending of the shafts of a Cardan line: critical speeds, whirl, and the answer to the joints' secondary couples."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from torsion import fields
+from torsion.analyses.joints.joint_lines import Placed, placed
+from torsion.analyses.lateral.beam_elements import DEGREE
+from torsion.analyses.lateral.beam_matrices import assemble_lateral, places
+from torsion.analyses.lateral.bending_modes import Planes, planes
+from torsion.analyses.lateral.bending_shafts import BendingShaft, bending_shafts
+from torsion.analyses.lateral.couple_response import Answer, answer, couples_at, orders, speeds_for
+from torsion.analyses.lateral.tilt_stability import Tilting, Torques, tilting
+from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
+from torsion.analyses.steady import steady as mean_torques
+from torsion.arrays import FloatArray
+from torsion.assembly import assemble
+from torsion.errors import Fault, InputError, Path, SolveError
+from torsion.fields import Declared, given
+from torsion.findings import Progress, Work
+from torsion.results import derived, reported, result
+from torsion.study import Operation, SpeedRange
+from torsion.train import Train
+
+PLACE: Path = ("analyses", "lateral")
+_ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
+_SPARE = 4  # inner unknowns for every mode that is reported
+_WHIRL_SPEEDS = 41  # speeds of the whirl map at most
+
+
+class LateralSettings(Declared):
+    """Settings of `lateral`."""
+
+    modes: Annotated[int, Field(ge=1, le=20)] = given("bending modes of a plane", 4)
+    speeds: SpeedRange | None = given("speed range (default: operation.speeds)")
+    shear: bool = given("shear deflection and its effect on the frequencies (Timoshenko)", False)
+    torque: fields.Torque | None = given("torque in every joint (default: the mean torque, if known)")
+    carrier: Literal["driving", "driven"] = given("which end of a line of joints has the constant torque", "driving")
+
+
+@reported
+class Holding:
+    """What holds a shaft."""
+
+    name: str = result("", (), "joint or support")
+    at: float = result("m", (), "its place along the shaft")
+
+
+@reported
+class InPlanes:
+    """Values of both planes of bending."""
+
+    y: FloatArray = result("", ("mode",), "along the normal of the joint's plane")
+    z: FloatArray = result("", ("mode",), "in the plane, square to the shaft")
+
+
+@reported
+class ShaftFound:
+    """One bending shaft; y lies along the normal of the plane of the joint before it (else behind it)."""
+
+    name: str = result("", (), "shafts that bend as one")
+    parts: tuple[int, ...]  # of its shafts
+    ratio: Fraction = result("", (), "its speed / reference speed, exact; orders are per revolution of the shaft")
+    length: float = result("m", (), "its length")
+    position: FloatArray = result("m", ("place",), "along the shaft; the end between two elements stands twice")
+    point: tuple[Holding, ...] = result("", (), "joints and supports that hold it", key="points")
+    at_rest: tuple[FloatArray, FloatArray]  # (modes,) Hz of y and of z, without rotation
+    critical: tuple[Critical, ...] = result(
+        "", (), "of order 1, then of the orders of the joints' couples, by speed", key="critical_speeds"
+    )
+    whirl: Whirl | None = result("", (), "over speed; null where no speeds are given")
+    answers: tuple[Answer, ...] = result("", (), "to the secondary couples, one an order; empty without a torque")
+    elements: int = result("", (), "finite elements")
+    tilting: Tilting | None = result(
+        "", (), "of a driven shaft on supports, where a torque is known and it is nearly rigid", default=None
+    )
+    remark: str = ""  # why its tilting was left out
+
+    @derived("", (), "natural frequencies without rotation", key="at_rest_Hz")
+    def at_rest_by_plane(self) -> InPlanes:
+        """Hz."""
+        return InPlanes(*self.at_rest)
+
+
+@reported
+class Lateral:
+    """The bending side of the train."""
+
+    shafts: tuple[ShaftFound, ...] = result("", (), "shafts that bend; all speeds are those of the reference")
+    remarks: tuple[str, ...] = result("", (), "what was left out, and why")
+    shear: bool = result("", (), "shear deflection is in the beams", key="has_shear", default=False)
+
+    @property
+    def method(self) -> str:
+        """Of the plan."""
+        beams = "with shear (Timoshenko)" if self.shear else "without shear"
+        return f"beams {beams} by finite elements of degree {DEGREE}, in all their modes"
+
+    @property
+    def size(self) -> str:
+        """Of the plan."""
+        return f"{len(self.shafts)} shafts, {sum(shaft.elements for shaft in self.shafts)} elements"
+
+
+def lateral(
+    train: Train, operation: Operation, asked: LateralSettings | None = None, *, progress: Progress | None = None
+) -> Lateral:
+    """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
+
+    Raises InputError where no shaft is held, or a support or a material is at fault; SolveError where the modes asked
+    for are out of reach.
+    """
+    wanted = asked or LateralSettings()
+    if faults := lateral_faults(train, asked):
+        raise InputError(faults)
+    every, (shafts, _) = placed(train), bending_shafts(train)
+    held = [shaft for shaft in shafts if not shaft.lacks]
+    speeds, found = wanted.speeds or operation.speeds, []
+    reference = None if speeds is None else speeds.values()
+    torque = None if speeds is None else _torques(train, operation, wanted, every)
+    for number, shaft in enumerate(held):
+        if progress is not None:
+            progress("bending of the shafts", number / len(held))
+        found.append(_found(every, shaft, wanted, reference, torque))
+    remarks = [
+        f"{shaft.name}: " + (shaft.lacks or f"it bends without the masses of {', '.join(shaft.loads)}, "
+        "which the file does not say") for shaft in shafts if shaft.lacks or shaft.loads
+    ]  # fmt: skip
+    if reference is None:
+        remarks.append("no speeds are given: whirl over speed and the answer to the secondary couples are left out")
+    elif every and torque is None:
+        remarks.append("no torque is known: the answer to the secondary couples is left out")
+    remarks += [f"{shaft.name}: {shaft.remark}" for shaft in found if shaft.remark]
+    return Lateral(tuple(found), tuple(remarks), wanted.shear)
+
+
+def lateral_faults(train: Train, asked: LateralSettings | None) -> list[Fault]:
+    """Supports and materials at fault; where bending is asked for and no shaft is held, that too."""
+    shafts, faults = bending_shafts(train)
+    held = [shaft for shaft in shafts if not shaft.lacks]
+    if not faults and not held:
+        faults += _none_held(train, shafts, asked is not None)
+    if asked is not None and asked.shear:
+        faults += [fault for shaft in held for fault in _shear_faults(train, shaft)]
+    return faults
+
+
+def _torques(train: Train, operation: Operation, asked: LateralSettings, every: Sequence[Placed]) -> Torques | None:
+    """(joints, speeds) N m, mean, in the driving shafts of all joints, of reference speeds, rad/s; None if unknown."""
+    if not every or (asked.torque is None and not operation.has_mean_torque):
+        return None
+    if (known := asked.torque) is not None:
+        return lambda speed: np.full((len(every), len(speed)), known)
+    system, spans = assemble(train), [place.span for place in every]
+    return lambda speed: np.asarray(mean_torques(train, system, operation, speed).torque[spans])
+
+
+def _found(
+    every: Sequence[Placed], shaft: BendingShaft, asked: LateralSettings, reference: FloatArray | None,
+    torque: Torques | None,
+) -> ShaftFound:  # fmt: skip
+    ratio = float(shaft.ratio)
+    own = None if reference is None else reference * ratio
+    excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
+    both, critical = _divided(shaft, asked, own, excited)
+    critical = tuple(replace(crossing, ratio=ratio) for crossing in critical)
+    some = slice(0) if own is None else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
+    map_of = None if own is None else replace(whirl(both, own[some], asked.modes), ratio=ratio)
+    rest = _hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)
+    answers: tuple[Answer, ...] = ()
+    tilt, remark = None, ""
+    if own is not None and reference is not None and shaft.joints and torque is not None:
+        first = next(k for k, place in enumerate(every) if place.part == shaft.joints[0].part)
+        tilt, remark = tilting(shaft, every, lambda speeds: torque(speeds)[first], reference, rest)
+        resonances = tuple(crossing for crossing in critical if crossing.order in excited)
+        grid = speeds_for(own, resonances)
+        couple = couples_at(every, shaft, torque(grid / ratio), asked.carrier)
+        answers = tuple(replace(answer(both, order, grid, couple[order]), ratio=ratio) for order in couple)
+    system = both.system
+    return ShaftFound(
+        shaft.name, shaft.parts, shaft.ratio, shaft.beam.length, places(system).position,
+        tuple(Holding(point.name, point.at) for point in shaft.beam.points),
+        rest, critical, map_of, answers, len(system.cells), tilt, remark,
+    )  # fmt: skip
+
+
+def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
+    return np.asarray(frequency[:modes] / (2.0 * np.pi))
+
+
+def _divided(
+    shaft: BendingShaft, asked: LateralSettings, speed: FloatArray | None, excited: tuple[int, ...]
+) -> tuple[Planes, tuple[Critical, ...]]:
+    """The shaft in as many elements as the highest frequency that is reported of it needs."""
+    highest = 0.0 if speed is None else float(speed[-1]) * max((1, *excited))
+    elements = 1
+    for _ in range(_ROUNDS):
+        system = assemble_lateral(shaft.beam, frequency=highest, shear=asked.shear, elements=elements)
+        both = planes(system)
+        critical = tuple(
+            crossing for order in (1, *excited) for crossing in criticals(both, order, np.inf)[: 2 * asked.modes]
+        )
+        reported_of = [np.array([crossing.frequency for crossing in critical])]
+        reported_of += [_hertz(plane.frequency, asked.modes) for plane in (both.y, both.z)]
+        reported_of += [] if speed is None else [whirl(both, speed[-1:], asked.modes).frequency]
+        reached = 2.0 * np.pi * float(max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of))
+        spare = len(system.free) >= _SPARE * asked.modes
+        if spare and reached <= highest:
+            return both, critical
+        highest, elements = max(highest, 1.01 * reached), elements if spare else 2 * elements
+    raise SolveError(f"{shaft.name}: its bending modes need too many elements; ask for fewer `modes`")
+
+
+def _none_held(train: Train, shafts: Sequence[BendingShaft], is_asked: bool) -> list[Fault]:
+    """At the keys where every shaft lacks something; else where bending is asked for, or at the first support."""
+    named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
+    if named:
+        return named
+    held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
+    where: Path = PLACE if is_asked or not held else (*held[0], "support")
+    if not shafts:
+        return [Fault(where, "the train has no shaft, and nothing else bends", at_key=True)]
+    reasons = "; ".join(f"{shaft.name}: {shaft.lacks}" for shaft in shafts)
+    return [Fault(where, f"no shaft of the train can bend: {reasons}", at_key=True)]
+
+
+def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
+    """Young's and shear modulus of a shaft must belong together: their ratio says Poisson's."""
+    faults = []
+    for number, segment in zip(shaft.parts, shaft.beam.segments, strict=True):
+        poisson = segment.youngs_modulus / (2.0 * segment.shear_modulus) - 1.0
+        if not 0.0 <= poisson <= 0.5:
+            part = train.parts[number]
+            message = f"its `youngs_modulus` and `shear_modulus` make a Poisson's ratio of {poisson:.3g}"
+            faults.append(Fault((*part.path, "material"), message, "from 0 to 0.5 for `shear: true`"))
+    return faults
+
+
+def run(work: Work) -> None:
+    """The bending of every shaft that is held."""
+    why = "asked" if "lateral" in work.study.analyses else "a shaft has a `support`"
+    with work.log.step("bending of the shafts", why) as step:
+        settings = work.settings("lateral", LateralSettings)
+        found = lateral(work.study.train, work.study.operation, settings, progress=work.progress)
+        step.method, step.size = found.method, found.size
+    work.log.left_out += [("bending, in part", remark) for remark in found.remarks]
+    work.log.libraries["scikit-fem"] = None
+    work.put(lateral=found)

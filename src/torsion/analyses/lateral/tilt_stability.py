@@ -1,0 +1,273 @@
+"""Parametric stability of a driven shaft on bearings: its joint's couple follows the tilt of the shaft.
+
+The shaft is taken for rigid, as Zhu and Wang do: it turns about the centre of the joint that drives it, held by its
+supports. Where it bends about as easily as it tilts, that is said and nothing is computed.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import accumulate
+
+import numpy as np
+
+from torsion.analyses.joints.joint_lines import Placed
+from torsion.analyses.lateral.beam_elements import gauss
+from torsion.analyses.lateral.beam_matrices import Beam
+from torsion.analyses.lateral.bending_shafts import BendingShaft, JointAt
+from torsion.analyses.lateral.misaligned_shaft import (
+    EXACT,
+    NEUTRAL,
+    Growth,
+    MisalignedShaft,
+    Model,
+    growth,
+    small_angle_part,
+)
+from torsion.arrays import FloatArray
+from torsion.results import derived, reported, result
+
+Torques = Callable[[FloatArray], FloatArray]  # speeds, rad/s -> N m of the joint's driving shaft
+Bending = tuple[FloatArray, FloatArray]
+RIGID = 0.1  # a lowest frequency that bending lowers by a larger share is not that of a rigid shaft
+POINTS, LOOKED_AT = 201, 400  # speeds of the curve of growth, and of the search, beside those around resonances
+SPAN = 0.05  # rad/s / the sum of both frequencies: how far around a resonance points are added
+PERIODS = 3  # whole multiples of twice the speed that are looked at for a zone's name
+EVEN = 1e-6  # imaginary / real part: a multiplier that is real
+EXACTLY = 1e-15  # relative, of a boundary
+MEAN = "mean couple"
+OF_MEAN = Model(lambda turned, tilt: small_angle_part(turned, sine=0.0, cosine=0.0, constant=1.0))
+
+
+@reported
+class Zone:
+    """An unstable range."""
+
+    lower: float  # rad/s
+    upper: float  # rad/s
+    is_open: tuple[bool, bool] = result("", (), "[from, to] the range goes on beyond the speeds looked at")
+    kind: str = result(  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
+        "", (), "principal, sum, difference, several, or mean couple", key="type"
+    )
+    worst: float  # rad/s of the fastest growth
+    rate: float = result("1/s", (), "fastest growth in the range", key="growth_per_s")
+    ratio: float = 1.0  # of these speeds / reference speed
+
+    @derived("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
+    def first(self) -> float:
+        """Of the train."""
+        return self.lower / self.ratio
+
+    @derived("rad/s", (), "and ends", key="to_rad_per_s")
+    def last(self) -> float:
+        """Of the train."""
+        return self.upper / self.ratio
+
+    @derived("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
+    def at(self) -> float:
+        """Of the train."""
+        return self.worst / self.ratio
+
+
+@reported
+class Tilting:
+    """How fast small tilting motions of a rigid shaft grow over the speed of its joint's driving shaft."""
+
+    joint: str = result("", (), "that drives the shaft")
+    shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
+    frequency: tuple[float, float]  # Hz of y and of z at rest, without torque
+    speed: FloatArray  # (speeds,) rad/s of the driving shaft
+    growth: FloatArray = result("1/s", ("speed",), "of the fastest small motion; positive: unstable")
+    zones: tuple[Zone, ...] = result("", (), "unstable ranges", key="unstable")
+    ratio: float  # speed of the driving shaft / reference speed
+
+    @derived("kg*m**2", (), "about the centre of the joint")
+    def transverse_inertia(self) -> float:
+        """Of the shaft."""
+        return self.shaft.inertia
+
+    @derived("kg*m**2", (), "of the same body")
+    def polar_inertia(self) -> float:
+        """Of the shaft."""
+        return self.shaft.polar * self.shaft.inertia
+
+    @derived("", (), "of the tilt at rest", key="frequency_Hz")
+    def frequency_by_plane(self) -> dict[str, float]:
+        """Hz, along the normal of the joint's plane and in the plane."""
+        return dict(zip("yz", self.frequency, strict=True))
+
+    @derived("rad/s", ("speed",), "reference speeds", key="speed_rad_per_s")
+    def reference_speed(self) -> FloatArray:
+        """(speeds,)."""
+        return self.speed / self.ratio
+
+    @property
+    def is_damped(self) -> bool:
+        """Both directions of the tilt are damped."""
+        return min(self.shaft.damping) > 0.0
+
+
+def tilting(
+    shaft: BendingShaft, placed: Sequence[Placed], torque: Torques, speeds: FloatArray, bending: Bending
+) -> tuple[Tilting | None, str]:
+    """Growth and unstable ranges of the tilt, and why there are none; torque, speeds (rad/s) are of the reference.
+
+    bending: (modes,) Hz of y and of z at rest, of the same shaft as it bends.
+    """
+    why = _untold(shaft, placed)
+    if why is not None:
+        return None, why
+    joint = next(one for one in placed if one.part == shaft.joints[0].part)
+    ratio = float(joint.ratio)
+    last = float(speeds[-1]) * ratio
+    first = max(float(speeds[0]) * ratio, last / POINTS)
+    rigid = _rigid(shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio))
+    z, y = (np.sqrt(rigid.square) / (2.0 * np.pi)).tolist()  # the angle about y moves the shaft along z
+    if why := _too_soft((y, z), bending):
+        return None, why
+    unstable = tuple(replace(_named(rigid, zone), ratio=ratio) for zone in zones(rigid, first, last, EXACT))
+    around = [speed for zone in unstable for speed in _around(zone) if first < speed < last]
+    known = [one for one in resonances(rigid).values() if first < one < last]
+    grid = np.unique(np.concatenate([np.linspace(first, last, POINTS), known, around]))
+    return Tilting(joint.name, rigid, (y, z), grid, growth(rigid, grid).rate, unstable, ratio), ""
+
+
+def _around(zone: Zone) -> list[float]:
+    """Speeds in a zone, as far again on both sides, and its own."""
+    wide = zone.upper - zone.lower
+    return [zone.lower, zone.worst, zone.upper, *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist()]
+
+
+def _untold(shaft: BendingShaft, placed: Sequence[Placed]) -> str | None:
+    """Why the tilt of a held shaft is left out, "" where there is none to speak of; None where it is told."""
+    if len(shaft.joints) != 1 or not any(max(point.stiffness) for point in shaft.beam.points):
+        return ""
+    at = shaft.joints[0]
+    if at.shaft == "driving":
+        return "it drives its joint; the parametric terms of its tilt are built for driven shafts"
+    if next(one for one in placed if one.part == at.part).joint.kind != "cross":
+        return "the parametric terms of its tilt are built for cross joints"
+    return None
+
+
+def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
+    """Why the shaft is not rigid; empty where it is."""
+    for plane, rigid, soft in zip("yz", frequency, bending, strict=True):
+        if soft.size and soft[0] < (1.0 - RIGID) * rigid:
+            return (
+                f"it bends too easily to be taken for rigid (lowest frequency in {plane} {soft[0]:.4g} Hz, rigid "
+                f"{rigid:.4g} Hz); the parametric stability of its tilt is left out"
+            )
+    return ""
+
+
+def _rigid(beam: Beam, joint: JointAt, tilt: float, torque: Torques) -> MisalignedShaft:
+    """The whole beam as one body about the centre of its joint."""
+    centre = beam.points[joint.point].at
+    transverse = sum(point.mass * (point.at - centre) ** 2 + point.diametral for point in beam.points)
+    polar = sum(point.polar for point in beam.points)
+    share, weight = gauss(5)  # exact for the sixth degree of a cone
+    starts = accumulate((segment.length for segment in beam.segments), initial=-centre)  # and the end
+    for segment, start in zip(beam.segments, starts, strict=False):
+        slices, second = weight * segment.length * segment.density, segment.moment(share)
+        place = start + segment.length * share
+        transverse += float(slices @ (segment.area(share) * place**2 + second))
+        polar += float(slices @ (2.0 * second))
+    arms = np.array([(point.at - centre) ** 2 for point in beam.points])
+    stiffness, damping = (arms @ np.array([getattr(p, what) for p in beam.points]) for what in ("stiffness", "damping"))
+    return MisalignedShaft(
+        transverse, polar / transverse, 1.0, tuple(stiffness.tolist()), tuple(damping.tolist()), 1.0, tilt, torque
+    )
+
+
+def _named(shaft: MisalignedShaft, zone: Zone) -> Zone:
+    """A zone that the mean part of the couple alone makes as strongly has its name."""
+    alone = float(growth(shaft, np.array([zone.worst]), OF_MEAN).rate[0])
+    return replace(zone, kind=MEAN) if alone > 0.5 * zone.rate else zone
+
+
+def zones(
+    shaft: MisalignedShaft, first: float, last: float, model: Model = EXACT, points: int = LOOKED_AT
+) -> tuple[Zone, ...]:
+    """Every unstable range between two positive speeds, ascending.
+
+    Growth is sampled evenly and more densely where the frequencies meet; each local greatest value is sought out, so
+    that a zone narrower than the spacing is still found where its growth has a slope that leads to it.
+    """
+    speed, rate = _sampled(shaft, first, last, model, points)
+    high = rate > NEUTRAL * speed
+    edges = np.flatnonzero(high[1:] != high[:-1])
+    roots = [_boundary(shaft, model, speed[k : k + 2], rate[k : k + 2]) for k in edges]
+    bounds = [*([first] if high[0] else []), *roots, *([last] if high[-1] else [])]
+    out = []
+    for low, up in zip(bounds[::2], bounds[1::2], strict=True):
+        inside = (speed >= low) & (speed <= up)
+        worst = float(speed[inside][rate[inside].argmax()])
+        worst, most = _greatest(shaft, model, worst, max(low, worst - (up - low) / 8), min(up, worst + (up - low) / 8))
+        kind = _kind(shaft, growth(shaft, np.array([worst]), model), low, up)
+        out.append(Zone(low, up, (low == first and bool(high[0]), up == last and bool(high[-1])), kind, worst, most))
+    return tuple(out)
+
+
+def resonances(shaft: MisalignedShaft) -> dict[str, float]:
+    """Speeds at which n times twice the speed is twice a frequency, their sum or their difference, by name; rad/s."""
+    one, two = shaft.frequency
+    parts = {"principal of 1": 2.0 * one, "principal of 2": 2.0 * two, "sum of 1 and 2": one + two}
+    parts["difference of 2 and 1"] = two - one
+    return {
+        name + (f" /{n}" if n > 1 else ""): float(total) / (2.0 * n)
+        for name, total in parts.items()
+        for n in range(1, PERIODS + 1)
+    }
+
+
+def _sampled(
+    shaft: MisalignedShaft, first: float, last: float, model: Model, points: int
+) -> tuple[FloatArray, FloatArray]:
+    """Speeds and growth: an even grid, points around every resonance, and every local greatest value below zero."""
+    known = np.array(list(resonances(shaft).values()))
+    width = SPAN * float(shaft.frequency.sum())
+    near = (known[:, None] + width * np.linspace(-1.0, 1.0, 41) ** 3).ravel()
+    speed = np.unique(np.concatenate([np.linspace(first, last, points), near[(near > first) & (near < last)]]))
+    rate = growth(shaft, speed, model).rate
+    peak = np.flatnonzero((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]) & (rate[1:-1] <= 0.0)) + 1
+    more = [_greatest(shaft, model, speed[k], speed[k - 1], speed[k + 1]) for k in peak]
+    if not more:
+        return speed, rate
+    speed, rate = np.append(speed, [one[0] for one in more]), np.append(rate, [one[1] for one in more])
+    rank = np.argsort(speed)
+    return speed[rank], rate[rank]
+
+
+def _greatest(shaft: MisalignedShaft, model: Model, start: float, low: float, up: float) -> tuple[float, float]:
+    """Speed and rate of the fastest growth between two speeds; `start` where nothing better is found."""
+    from scipy.optimize import minimize_scalar
+
+    def down(at: float) -> float:
+        return -float(growth(shaft, np.array([at]), model).rate[0])
+
+    found = minimize_scalar(down, bounds=(low, up), method="bounded", options={"xatol": 1e-9 * up, "maxiter": 40})
+    best = max((-down(start), float(start)), (-float(found.fun), float(found.x)))
+    return best[1], best[0]
+
+
+def _boundary(shaft: MisalignedShaft, model: Model, speed: FloatArray, rate: FloatArray) -> float:
+    """Speed of no growth between two speeds; beside a range without growth or decay, of growth beyond rounding."""
+    from scipy.optimize import brentq
+
+    level = 0.0 if rate.min() < -NEUTRAL * speed.max() else NEUTRAL
+
+    def above(at: float) -> float:
+        return float(growth(shaft, np.array([at]), model).rate[0] - level * at)
+
+    return float(brentq(above, speed[0], speed[1], xtol=EXACTLY * speed[1], rtol=4 * EXACTLY))
+
+
+def _kind(shaft: MisalignedShaft, at: Growth, low: float, up: float) -> str:
+    """The resonance nearest to the zone's worst speed among those whose multipliers are of its sort."""
+    if sum(low < speed < up for name, speed in resonances(shaft).items() if "/" not in name) > 1:
+        return "several"
+    speed, half = float(at.speed[0]), float(np.pi * at.frequency[0] / at.speed[0])
+    is_real = abs(np.sin(half)) < EVEN
+    known = resonances(shaft)
+    fitting = [name for name in known if name.startswith("principal") == is_real]
+    return min(fitting, key=lambda name: abs(known[name] - speed))

@@ -1,0 +1,257 @@
+"""Equations of motion of a whole train with its joints at one mean speed, in arrays over time.
+
+With every body's angle a function F of one coordinate q: sum over the bodies of F' R = 0, where
+R = J (F' q'' + F'' q'^2) + damping + springs - torques. Linearised about any motion: mass J F'^2, and so on.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond
+from torsion.analyses.motion.straight_modes import at_bodies, at_coordinates
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.errors import SolveError
+from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
+from torsion.kernels.periodic.hill import Couplings, toeplitz
+
+
+@dataclass(frozen=True)
+class Loading:
+    """What acts at one mean speed, on the bodies and at one speed (torque times speed ratio)."""
+
+    speed: float  # rad/s of the reference station
+    damping: FloatArray  # (bodies,) N m s/rad to the mean motion
+    torque: FloatArray  # (bodies,) N m, known and constant
+    multiple: IntArray  # (lines,) order of each vibratory torque / order of the common period
+    vibratory: ComplexArray  # (bodies, lines) N m
+    drive: FloatArray  # (unknown loads, bodies) N m for a load of 1
+    steady: IntArray  # (unknown loads,) the coordinate whose mean each load keeps
+    order: float  # of the common period, per turn of the reference station
+
+    @property
+    def period(self) -> float:
+        """s."""
+        return 2.0 * np.pi / (self.order * self.speed)
+
+    @property
+    def w0(self) -> float:
+        """Frequency of the common period, rad/s."""
+        return self.order * self.speed
+
+
+@dataclass(frozen=True)
+class State:
+    """A motion of all bodies: (bodies, times), all at one speed."""
+
+    turning: Turning
+    rate: FloatArray  # rad/s of the coordinate of each body
+    gain: FloatArray  # rad/s2 of the coordinate of each body
+    slip: FloatArray  # rad/s of each body, deviation from the mean speed
+    acceleration: FloatArray  # rad/s2 of each body
+    residual: FloatArray  # N m: what each body lacks for equilibrium
+
+
+def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turning:
+    """Every body's turning, arrays (bodies, times), from the coordinates' deviations (free or more, times).
+
+    turned: (times,) rad, the mean angle of the reference station.
+    """
+    times = deviation.shape[1]
+    full = np.zeros((len(layout.root), times))
+    full[: layout.free] = deviation[: layout.free]
+    start = at_rest(full[layout.coordinate])
+    if not layout.steps:
+        return start
+    parts = [start.deviation.copy(), start.first, start.second, start.third]
+    for step in layout.steps:
+        inner = Turning(*(part[step.inner] for part in parts))
+        for part, value in zip(parts, vars(beyond(inner, step.joint, turned)).values(), strict=True):
+            part[step.outer] = value
+    return Turning(*parts)
+
+
+def mean_angle(loading: Loading, times: int) -> FloatArray:
+    """(times,) rad of the reference station over the common period."""
+    return np.asarray(2.0 * np.pi / loading.order * np.arange(times) / times)
+
+
+def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArray:
+    """(bodies, times) N m that act on the bodies."""
+    constant = over_time(loading.torque) + over_time(loading.drive.T @ load)
+    if not loading.multiple.size:
+        return np.asarray(np.broadcast_to(constant, (len(constant), len(turned))))
+    phase = np.exp(1j * np.outer(loading.multiple, loading.order * turned))
+    return np.asarray(constant + (loading.vibratory @ phase).real)
+
+
+def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
+    """(bodies, times) N m/s by which the vibratory torques change."""
+    order = loading.order * loading.multiple
+    phase = np.exp(1j * np.outer(order, turned))
+    return np.asarray(((1j * loading.speed * order * loading.vibratory) @ phase).real)
+
+
+def over_time(values: FloatArray) -> FloatArray:
+    """(..., 1) where there is one value for all times; arrays that hold one for every time stay as they are."""
+    return values[:, None] if values.ndim == 1 else values
+
+
+def state(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray) -> State:
+    """The motion of all bodies, and what each lacks for equilibrium.
+
+    Behind its coordinates a motion may tell the twists of the layout's dampers, which else follow from it.
+    """
+    free = layout.free
+    where = turning(layout, motion.deviation, turned)
+    times = motion.deviation.shape[1]
+    rate, gain = np.full((len(layout.root), times), loading.speed), np.zeros((len(layout.root), times))
+    rate[:free] += motion.speed[:free]
+    gain[:free] = motion.acceleration[:free]
+    slow = np.zeros((len(layout.root), times))
+    slow[:free] = motion.speed[:free]
+    rate, gain, slow = rate[layout.coordinate], gain[layout.coordinate], slow[layout.coordinate]
+    slip = slow * where.first + loading.speed * (where.first - 1.0)
+    acceleration = where.first * gain + where.second * rate**2
+    residual = (
+        layout.inertia[:, None] * acceleration + over_time(loading.damping) * slip - torques(loading, turned, load)
+    )
+    force = spring_torques(layout, where.deviation, slip, motion.speed[free:])
+    np.add.at(residual, layout.driving, force)
+    np.subtract.at(residual, layout.driven, force)
+    return State(where, rate, gain, slip, acceleration, residual)
+
+
+def spring_torques(
+    layout: Layout, deviation: FloatArray, slip: FloatArray, dampers: FloatArray | None = None
+) -> FloatArray:
+    """(springs, times) N m, positive when the driving side pushes: elastic, viscous and hysteretic share.
+
+    The hysteretic share is that of a steady vibration over the whole period: i eta k sign(frequency).
+    dampers: (dampers, times) rad/s, rates of their twists where they are known beside the slip.
+    """
+    a, b = layout.driving, layout.driven
+    twist = deviation[a] - deviation[b]
+    force = layout.stiffness[:, None] * twist + over_time(layout.viscous) * (slip[a] - slip[b])
+    lossy = np.flatnonzero(layout.hysteretic)
+    if lossy.size:
+        spectrum = np.fft.rfft(twist[lossy], axis=1)
+        spectrum[:, 0] = 0.0
+        force[lossy] += layout.hysteretic[lossy, None] * np.fft.irfft(1j * spectrum, twist.shape[1], axis=1)
+    acting = layout.dampers
+    if acting.size.size:
+        rate = dampers if dampers is not None and len(dampers) else acting.onto.T @ (slip[a] - slip[b])
+        force += acting.onto @ (over_time(acting.size) * rate)
+    return np.asarray(force)
+
+
+def linearised(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int) -> Linearised:
+    """The equations at a motion over the common period, with their derivatives.
+
+    Dampers are in them where the motion tells their twists: those are then further unknowns, and the matrix stays
+    sparse. Where it does not, the residual holds the dampers and the derivatives leave them out.
+    """
+    turned = mean_angle(loading, motion.deviation.shape[1])
+    now = state(layout, loading, motion, load, turned)
+    free, first = layout.free, now.turning.first
+    residual = gathered(layout, first * now.residual)
+    force = np.stack([-gathered(layout, first * one[:, None]) for one in loading.drive]) if len(loading.drive) else (
+        np.zeros((0, *residual.shape))
+    )  # fmt: skip
+    whole = entries(layout, loading, now)
+    inside = (whole.row < free) & (whole.column < free)
+    kept = Couplings(*(part[inside] for part in vars(whole).values()))
+    found = Linearised(residual[:free], kept, force[:, :free], _hysteretic(layout, first, count))
+    if len(motion.deviation) == free:
+        return found
+    return _with_dampers(layout, found, now, motion.deviation[free:], loading.w0)
+
+
+def damper_twists(layout: Layout, loading: Loading, deviation: FloatArray) -> FloatArray:
+    """(dampers, times) rad from the coordinates' deviations (free, times)."""
+    turned = mean_angle(loading, deviation.shape[1])
+    return np.asarray(at_bodies(layout) @ turning(layout, deviation, turned).deviation)
+
+
+def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArray, w0: float) -> Linearised:
+    """The equations with the dampers' twists (dampers, times) as unknowns: size w0 (twist - that of the bodies) = 0."""
+    size, times, free = layout.dampers.size, twist.shape[1], layout.free
+    number = len(size)
+    missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ now.turning.deviation)
+    pull = (size[:, None, None] * at_coordinates(layout, now.turning.first)).reshape(-1, times)
+    damper, coordinate = np.repeat(free + np.arange(number), free), np.tile(np.arange(free), number)
+    alone, none = free + np.arange(number), np.zeros((number * free, times))
+    here = found.entries
+    grown = Couplings(
+        np.concatenate([here.row, coordinate, damper, alone]), np.concatenate([here.column, damper, coordinate, alone]),
+        np.concatenate([here.mass, none, none, np.zeros((number, times))]),
+        np.concatenate([here.damping, pull, none, np.zeros((number, times))]),
+        np.concatenate([here.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]),
+    )  # fmt: skip
+    force = np.pad(found.force, ((0, 0), (0, number), (0, 0)))
+    return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
+
+
+def gathered(layout: Layout, onto: FloatArray) -> FloatArray:
+    """(coordinates, times) from what acts on the bodies."""
+    out = np.zeros((len(layout.root), onto.shape[1]))
+    np.add.at(out, layout.coordinate, onto)
+    return out
+
+
+def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
+    """Mass, damping and stiffness entries: one for each coordinate, four for each spring."""
+    f1, f2, f3 = now.turning.first, now.turning.second, now.turning.third
+    inertia, ground = layout.inertia[:, None], over_time(loading.damping)
+    slip_slope = f2 * now.rate  # of a body's speed over its coordinate
+    mass = inertia * f1**2
+    damping = f1 * (2.0 * inertia * slip_slope + ground * f1)
+    stiffness = f1 * (inertia * (f2 * now.gain + f3 * now.rate**2) + ground * slip_slope) + f2 * now.residual
+    own = [gathered(layout, part) for part in (mass, damping, stiffness)]
+    row, column = [np.arange(len(layout.root))], [np.arange(len(layout.root))]
+    parts = [[one] for one in own]
+    for left, right, sign in ((0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)):
+        a, b = (layout.driving, layout.driven)[left], (layout.driving, layout.driven)[right]
+        c, k = sign * over_time(layout.viscous), sign * layout.stiffness[:, None]
+        row.append(layout.coordinate[a])
+        column.append(layout.coordinate[b])
+        parts[0].append(np.zeros((len(a), f1.shape[1])))
+        parts[1].append(c * f1[a] * f1[b])
+        parts[2].append(f1[a] * (k * f1[b] + c * slip_slope[b]))
+    return Couplings(np.concatenate(row), np.concatenate(column), *(np.concatenate(one) for one in parts))
+
+
+def _hysteretic(layout: Layout, first: FloatArray, count: int) -> list[tuple[int, int, ComplexArray]]:
+    """Blocks of the loss factors: i eta k sign(frequency) between the angles on both sides of a spring."""
+    out = []
+    wide = np.arange(-2 * count, 2 * count + 1)
+    turn = 1j * np.sign(wide)[:, None]
+    for spring in np.flatnonzero(layout.hysteretic).tolist():
+        ends = (int(layout.driving[spring]), 1.0), (int(layout.driven[spring]), -1.0)
+        shapes = {body: toeplitz(first[body], count, wide) for body, _ in ends}
+        for a, plus in ends:
+            for b, minus in ends:
+                i, j = int(layout.coordinate[a]), int(layout.coordinate[b])
+                if i < layout.free and j < layout.free:
+                    size = plus * minus * layout.hysteretic[spring]
+                    out.append((i, j, size * (shapes[a].conj().T @ (turn * shapes[b]))))
+    return out
+
+
+def right_hand_side(layout: Layout, loading: Loading, load: FloatArray, t: float, y: FloatArray) -> FloatArray:
+    """d/dt of (deviations, speeds of deviation) of the free coordinates at a time (s), for an integrator of ODEs.
+
+    Raises SolveError where a coordinate has no inertia or a spring has a loss factor, which acts on harmonics only.
+    """
+    free = layout.free
+    if layout.hysteretic.any():
+        raise SolveError("a loss factor has no meaning in time; give a viscous damping")
+    column = y[:, None]
+    motion = Motion(column[:free], column[free:], np.zeros((free, 1)))
+    now = state(layout, loading, motion, load, np.array([loading.speed * t]))
+    first = now.turning.first
+    mass = gathered(layout, layout.inertia[:, None] * first**2)[:free, 0]
+    if not np.all(mass > 0):
+        raise SolveError("a joint or shaft end without inertia cannot be integrated in time; give it an inertia")
+    missing = gathered(layout, first * now.residual)[:free, 0]
+    return np.concatenate([y[free:], -missing / mass])

@@ -1,0 +1,257 @@
+"""Floquet exponents of a train about its periodic motion at one speed, by the monodromy matrix or by Hill's matrix."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsion.analyses.motion.equations_of_motion import Loading, gathered, linearised, mean_angle, state, torque_rates
+from torsion.analyses.motion.mechanism import Layout
+from torsion.analyses.motion.mechanism_loads import Scene, scene
+from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
+from torsion.analyses.motion.stability_settings import Method
+from torsion.analyses.motion.straight_modes import Basis, at_coordinates, basis, reduced, viscous
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
+from torsion.kernels.periodic.hill import couplings_of, harmonics_of, hill_exponents
+from torsion.kernels.periodic.monodromy import exponents, monodromy, steps_for
+from torsion.study import Study
+
+KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
+REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats itself
+APART = 1e-10  # relative: of a motion that others combine to, less is left
+BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
+HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
+FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
+UNSTABLE = 1e-7  # growth over one common period: less is rounding
+MOST_HILL = 2500  # rows of the eigenvalue problem
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Linear equations of a small deviation from a periodic motion, over one common period."""
+
+    mass: FloatArray  # (times, size, size)
+    damping: FloatArray
+    stiffness: FloatArray
+    period: float  # s
+    repeated: FloatArray  # (motions, 2 size, times) motions (y, y') that repeat themselves exactly
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates or modes."""
+        return int(self.mass.shape[1])
+
+    @property
+    def w0(self) -> float:
+        """rad/s."""
+        return 2.0 * np.pi / self.period
+
+    def on(self, reduced: Basis) -> "Variation":
+        """The same on a basis of modes and, behind them, of what the motions that repeat themselves have beside it.
+
+        Without that they would not quite repeat themselves, and seem to grow or to die out.
+        """
+        missed = _beyond(reduced, self.repeated[:, : self.size])
+        shape = np.column_stack([reduced.shape, missed])
+        mass, damping, stiffness = (shape.T @ part @ shape for part in (self.mass, self.damping, self.stiffness))
+        repeated = np.zeros((len(self.repeated), 2, shape.shape[1], self.mass.shape[0]))
+        for one, motion in zip(repeated, self.repeated, strict=True):
+            for own, part in zip(one, np.split(motion, 2), strict=True):
+                own[:] = np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part])
+        form = len(repeated), 2 * shape.shape[1], self.mass.shape[0]
+        return Variation(mass, damping, stiffness, self.period, repeated.reshape(form))
+
+
+def _beyond(reduced: Basis, motions: FloatArray) -> FloatArray:
+    """(size, shapes) of generalised inertia 1: what motions (motions, size, times) have that a basis has not."""
+    heavy = np.sqrt(reduced.inertia)[:, None]
+    weighted = heavy * np.concatenate([np.zeros((len(heavy), 0)), *motions], axis=1)
+    within = heavy * reduced.shape
+    rest = weighted - within @ (within.T @ weighted)
+    left, size, _ = np.linalg.svd(rest, full_matrices=False)
+    left = left[:, size > REST * np.linalg.norm(weighted)]
+    return np.asarray(np.divide(left, heavy, out=np.zeros_like(left), where=heavy > 0))
+
+
+def variation(at: Scene, orbit: Orbit) -> Variation:
+    """The variation of the equations about an orbit.
+
+    A vibratory torque goes by the angle of its own station: by the clock it would hold the train to a phase. Of a train
+    with loss factors, scene and orbit must be those of the dampers that stand for them (`losses.viscous`):
+    a loss factor has no meaning for a deviation that grows.
+    """
+    loading, free = orbit.now.loading, at.layout.free
+    times = points_in_time(orbit.found.count)
+    motion = motion_of(orbit.found.harmonic, loading.w0, times)
+    around = linearised(at.layout, loading, motion, orbit.found.load, 1)
+    mass, damping, stiffness = around.entries.full(free)
+    turned = mean_angle(loading, times)
+    now = state(at.layout, loading, motion, orbit.found.load, turned)
+    if loading.multiple.size:
+        own = np.arange(free)
+        stiffness[:, own, own] -= gathered(at.layout, now.turning.first * torque_rates(loading, turned) / now.rate)[
+            :free
+        ].T
+    if at.layout.dampers.size.size:
+        twist = at_coordinates(at.layout, now.turning.first).transpose(2, 0, 1)
+        pull = np.swapaxes(twist * at.layout.dampers.size[:, None], 1, 2)
+        damping = damping + pull @ twist
+        stiffness = stiffness + pull @ at_coordinates(at.layout, now.turning.second * now.rate).transpose(2, 0, 1)
+    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading, motion))
+
+
+def _repeated(layout: Layout, loading: Loading, motion: Motion) -> FloatArray:
+    """(motions, 2 free, times) what repeats itself unless something holds it: all that turns, turning further.
+
+    Where parts hang together by damping alone, so does every one without a joint, turned by a fixed angle.
+    """
+    free, times = motion.speed.shape
+    found = list[FloatArray]()
+    if layout.floating:
+        turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
+        found.append(np.concatenate([turning * (loading.speed + motion.speed), turning * motion.acceleration]))
+    for group in layout.loose:
+        found.append(np.concatenate([np.repeat(group[:, None], times, axis=1), np.zeros((free, times))]))
+    return np.array(found).reshape(-1, 2 * free, times)
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Floquet exponents of a train, without those of its free turning, the fastest growing first."""
+
+    exponent: ComplexArray  # (exponents,) 1/s, imaginary part within half of w0
+    vector: ComplexArray  # (coordinates or modes, exponents) deviation at reference angle zero; NaN where not computed
+    speed: ComplexArray  # (coordinates or modes, exponents) its rate of change
+    period: float  # s
+
+    @property
+    def growth(self) -> float:
+        """1/s of the fastest growing motion; negative where all die out."""
+        return float(self.exponent.real[0]) if self.exponent.size else -np.inf
+
+    @property
+    def multiplier(self) -> ComplexArray:
+        """(exponents,) factor over one common period."""
+        return np.asarray(np.exp(self.exponent * self.period))
+
+
+def by_monodromy(around: Variation, highest: float) -> Multipliers:
+    """Exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
+    size = around.size
+    scale = np.concatenate([np.ones(size), np.full(size, around.w0)])
+    whole = monodromy(around.mass, around.damping, around.stiffness, around.period, steps_for(around.period, highest))
+    whole = whole / scale[:, None] * scale
+    back = np.eye(2 * size)
+    for one in around.repeated:
+        start = whole @ (back.T @ (one[:, 0] / scale))  # once around: what has no inertia follows
+        size_of = np.linalg.norm(start)
+        if size_of <= APART * np.linalg.norm(one[:, 0] / scale):
+            continue
+        if np.linalg.norm(whole @ start - start) <= KEPT_VECTOR * size_of:
+            turned = _beside(start)
+            whole, back = turned.T @ whole @ turned, back @ turned
+    value, vector = np.linalg.eig(whole)
+    order = np.argsort(-np.abs(value), kind="stable")
+    shape = (back @ vector[:, order]) * scale[:, None]
+    return Multipliers(exponents(value[order], around.period), shape[:size], shape[size:], around.period)
+
+
+def _beside(known: FloatArray) -> FloatArray:
+    """(size, size - 1) orthonormal, at right angles to a vector."""
+    unit = known / np.linalg.norm(known)
+    return np.asarray(np.linalg.qr(np.column_stack([unit, np.eye(len(unit))]))[0][:, 1 : len(unit)])
+
+
+def by_hill(around: Variation, count: int, most: int = MOST_HILL) -> Multipliers:
+    """Exponents by the eigenvalues of Hill's matrix with harmonics up to `count` of the common period.
+
+    Raises SolveError where it has more than `most` rows.
+    """
+    size = around.size
+    if 2 * size * (2 * count + 1) > most:
+        message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
+        raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
+    entries = couplings_of(around.mass, around.damping, around.stiffness)
+    found = hill_exponents(entries, around.w0, count, size, harmonics_of(around.repeated[:, :size], count))
+    value = found.exponent
+    order = np.argsort(-value.real, kind="stable")
+    start = found.vector[order]
+    rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
+    folded = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
+    return Multipliers(folded, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
+
+
+def hill_count(around: Variation, highest: float, orbit_count: int) -> int:
+    """Harmonics for Hill's matrix: those of the orbit, and those up to a highest frequency (rad/s)."""
+    return int(max(orbit_count, np.ceil(highest / around.w0) + 4))
+
+
+@dataclass
+class Search:
+    """A train whose growth rate is asked at many speeds; remembers what it computed."""
+
+    at: Scene
+    shapes: Basis
+    reduced: Basis | None
+    method: Method
+    known: dict[float, tuple[Orbit, Multipliers] | None]
+
+    def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
+        """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
+        if speed not in self.known:
+            solved = (one[0] for one in self.known.values() if one is not None)
+            orbit, _ = continued(self.at, speed, nearest(speed, solved))
+            self.known[speed] = None if orbit is None else (orbit, self.exponents(orbit, self.method))
+        return self.known[speed]
+
+    def exponents(self, orbit: Orbit, method: Method, most: int = MOST_HILL) -> Multipliers:
+        """By one of the methods; raises SolveError where Hill's matrix has more than `most` rows."""
+        around = variation(self.at, orbit)
+        highest = self.shapes.highest
+        if self.reduced is not None:
+            around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
+        if method == "hill":
+            return by_hill(around, hill_count(around, highest, orbit.found.count), most)
+        return by_monodromy(around, highest)
+
+    def growth(self, speed: float) -> float:
+        """1/s; NaN where there is no periodic motion."""
+        found = self(speed)
+        return np.nan if found is None else found[1].growth
+
+    def is_unstable(self, speed: float) -> bool:
+        """Growth beyond rounding."""
+        found = self(speed)
+        return found is not None and found[1].growth * found[1].period > UNSTABLE
+
+    @property
+    def loses(self) -> bool:
+        """Something damps."""
+        return self.at.system.damps and self.at.damping > 0
+
+
+def search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:
+    """A train ready to be asked; `modes`: reduce to so many elastic modes."""
+    at = scene(study, system, vibratory=False)
+    shapes = basis(at.layout)
+    fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
+    return Search(damped(at, fewer or shapes), shapes, fewer, method, {})
+
+
+def damped(at: Scene, shapes: Basis) -> Scene:
+    """The scene with dampers on the shapes of a basis for its loss factors."""
+    return replace(at, layout=viscous(at.layout, shapes))
+
+
+def modes_that_matter(at: Scene, shapes: Basis, fastest: float, asked: int | None = None) -> Basis:
+    """The rigid motions and as many elastic modes as asked for.
+
+    Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 3 to 12 elastic ones.
+    """
+    elastic = shapes.frequency[shapes.rigid :]
+    highest = HIGHEST * float(max(at.layout.orders, default=at.order)) * fastest
+    number = int(np.count_nonzero(elastic <= highest))
+    number = min(max(number, FEWEST_MODES), MOST_MODES) if asked is None else asked
+    return reduced(at.layout, shapes, shapes.rigid + min(number, len(elastic)))

@@ -1,0 +1,381 @@
+"""The exact periodic response of a train with joints over speed, by harmonic balance."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.motion.common_period import harmonics_needed, too_long
+from torsion.analyses.motion.equations_of_motion import (
+    damper_twists,
+    linearised,
+    mean_angle,
+    spring_torques,
+    state,
+    torques,
+)
+from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_motion, scene
+from torsion.arrays import BoolArray, ComplexArray, FloatArray
+from torsion.assembly.segment_groups import SegmentGroups
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.findings import Progress, silent
+from torsion.kernels.periodic.harmonic_balance import (
+    MOST_UNKNOWNS,
+    Balance,
+    Linearised,
+    Motion,
+    balance,
+    motion_of,
+    points_in_time,
+    resized,
+)
+from torsion.kernels.periodic.hill import harmonics_of
+from torsion.results import derived, reported, result, words
+from torsion.study import Study
+
+ACCURACY = 1e-10  # harmonics left out / largest kept
+FEWEST, MOST = 6, 400  # harmonics of the common period
+GROWTH = 1.4  # of the number of harmonics from one trial to the next
+KEPT = 1e-14  # of the largest amplitude: orders that stay smaller at every speed are rounding
+SUBDIVISIONS = 6  # halvings of a step of speed before a solution is given up
+LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
+LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
+GROWS = 1e-5  # over one common period: less may be the error of few modes
+SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be asked to hold
+ASIDE = (-0.02, 0.02)  # of the speed: from so far away a motion is carried to it
+STEPS = 4  # of the way
+SAME = 1e-5  # of the largest amplitude: motions that differ by less are one
+
+
+Orders = tuple[Fraction, ...]
+
+
+class Found(IntEnum):
+    """What there is at a speed."""
+
+    OK = 0
+    COARSE = 1  # periodic, but the harmonics that were left out exceed ACCURACY
+    NONE = 2  # no periodic solution found
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A periodic motion at one speed."""
+
+    now: Operating
+    found: Balance
+
+    @property
+    def status(self) -> Found:
+        """OK or COARSE."""
+        return Found.OK if self.found.truncation <= ACCURACY else Found.COARSE
+
+
+@reported
+class PeriodicResponse:
+    """Complex amplitudes of the exact periodic response (half ranges, phase at reference angle zero).
+
+    NaN where no periodic solution was found.
+    """
+
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    orders: tuple[Fraction, ...] = result(
+        "", ("order",), "per revolution of the reference, ascending, exact", record="order"
+    )
+    angle: ComplexArray = result(
+        "rad", ("speed", "order", "station"), "complex amplitude at own speed; null where there is no periodic motion",
+        printed=("speed", "named station"),
+    )  # fmt: skip
+    torque: ComplexArray = result(
+        "N*m", ("speed", "order", "span"), "complex amplitude, elastic and damping share together",
+        printed=("speed", "end span"),
+    )  # fmt: skip
+    mean: FloatArray = result(
+        "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
+    )
+    drive: FloatArray = result(
+        "N*m", ("speed",), "mean torque of all drives at the reference speed; null where the train is held"
+    )
+    harmonics: np.ndarray = result("", ("speed",), "of the common period")
+    truncation: FloatArray = result(
+        "1", ("speed",), "estimated largest harmonic left out / largest kept", key="left_out"
+    )
+    status: np.ndarray  # (speeds,) uint8: Found
+    why: tuple[str, ...] = result("", (), "of every speed: why there is no periodic motion; else empty")
+    orbits: tuple[Orbit | None, ...]  # (speeds,)
+    growth: FloatArray | None = result("1/s", ("speed",), "of small deviations; null if not computed", default=None)
+    others: "PeriodicResponse | None" = result(
+        "", (), "further motions at the highest peaks, in the same orders; null for none", default=None
+    )
+
+    def condensed(self, groups: SegmentGroups) -> "PeriodicResponse":
+        """The same at the stations and spans that stand for segment groups."""
+        return replace(
+            self, angle=self.angle[..., groups.stations], torque=self.torque[..., groups.spans],
+            mean=self.mean[..., groups.spans], others=self.others and self.others.condensed(groups),
+        )  # fmt: skip
+
+    @derived("", ("speed",), "ok, coarse (harmonics left out above 1e-10) or none (no motion found)", key="status")
+    def status_words(self) -> np.ndarray:
+        """(speeds,)."""
+        return words(self.status, Found)
+
+    @derived("", ("speed",), "small deviations grow: the train does not settle in this motion")
+    def is_unstable(self) -> BoolArray:
+        """(speeds,)."""
+        if self.growth is None:
+            return np.zeros(len(self.speed), dtype=bool)
+        periods = np.array([np.nan if one is None else one.now.loading.period for one in self.orbits])
+        return np.asarray(np.nan_to_num(self.growth * periods) > GROWS)
+
+
+def is_advised(system: System, first_order: FloatArray | None = None) -> bool:
+    """Whether the exact response is the default: a joint beyond 10 deg, or a first-order estimate of error beyond 1 %.
+
+    first_order: the estimates (speeds, lines) of a first-order response, where there is one.
+    """
+    joints = (system.train.parts[span.part].joint for span in system.spans if span.error)
+    if any(joint is not None and joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
+        return True
+    return first_order is not None and bool(np.nanmax(first_order, initial=0.0) > LARGE_ERROR)
+
+
+def periodic_response(
+    study: Study, system: System, speeds: FloatArray, *, progress: Progress | None = None
+) -> PeriodicResponse:
+    """The periodic response at ascending reference speeds (speeds,) rad/s, each started from the one before it."""
+    at = scene(study, system)
+    tell = progress or (silent)
+    orbits, why = list[Orbit | None](), list[str]()
+    for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
+        tell("harmonic balance", k / len(speeds))
+        orbit, reason = continued(at, speed, orbits[-1] if orbits else None)
+        orbits.append(orbit)
+        why.append(reason)
+    return response_of(at, orbits, np.asarray(speeds, dtype=float), tuple(why))
+
+
+def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:
+    """The one of the speed nearest to a speed, rad/s; None of none."""
+    return min(orbits, key=lambda one: abs(one.now.loading.speed - speed), default=None)
+
+
+def continued(at: Scene, speed: float, before: Orbit | None) -> tuple[Orbit | None, str]:
+    """The orbit at a speed (rad/s) from its neighbour, else from the rigid motion, else by smaller steps of speed."""
+    if before is not None:
+        try:
+            return orbit(at, speed, before), ""
+        except SolveError:
+            pass
+    try:
+        return orbit(at, speed), ""
+    except SolveError as fault:
+        why = str(fault)
+    if before is None:
+        return None, why
+    here, reached, step = before, before.now.loading.speed, (speed - before.now.loading.speed) / 2.0
+    least = abs(step) / 2.0**SUBDIVISIONS
+    while abs(step) > least:
+        ahead = reached + step if abs(speed - reached) > abs(step) * (1 + 1e-9) else speed
+        try:
+            here, reached = orbit(at, ahead, here), ahead
+        except SolveError as fault:
+            step, why = step / 2.0, str(fault)
+            continue
+        if reached == speed:
+            return here, ""
+    return None, why
+
+
+def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
+    """The periodic motion at a speed (rad/s), from the rigid motion or a neighbour; raises SolveError.
+
+    The number of harmonics is raised until those left out are small.
+    """
+    now = operating(at, speed)
+    count = harmonics_at_least(at) if start is None else start.found.count
+    harmonic = rigid_motion(at, now, count) if start is None else start.found.harmonic
+    load = now.load if start is None else start.found.load
+    found = _solved(at, now, harmonic, load)
+    most = min(MOST, 20_000 // max(1, at.layout.free))
+    while found.truncation > ACCURACY and found.count < most:
+        more = min(most, int(np.ceil(GROWTH * found.count)))
+        found = _solved(at, now, resized(found.harmonic, more), found.load)
+    _refuse_slipping(found, now)
+    return Orbit(now, found)
+
+
+def harmonics_at_least(at: Scene) -> int:
+    """Harmonics of the common period with which to begin: enough for the joints' own errors and for the torques.
+
+    Raises SolveError where these are more than can be dealt with.
+    """
+    uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
+    rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
+    first = harmonics_needed(rank, at.layout.orders, [order for order, _ in at.torques])
+    most = min(MOST, (MOST_UNKNOWNS // max(1, at.layout.free) - 1) // 2)
+    if first > most and at.order < 1:
+        raise too_long(at.system.train, rank, most, vibratory=bool(at.torques))
+    return int(min(max(FEWEST, first), MOST))
+
+
+def _solved(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray) -> Balance:
+    def equations(motion: Motion, loads: FloatArray, count: int) -> Linearised:
+        return linearised(at.layout, now.loading, motion, loads, count)
+
+    free, w0, count = at.layout.free, now.loading.w0, (harmonic.shape[1] - 1) // 2
+    if at.layout.dampers.size.size:
+        deviation = motion_of(harmonic, w0, points_in_time(count)).deviation
+        twist = damper_twists(at.layout, now.loading, deviation)
+        harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
+    found = balance(equations, harmonic, load, now.loading.steady, w0)
+    return replace(found, harmonic=found.harmonic[:free])
+
+
+def _refuse_slipping(found: Balance, now: Operating) -> None:
+    """A load that stands for a drive which is not there must come out as nothing."""
+    known = float(np.abs(now.loading.torque).max(initial=0.0))
+    others = np.abs(np.where(now.load == 0.0, found.load, 0.0))[1:]
+    if np.any(others > SLIPS * max(known, float(np.abs(found.load).max(initial=0.0)))):
+        raise SolveError("a coupling without stiffness would have to carry a mean torque; give it a stiffness")
+
+
+def response_of(
+    at: Scene, orbits: Sequence[Orbit | None], speed: FloatArray, why: tuple[str, ...], orders: Orders | None = None
+) -> PeriodicResponse:
+    """The response at speeds (speeds,) rad/s whose orbits are known, in some orders: all that are more than rounding.
+
+    why: of every speed without an orbit.
+    """
+    ranks = [int(order / at.order) for order in orders or ()]
+    most = max([*ranks, *(one.found.count for one in orbits if one is not None)], default=0)
+    stations, spans, number = len(at.system.stations), len(at.system.spans), len(speed)
+    angle = np.full((number, most, stations), np.nan, dtype=complex)
+    torque = np.full((number, most, spans), np.nan, dtype=complex)
+    mean, drive, truncation = np.full((number, spans), np.nan), np.full(number, np.nan), np.full(number, np.nan)
+    harmonics, status = np.zeros(number, dtype=int), np.full(number, Found.NONE, dtype=np.uint8)
+    for k, one in enumerate(orbits):
+        if one is None:
+            continue
+        count, moving = one.found.count, course(at, one.now, one.found)
+        angle[k], torque[k] = 0.0, 0.0
+        angle[k, :count] = 2.0 * harmonics_of(moving.angle, count)[:, count + 1 :].T
+        torque[k, :count] = 2.0 * harmonics_of(moving.torque, count)[:, count + 1 :].T
+        mean[k] = moving.torque.mean(axis=1)
+        drive[k] = one.found.load[0] if one.found.load.size else np.nan
+        harmonics[k], truncation[k], status[k] = count, one.found.truncation, one.status
+    kept = np.array(ranks, dtype=int) - 1
+    if orders is None:
+        sizes = (np.nan_to_num(np.abs(part)).max(axis=(0, 2), initial=0.0) for part in (angle, torque))
+        kept = np.flatnonzero(np.any([size > KEPT * size.max(initial=0.0) for size in sizes], axis=0))
+        orders = tuple(at.order * int(rank + 1) for rank in kept)
+    return PeriodicResponse(
+        speed, orders, angle[:, kept], torque[:, kept], mean, drive, harmonics, truncation, status, why, tuple(orbits)
+    )
+
+
+@dataclass(frozen=True)
+class Course:
+    """A periodic motion over the common period, at evenly spaced times."""
+
+    time: FloatArray  # (times,) s
+    angle: FloatArray  # (stations, times) rad at own speed, deviation from the mean motion
+    speed: FloatArray  # (stations, times) rad/s at own speed, deviation from the mean speed
+    torque: FloatArray  # (spans, times) N m at the driving station's speed, positive when the driving side pushes
+
+
+def course(at: Scene, now: Operating, found: Balance, times: int | None = None) -> Course:
+    """The motion of every station and the torque of every span."""
+    whole, system, loading = at.layout, at.system, now.stations
+    times = points_in_time(found.count) if times is None else times
+    turned = mean_angle(loading, times)
+    moving = state(whole, now.loading, motion_of(found.harmonic, loading.w0, times), found.load, turned)
+    ratio = system.speed_ratio[:, None]
+    deviation, slip = moving.turning.deviation[whole.body], moving.slip[whole.body]
+    inertia = np.where(system.held, 0.0, system.inertia)[:, None] * ratio**2
+    need = inertia * moving.acceleration[whole.body] + loading.damping[:, None] * slip
+    need -= torques(loading, turned, found.load)
+    torque = np.zeros((len(system.spans), times))
+    torque[whole.spring] = spring_torques(whole, moving.turning.deviation, moving.slip)
+    np.add.at(need, system.driving[whole.spring], torque[whole.spring])
+    np.subtract.at(need, system.driven[whole.spring], torque[whole.spring])
+    _rigid_torques(system, torque, need, moving.turning.first[whole.body])
+    return Course(turned / loading.speed, deviation * ratio, slip * ratio, torque / system.span_ratio[:, None])
+
+
+def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: FloatArray) -> None:
+    """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree inward.
+
+    need: (stations, times) N m that a station needs from its rigid spans; summed up here on the way. A joint takes
+    power through: torque on either side times the speed there is the same, and the speeds go as `first`. Told is the
+    torque on its driven side.
+    """
+    folded = system.folded
+    above = np.full(folded.tree.size, -1)
+    above[folded.span[folded.span >= 0]] = np.flatnonzero(folded.span >= 0)
+    station = np.full(folded.tree.size, -1)
+    station[folded.node] = np.arange(len(folded.node))
+    for node in range(folded.tree.size - 1, -1, -1):
+        span, parent = int(above[node]), int(folded.tree.parent[node])
+        if span < 0 or system.flexibility[span] != 0:
+            continue
+        driving, driven = int(system.driving[span]), int(system.driven[span])
+        here = station[node] if station[node] >= 0 else (driven if folded.sign[span] > 0 else driving)
+        inward = station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
+        passed = need[here] * (first[here] / first[inward])
+        torque[span] = need[here] if here == driven else -passed
+        need[inward] = need[inward] + passed
+
+
+def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:
+    """What else was found at the speeds of some rows of a response, in its orders; None where nothing was.
+
+    A speed stands once for every further motion.
+    """
+    speeds, orbits = list[float](), list[Orbit | None]()
+    for row in rows:
+        here = found.orbits[row]
+        if here is None:
+            continue
+        known = [here]
+        for start in _starts(at, found, row):
+            other = _reached(at, float(found.speed[row]), start)
+            if other is not None and all(_differ(at, one, other) for one in known):
+                known.append(other)
+        speeds += [float(found.speed[row])] * (len(known) - 1)
+        orbits += known[1:]
+    if not orbits:
+        return None
+    return response_of(at, orbits, np.array(speeds), ("",) * len(orbits), found.orders)
+
+
+def _starts(at: Scene, found: PeriodicResponse, row: int) -> list[Orbit | None]:
+    """The rigid motion (None), and motions a little slower and faster, found from the rigid one."""
+    starts: list[Orbit | None] = [None]
+    for share in ASIDE:
+        aside = _reached(at, float(found.speed[row]) * (1.0 + share), None)
+        if aside is not None:
+            starts.append(aside)
+    return starts
+
+
+def _reached(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:
+    """A motion at the speed, carried there in steps from another one; None where the way breaks off."""
+    try:
+        if start is None:
+            return orbit(at, speed)
+        for ahead in np.linspace(start.now.loading.speed, speed, STEPS + 1)[1:].tolist():
+            start = orbit(at, ahead, start)
+    except SolveError:
+        return None
+    return start
+
+
+def _differ(at: Scene, one: Orbit, other: Orbit) -> bool:
+    """Two motions at one speed are not the same."""
+    both = response_of(at, [one, other], np.full(2, one.now.loading.speed), ("", ""))
+    size = np.abs(both.torque)
+    return bool(np.abs(size[0] - size[1]).max(initial=0.0) > SAME * size.max(initial=0.0))

@@ -1,0 +1,166 @@
+"""Map of the growth rate over speed and one more quantity: joint angle, damping or mean torque.
+
+The train is reduced to the modes that matter: deviation = rigid motion of the joints + modes of the straight train. All
+values of the second quantity are solved side by side at one speed, each started from its solution at the speed before.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.motion.floquet_exponents import Search, damped, modes_that_matter
+from torsion.analyses.motion.mechanism import JointMap, JointStep
+from torsion.analyses.motion.mechanism_loads import Scene, scene
+from torsion.analyses.motion.stability_settings import Over
+from torsion.analyses.motion.straight_modes import Basis, basis
+from torsion.analyses.motion.variant_stack import Stack, growths, half_range, solve_stack
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.findings import Progress, silent
+from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
+from torsion.kinematics.cross import unevenness
+from torsion.results import reported, result
+from torsion.study import Study
+
+SIDE_BY_SIDE = 25  # values solved at a time, to stay within the caches
+SAME_SWING = 0.02  # relative: periodic motions that differ by more are not the same
+CHECKED = 9  # points at which the unreduced train is computed too
+MOST_ALONE = 1000  # points that are solved one by one where they found no solution side by side
+
+
+@reported
+class StabilityMap:
+    """Growth rates; NaN where no periodic motion was found."""
+
+    over: Over = result("", (), "angle, damping or torque")
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    value: FloatArray = result("", ("value",), "joint angles in rad, or factors")
+    growth: FloatArray = result("1/s", ("speed", "value"), "null where no periodic motion was found")
+    modes: int = result("", (), "elastic modes kept")
+    of_modes: int = result("", (), "of so many")
+    swing: FloatArray  # (speeds, values) rad: largest vibration of a coordinate, half range
+    error: float = result("1/s", (), "largest difference to the whole train at the points checked")
+    checked: int = result("", (), "points checked")
+    elsewhere: int = result("", (), "points checked at which the whole train settled in another motion")
+    alone: int  # points near resonances that were solved one by one on the unreduced train
+
+
+def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
+    """The scene with another joint angle (rad), or factor on damping or mean torque; arrays lie along the time."""
+    whole = at.layout
+    if over == "angle":
+        steps = tuple(_bent(step, unevenness(value)) for step in whole.steps)
+        return replace(at, layout=replace(whole, steps=steps))
+    if over == "damping":
+        dampers = replace(whole.dampers, size=_times(whole.dampers.size, value))
+        hysteretic = _times(whole.hysteretic, value)
+        more = replace(whole, viscous=_times(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
+        return replace(at, layout=more, damping=value)  # type: ignore[arg-type]
+    return replace(at, mean=value)  # type: ignore[arg-type]
+
+
+def _times(part: FloatArray, value: float | FloatArray) -> FloatArray:
+    return part[:, None] * value if np.ndim(value) else part * value
+
+
+def _bent(step: JointStep, uneven: Any) -> JointStep:
+    """A cross joint with another unevenness; the inverse of one stays an inverse."""
+    joint: JointMap = step.joint
+    if joint.series:
+        return step
+    return replace(step, joint=replace(joint, unevenness=np.copysign(1.0, joint.unevenness) * uneven))
+
+
+def stability_map(
+    study: Study,
+    system: System,
+    speeds: FloatArray,
+    over: Over,
+    values: FloatArray,
+    *,
+    modes: int | None = None,
+    progress: Progress | None = None,
+) -> StabilityMap:
+    """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
+    tell = progress or (silent)
+    at = scene(study, system, vibratory=False)
+    if not at.layout.steps:
+        raise SolveError("a stability map needs a joint; nothing else varies with the angle")
+    shapes = basis(at.layout)
+    fewer = modes_that_matter(at, shapes, float(np.max(speeds)), modes)
+    lossy = damped(at, fewer)
+    growth, swing = np.full((2, len(speeds), len(values)), np.nan)
+    for first in range(0, len(values), SIDE_BY_SIDE):
+        some = values[first : first + SIDE_BY_SIDE]
+        stack = Stack(lossy, fewer, lambda value: varied(lossy, over, value), some, _uneven(at, over, some))
+        solution = None
+        for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
+            tell("stability map", (first + len(some) * k / len(speeds)) / len(values))
+            solution = solve_stack(stack, speed, solution)
+            growth[k, first : first + len(some)] = growths(stack, solution)
+            swing[k, first : first + len(some)] = solution.swing
+    whole = _Whole(at, shapes, over, np.asarray(speeds, dtype=float), values)
+    alone = whole.fill(growth, swing)
+    error, checked, elsewhere = whole.check(growth, swing)
+    counts = fewer.modes - fewer.rigid, len(shapes.frequency) - shapes.rigid
+    return StabilityMap(over, whole.speeds, values, growth, *counts, swing, error, checked, elsewhere, alone)
+
+
+@dataclass(frozen=True)
+class _Whole:
+    """The unreduced train at single points of the map."""
+
+    at: Scene
+    shapes: Basis
+    over: Over
+    speeds: FloatArray
+    values: FloatArray
+
+    def __call__(self, k: int, column: int) -> tuple[float, float]:
+        """Growth (1/s) and swing (rad) at a point; NaN where there is no periodic motion."""
+        there = varied(self.at, self.over, float(self.values[column]))
+        shapes = basis(there.layout) if self.over == "damping" else self.shapes
+        found = Search(damped(there, shapes), shapes, None, "monodromy", {})(float(self.speeds[k]))
+        if found is None:
+            return np.nan, np.nan
+        motion = motion_of(found[0].found.harmonic, 1.0, points_in_time(found[0].found.count))
+        return found[1].growth, float(half_range(motion.deviation))
+
+    def fill(self, growth: FloatArray, swing: FloatArray) -> int:
+        """Solve what is missing point by point; returns how many were found."""
+        missing = np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist()
+        for k, column in missing:
+            growth[k, column], swing[k, column] = self(k, column)
+        return sum(bool(np.isfinite(growth[k, column])) for k, column in missing)
+
+    def check(self, growth: FloatArray, swing: FloatArray) -> tuple[float, int, int]:
+        """Largest difference (1/s) at the fastest growing points, those nearest to a boundary, and some spread out.
+
+        Where several periodic motions exist, only the same one is compared. Returns how many points were, and how many
+        were not.
+        """
+        known = np.flatnonzero(np.isfinite(growth.ravel()))
+        if not known.size:
+            return np.nan, 0, 0
+        value = growth.ravel()[known]
+        third = CHECKED // 3
+        spread = known[np.linspace(0, len(known) - 1, third + 2).astype(int)[1:-1]]
+        chosen = {*known[np.argsort(value)][-third:], *known[np.argsort(np.abs(value))][:third], *spread}
+        worst, same, other = 0.0, 0, 0
+        for point in sorted(int(one) for one in chosen):
+            k, column = divmod(point, growth.shape[1])
+            grows, swings = self(k, column)
+            if abs(swings - swing[k, column]) <= SAME_SWING * swings:
+                worst, same = max(worst, abs(grows - float(growth[k, column]))), same + 1
+            else:
+                other += 1
+        return worst, same, other
+
+
+def _uneven(at: Scene, over: Over, values: FloatArray) -> float:
+    """The largest unevenness among the joints."""
+    if over == "angle":
+        return float(unevenness(values).max())
+    return max(abs(float(step.joint.unevenness)) for step in at.layout.steps)

@@ -1,0 +1,175 @@
+"""Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from torsion.analyses.motion.floquet_exponents import (
+    Search,
+    modes_that_matter,
+    search,
+)
+from torsion.analyses.motion.mechanism_loads import scene
+from torsion.analyses.motion.stability_settings import Method, StabilitySettings
+from torsion.analyses.motion.straight_modes import basis
+from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.findings import Progress, silent
+from torsion.results import reported, result
+from torsion.study import Study
+
+MOST_SEEDS = 60  # combination resonances that are looked at between the speeds asked for
+LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
+UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
+CHECKED = 3  # speeds at which the other method checks the growth rate
+WHOLE = 20  # coordinates up to which no mode is left out; beyond, the highest modes make the steps in time many
+MORE = 2  # times the modes kept: how many the estimate of the error keeps
+MOST_CHECKED = 600  # rows of Hill's matrix for that: beyond, its eigenvalues take far longer than the growth rate
+
+
+@reported
+class Stability:
+    """Growth rates over speed; NaN where there is no periodic motion."""
+
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them in and around unstable ranges")
+    asked: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
+    growth: FloatArray = result(
+        "1/s", ("speed",), "of the fastest growing small deviation; null where there is no periodic motion"
+    )
+    frequency: FloatArray = result("rad/s", ("speed",), "of that motion, within half of the common frequency")
+    amplitude_growth: FloatArray = result(
+        "1", ("speed",), "growth over a revolution of the reference", key="factor_per_turn"
+    )
+    ranges: tuple[UnstableRange, ...] = result("", (), "unstable ranges of speed")
+    modes: FloatArray = result("rad/s", ("mode",), "elastic ones of the train with straight joints")
+    method: str = result("", (), "monodromy or hill")
+    check: float = result("1/s", (), "largest difference to the other method; null where it was too large")
+    unsolved: FloatArray = result("rad/s", ("unsolved",), "speeds without a periodic motion")
+    loses: bool = result(
+        "", (), "something damps; where nothing does, a growth of 0 is the best there is", key="something_damps"
+    )
+    kept: int | None = result(
+        "", (), "elastic modes that the train is reduced to; null for all", key="modes_kept", default=None
+    )
+    left_out: float = result(
+        "1/s", (), "largest change of the growth rate with twice as many, where that was tried",
+        key="reduction_error_per_s", default=0.0,
+    )  # fmt: skip
+
+    @property
+    def unknown(self) -> tuple[tuple[float, float], ...]:
+        """Stretches of speed (rad/s) between neighbours with a periodic motion in which none was found."""
+        bare = np.concatenate([[False], np.isnan(self.growth), [False]])
+        first = np.maximum(np.flatnonzero(~bare[:-1] & bare[1:]) - 1, 0)
+        last = np.minimum(np.flatnonzero(bare[:-1] & ~bare[1:]), len(self.speed) - 1)
+        return tuple(zip(self.speed[first].tolist(), self.speed[last].tolist(), strict=True))
+
+
+def stability(
+    study: Study,
+    system: System,
+    speeds: FloatArray,
+    *,
+    method: Method = "monodromy",
+    modes: int | None = None,
+    progress: Progress | None = None,
+) -> Stability:
+    """Growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
+
+    Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
+    they shift the orbit, not its stability, to first order.
+    """
+    tell = progress or (silent)
+    ask = search(study, system, method=method, modes=modes)
+    asked = np.unique(np.asarray(speeds, dtype=float))
+    for k, speed in enumerate(asked.tolist()):
+        tell("stability", 0.6 * k / len(asked))
+        ask(speed)
+    _look_between(ask, asked, tell)
+    ranges = unstable_ranges(ask, tell)
+    speed = np.array(sorted(ask.known))
+    solved = [ask.known[one] for one in speed.tolist()]
+    growth = np.array([np.nan if one is None else one[1].growth for one in solved])
+    frequency = np.array(
+        [np.nan if one is None or not one[1].exponent.size else one[1].exponent.imag[0] for one in solved]
+    )
+    with np.errstate(over="ignore"):
+        factor = np.exp(growth * 2.0 * np.pi / speed)
+    unsolved = speed[np.isnan(growth)]
+    shapes = ask.shapes.frequency[ask.shapes.rigid :]
+    return Stability(
+        speed, np.isin(speed, asked), growth, frequency, factor, ranges, shapes, method, _check(ask, asked), unsolved,
+        ask.loses,
+    )  # fmt: skip
+
+
+def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
+    """Ask around each combination resonance for zones that fall between the speeds."""
+    if len(asked) < 2:
+        return
+    uneven = max((step.joint.strength for step in ask.at.layout.steps), default=0.0)
+    if uneven == 0.0:
+        return
+    seeds = candidates(ask.shapes, ask.at.layout.orders, float(asked[0]), float(asked[-1]))
+    around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
+    for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
+        tell("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
+        low, high = max(seed * (1.0 - around), float(asked[0])), min(seed * (1.0 + around), float(asked[-1]))
+        inside = [speed for speed in ask.known if low <= speed <= high]
+        if any(ask.is_unstable(speed) for speed in [*inside, seed]):
+            continue
+
+        def height(speed: float) -> float:
+            value = indicator(ask, speed, None)
+            return np.inf if np.isnan(value) else -value
+
+        minimize_scalar(
+            height, bounds=(low, high), method="bounded", options={"xatol": around * seed * 1e-2, "maxiter": 10}
+        )
+
+
+def _check(ask: Search, asked: FloatArray) -> float:
+    """1/s: largest difference between the growth rates of both methods at a few speeds."""
+    other: Method = "monodromy" if ask.method == "hill" else "hill"
+    worst = np.nan
+    known = [found for speed in asked.tolist() if (found := ask(speed)) is not None]
+    known = known or [found for found in ask.known.values() if found is not None]
+    for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
+        found = known[place]
+        try:
+            apart = abs(ask.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
+        except SolveError:
+            continue
+        worst = apart if np.isnan(worst) else max(worst, apart)
+    return float(worst)
+
+
+def stability_asked(
+    study: Study, system: System, asked: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
+) -> Stability:
+    """Stability at reference speeds (speeds,) rad/s, on as many modes as are asked for, else those that matter."""
+    at = scene(study, system, vibratory=False)
+    shapes = basis(at.layout)
+    elastic, modes = len(shapes.frequency) - shapes.rigid, asked.modes
+    if modes is None and at.layout.free > WHOLE:
+        fewer = modes_that_matter(at, shapes, float(np.max(speeds)))
+        modes = fewer.modes - fewer.rigid
+    if modes is not None and modes >= elastic:
+        modes = None
+    found = stability(study, system, speeds, method=asked.method, modes=modes, progress=progress)
+    if modes is None:
+        return found
+    return replace(found, kept=modes, left_out=_left_out(study, system, found, min(MORE * modes, elastic)))
+
+
+def _left_out(study: Study, system: System, found: Stability, more: int) -> float:
+    """1/s: largest change of the growth rate with more modes, at the fastest growth and at both ends."""
+    ask = search(study, system, modes=more)
+    known = np.flatnonzero(np.isfinite(found.growth))
+    if not known.size:
+        return np.nan
+    places = {int(known[0]), int(known[-1]), int(known[np.argmax(found.growth[known])])}
+    return float(np.nanmax([abs(ask.growth(float(found.speed[k])) - found.growth[k]) for k in sorted(places)]))

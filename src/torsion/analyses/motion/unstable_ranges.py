@@ -1,0 +1,296 @@
+"""Unstable ranges of speed: where they end, how fast small deviations grow within, and what they are called."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations, pairwise
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from torsion.analyses.motion.floquet_exponents import UNSTABLE, Multipliers, Search
+from torsion.analyses.motion.straight_modes import Basis
+from torsion.arrays import FloatArray
+from torsion.errors import SolveError
+from torsion.results import derived, reported, result
+
+TAKES_PART = 0.02  # of the largest modal energy
+ALONE = 0.1  # of the largest: a second mode with less makes no zone of two modes where one alone explains it
+DETUNED = 0.35  # of w0: no combination explains a growth farther away
+MIXED_COSTS = 0.05  # of w0: where two modes take part, a zone of both is believed before one of either alone
+RANK_COSTS = 0.02  # of w0, per rank: a near miss of a low rank is believed before a hit of a high one
+WITHIN = 1e-10  # relative: boundaries are sought this closely
+BISECTIONS = 10  # before a boundary of a train without damping is sought by the gap of its multipliers
+PARTS = 8  # of a range: in each of them the growth is asked before the greatest is sought
+PEAK = 1e-4  # of the stretch in which the greatest growth is sought; at a smooth peak its growth is then far closer
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A parametric resonance."""
+
+    kind: Literal["principal", "sum", "difference", "unexplained"]
+    modes: tuple[int, ...]  # elastic modes, counted from 1; 0 is the free turning
+    rank: int  # k of k w0 = combination
+    detuning: float  # (combination - k w0)/w0
+
+    @property
+    def name(self) -> str:
+        """In words."""
+        if self.kind == "unexplained":
+            return f"unstable in mode {self.modes[0]}" if self.modes else "unstable"
+        if self.kind == "principal":
+            share = "" if self.rank == 1 else f"/{self.rank}"
+            return f"principal of mode {self.modes[0]} (2 w{self.modes[0]}{share})"
+        i, j = self.modes
+        pair = f"w{i} + w{j}" if self.kind == "sum" else f"w{j} - w{i}"
+        return f"{self.kind} of modes {i} and {j} " + (f"({pair})" if self.rank == 1 else f"(({pair})/{self.rank})")
+
+
+def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None) -> FloatArray:
+    """(modes,) energy of the fastest growing motion in each mode at reference angle zero, largest 1.
+
+    reduced: the basis that the motion is told in, with more behind it; None: the coordinates.
+    """
+    onto = shapes.shape.T * shapes.inertia
+    if reduced is not None:
+        onto = onto @ reduced.shape
+    number = onto.shape[1]
+    angle, speed = onto @ found.vector[:number, 0], onto @ found.speed[:number, 0]
+    energy = (shapes.frequency * np.abs(angle)) ** 2 + np.abs(speed) ** 2
+    return np.asarray(energy / max(float(energy.max()), np.finfo(float).tiny))
+
+
+def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
+    """The combination of the modes that take part which lies nearest to a multiple of w0 (rad/s)."""
+    rigid = shapes.rigid
+    taking = [int(k) for k in np.argsort(-energy) if energy[k] > TAKES_PART]
+    w = shapes.frequency
+    choices: list[tuple[float, Zone]] = []
+
+    def consider(
+        kind: Literal["principal", "sum", "difference"], modes: tuple[int, ...], combination: float, cost: float = 0.0
+    ) -> None:
+        rank = max(1, round(combination / w0))
+        away = combination / w0 - rank
+        if abs(away) < DETUNED:
+            told = tuple(max(0, mode - rigid + 1) for mode in modes)
+            choices.append((abs(away) + RANK_COSTS * rank + cost, Zone(kind, told, rank, away)))
+
+    strong = [k for k in taking if energy[k] > ALONE]
+    for mode in strong if len(strong) < 2 else []:
+        consider("principal", (mode,), 2.0 * w[mode])
+    if not choices:
+        for mode in strong:
+            consider("principal", (mode,), 2.0 * w[mode], MIXED_COSTS)
+        for i, j in combinations(sorted(taking), 2):
+            consider("sum", (i, j), w[i] + w[j])
+            consider("difference", (i, j), w[j] - w[i])
+    if not choices:
+        return Zone("unexplained", tuple(max(0, k - rigid + 1) for k in taking[:1]), 0, 0.0)
+    return min(choices, key=lambda one: one[0])[1]
+
+
+def candidates(
+    shapes: Basis, orders: tuple[Fraction, ...], first: float, last: float, most_rank: int = 2
+) -> FloatArray:
+    """Reference speeds (rad/s) in a range at which a combination of two modes meets a multiple of a joint's frequency.
+
+    orders: frequencies of the joints / reference speed.
+    """
+    w = shapes.frequency[shapes.rigid :]
+    i, j = np.triu_indices(len(w))
+    found = np.concatenate([w[i] + w[j], np.abs(w[i] - w[j])[i != j], w])
+    speed = np.concatenate([found / (float(order) * rank) for order in orders for rank in range(1, most_rank + 1)])
+    return np.unique(speed[(speed > first) & (speed < last)])
+
+
+@reported
+class UnstableRange:
+    """Speeds between which small deviations grow."""
+
+    first: float = result("rad/s", (), "lower boundary, reference speed", key="from_rad_per_s")
+    last: float = result("rad/s", (), "upper boundary", key="to_rad_per_s")
+    is_open: tuple[bool, bool] = result(
+        "", (), "[below, above] the range goes on beyond the speeds requested", key="goes_on"
+    )
+    growth: float = result("1/s", (), "largest growth found within")
+    at: float = result("rad/s", (), "where")
+    zone: Zone
+    unknown: tuple[float | None, float | None] = result(
+        "rad/s", (), "[below, above] from the end to there nothing is known; null elsewhere",
+        key="unknown_to_rad_per_s", default=(None, None),
+    )  # fmt: skip
+
+    @derived("", (), "its type in words")
+    def name(self) -> str:
+        """As the report prints it."""
+        return self.zone.name
+
+    @derived("", (), "principal, sum, difference or unexplained")
+    def kind(self) -> str:
+        """Of the zone."""
+        return self.zone.kind
+
+    @derived("", (), "elastic modes that take part, counted from 1")
+    def modes(self) -> tuple[int, ...]:
+        """Of the zone."""
+        return self.zone.modes
+
+    @derived("", (), "k of k times the common frequency = combination of the modes")
+    def rank(self) -> int:
+        """Of the zone."""
+        return self.zone.rank
+
+    @property
+    def grows_at_end(self) -> tuple[bool, bool]:
+        """The end itself is unstable: the last speed asked for, or the last that has a periodic motion."""
+        (below, above), (under, over) = self.is_open, self.unknown
+        return below or under is not None, above or over is not None
+
+    def meets(self, first: float, last: float) -> bool:
+        """Some unstable speed of it lies between two speeds (rad/s); a boundary is none."""
+        below, above = self.grows_at_end
+        begins = self.first <= last if below else self.first < last
+        return begins and (self.last >= first if above else self.last > first)
+
+
+class NoMotion(SolveError):
+    """A speed without a periodic motion lies between two that have one."""
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a range."""
+
+    inner: float  # rad/s: the outermost unstable speed that is known
+    speed: float  # rad/s: the boundary, else the same
+    is_open: bool = False
+    unknown: float | None = None
+
+
+def unstable_ranges(ask: Search, tell: Callable[[str, float], None]) -> tuple[UnstableRange, ...]:
+    """Every range around the unstable speeds that are known; speeds without a periodic motion part them."""
+    out = list[UnstableRange]()
+    while True:
+        known = sorted(ask.known)
+        apart = (one for one in known if ask.is_unstable(one) and not any(_holds(there, one) for there in out))
+        seed = next(apart, None)
+        if seed is None:
+            return tuple(sorted(out, key=lambda one: one.first))
+        tell("boundaries", 0.8 + 0.2 * known.index(seed) / len(known))
+        out.append(_around(ask, seed))
+
+
+def _holds(there: UnstableRange, speed: float) -> bool:
+    """A speed lies within, to ten times the accuracy of the boundaries."""
+    return there.first * (1.0 - 10.0 * WITHIN) <= speed <= there.last * (1.0 + 10.0 * WITHIN)
+
+
+def _around(ask: Search, seed: float) -> UnstableRange:
+    """The range of an unstable speed (rad/s); where the search for its greatest growth meets a gap, the part before."""
+    while True:
+        low, high = _end(ask, seed, -1), _end(ask, seed, 1)
+        worst = _fastest(ask, low.speed, high.speed)
+        if all(ask.is_unstable(one) for one in list(ask.known) if low.inner < one < high.inner):
+            break
+    found = ask(worst)
+    if found is None:
+        raise SolveError("no periodic motion within an unstable range")
+    multipliers = found[1]
+    energy = modal_energy(multipliers, ask.shapes, ask.reduced)
+    return UnstableRange(
+        low.speed, high.speed, (low.is_open, high.is_open), multipliers.growth, worst,
+        zone(energy, ask.shapes, 2.0 * np.pi / multipliers.period), (low.unknown, high.unknown),
+    )  # fmt: skip
+
+
+def _end(ask: Search, seed: float, side: int) -> End:
+    """Where a range ends above (side 1) or below (-1) an unstable speed of it (rad/s)."""
+    outward = sorted((one for one in ask.known if side * (one - seed) >= 0), key=lambda one: side * one)
+    number = next((k for k, one in enumerate(outward) if not ask.is_unstable(one)), len(outward))
+    inner, beyond = outward[number - 1], outward[number:]
+    if not beyond:
+        return End(inner, inner, is_open=True)
+    if ask(beyond[0]) is None:
+        return End(inner, inner, unknown=next((one for one in beyond if ask(one) is not None), beyond[-1]))
+    try:
+        return End(inner, _boundary(ask, inner, beyond[0]))
+    except NoMotion:
+        return _end(ask, seed, side)
+
+
+def _boundary(ask: Search, inner: float, outer: float) -> float:
+    """The speed (rad/s) between an unstable and a stable one at which the growth begins; raises NoMotion."""
+    if ask.loses:
+        if _known(ask, outer, ask.growth(outer)) >= 0.0:
+            return outer
+        return _root(lambda speed: _known(ask, speed, ask.growth(speed)), inner, outer)
+    for _ in range(BISECTIONS):
+        middle = (inner + outer) / 2.0
+        _known(ask, middle, ask.growth(middle))
+        inner, outer = (middle, outer) if ask.is_unstable(middle) else (inner, middle)
+    found = ask(inner)
+    if found is None:
+        raise SolveError("no periodic motion at the boundary of an unstable range")
+    at = np.exp(1j * np.angle(found[1].multiplier[0]))
+    try:
+        return _root(lambda speed: _known(ask, speed, indicator(ask, speed, at)), inner, outer)
+    except ValueError:
+        return (inner + outer) / 2.0
+
+
+def _root(of: Callable[[float], float], inner: float, outer: float) -> float:
+    return float(brentq(of, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
+
+
+def _known(ask: Search, speed: float, value: float) -> float:
+    if ask(speed) is None:
+        raise NoMotion(f"no periodic motion at {speed:.8g} rad/s")
+    return value
+
+
+def indicator(ask: Search, speed: float, at: complex | None) -> float:
+    """Smooth over speed, positive where unstable: growth, or without damping the squared gap of two multipliers.
+
+    at: unit complex number near which the two meet; None: wherever they lie closest.
+    """
+    found = ask(speed)
+    if found is None:
+        return np.nan
+    multipliers = found[1]
+    if ask.loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and at is None):
+        return multipliers.growth
+    value = multipliers.multiplier
+    if at is None:
+        apart = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
+        first, second = np.unravel_index(int(np.argmin(apart)), apart.shape)
+    else:
+        first, second = np.argsort(np.abs(value - at))[:2]
+    gap = np.log(value[first] / value[second]) / (2.0 * multipliers.period)
+    return float((gap * gap).real)
+
+
+def _fastest(ask: Search, lower: float, upper: float) -> float:
+    """The speed (rad/s) of the greatest growth between two: of speeds in all parts, and about the best of them."""
+
+    def growth(speed: float) -> float:
+        return float(np.nan_to_num(ask.growth(speed)))
+
+    def inside() -> list[float]:
+        return sorted(one for one, found in ask.known.items() if found is not None and lower <= one <= upper)
+
+    for low, high in pairwise([lower, *inside(), upper]):
+        parts = int(np.ceil(PARTS * (high - low) / (upper - lower))) if upper > lower else 1
+        for speed in np.linspace(low, high, parts + 1)[1:-1].tolist():
+            ask(speed)
+    speeds = inside()
+    best = int(np.argmax([growth(one) for one in speeds]))
+    low, high = speeds[max(best - 1, 0)], speeds[min(best + 1, len(speeds) - 1)]
+    if high > low:
+        minimize_scalar(
+            lambda speed: -growth(float(speed)), bounds=(low, high), method="bounded",
+            options={"xatol": PEAK * (high - low)},
+        )  # fmt: skip
+    return max(inside(), key=growth)

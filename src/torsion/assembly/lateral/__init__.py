@@ -1,1 +1,0 @@
-"""Shafts that bend, as beams."""
