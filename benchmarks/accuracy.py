@@ -18,7 +18,7 @@ from benchmarks.accuracy_scenes import LINES, STEPPED, Line
 from benchmarks.page_file import Report
 from torsion.analyses.compare.timing import Effort, timed
 
-# the processor's time, one run a turn; what takes long has its turn once
+# the processor's time, one run a round; what takes long runs in one round
 FULL = Effort(
     rounds=5, runs=1, slow=0.4, slow_rounds=1, clock=process_time, segments=1024, unknowns=260,
     degrees=tuple(range(1, 11)), modes=0, dense=0, speeds=40,

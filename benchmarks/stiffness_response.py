@@ -84,7 +84,7 @@ def slow(frequencies: Sequence[float]) -> Sweep:
     twist = float(np.abs(np.abs(found.torque[1:, 0]) - 1.0).max())
     sweep.remarks += [
         f"At exactly 0, free: torsion gives the status {_status(case, 0.0)}, as there is no steady answer.",
-        f"At exactly 0, the first disc held and 1 N m at the last: every torque is 1 N m, torsion's error {twist:.1e}.",
+        f"At exactly 0, first disc fixed, 1 N m at the last: all torques are 1 N m, torsion's error {twist:.1e}.",
     ]
     return sweep
 

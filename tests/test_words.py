@@ -12,14 +12,13 @@ import pytest
 ROOT = Path(__file__).parents[1]
 CHECKED = (  # files; folders of *.md and *.py
     "README.md", "shafting_specs/README.md", "docs", "reports", "benchmarks",
-    "src/torsion/arrays.py", "src/torsion/kinematics", "tests/kinematics",
-    *(f"src/torsion/kernels/{name}" for name in ("damping", "distributed", "long_chain", "loops")),
+    "src/torsion", "tests/kinematics",
     *(f"tests/kernels/{name}" for name in ("damping", "distributed", "long_chain", "loops")),
-    "src/torsion/rules",
-    "src/torsion/analyses/response", "src/torsion/analyses/compare", "src/torsion/cli.py", "src/torsion/commands.py",
-    "src/torsion/findings.py", "src/torsion/plan.py", "src/torsion/runner.py",
 )  # fmt: skip
-GENERATED = ("docs/format.md",)  # from the declarations in src: checked once src is
+UNCHECKED = (  # within those: not yet in these words; the pages are generated from the declarations there
+    *(f"src/torsion/{name}" for name in ("analyses/motion", "analyses/lateral", "analyses/joints", "kernels/periodic")),
+    "docs/format.md", "docs/results.md",
+)  # fmt: skip
 WORDS = (
     (r"told|tells?|telling", "reports, states, names; reported, stated"),
     (r"asks?|asked|asking", "requests; requested, settings"),
@@ -71,7 +70,8 @@ def checked_files() -> list[Path]:
     for name in CHECKED:
         root = ROOT / name
         found += [root] if root.is_file() else sorted(path for path in root.rglob("*") if path.suffix in {".md", ".py"})
-    return [path for path in found if path.relative_to(ROOT).as_posix() not in GENERATED]
+    without = [ROOT / name for name in UNCHECKED]
+    return [path for path in found if not any(path.is_relative_to(root) for root in without)]
 
 
 @pytest.mark.parametrize("path", checked_files(), ids=lambda path: path.relative_to(ROOT).as_posix())
@@ -87,7 +87,7 @@ def test_a_page_is_written_in_the_words_of_the_field(path: Path) -> None:
 
 
 def test_the_roots_that_are_checked_exist() -> None:
-    assert all((ROOT / name).exists() for name in (*CHECKED, *GENERATED))
+    assert all((ROOT / name).exists() for name in (*CHECKED, *UNCHECKED))
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def frequencies_of(findings: Findings) -> np.ndarray:
 def modes_of(findings: Findings) -> Modes:
     """The natural frequencies."""
     if findings.get(Modes) is None:
-        raise ValueError("the scene asks for no modes")
+        raise ValueError("the scene requests no modes")
     return findings.need(Modes)
 
 

@@ -153,7 +153,7 @@ def response(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT, c
 
 
 def _instants(count: int) -> FloatArray:
-    """Driving angles over half a turn, enough for the coefficients' harmonics up to twice `count`."""
+    """Driving angles over half a revolution, enough for the coefficients' harmonics up to twice `count`."""
     return np.pi * np.arange(4 * count + 1) / (4 * count + 1)
 
 

@@ -49,9 +49,9 @@ def solved(file: str | Path, *, memory: str | float | None = None, progress: Pro
     return run(read(file), memory=memory, progress=progress)
 
 
-def outputs(**asked: bool) -> tuple[str, ...]:
-    """The outputs that are asked for by their name."""
-    return tuple(name for name, is_asked in asked.items() if is_asked)
+def outputs(**requested: bool) -> tuple[str, ...]:
+    """The outputs that are requested by their name."""
+    return tuple(name for name, is_requested in requested.items() if is_requested)
 
 
 def folder_of(file: str | Path, out: str | Path | None) -> Path:

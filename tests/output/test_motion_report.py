@@ -231,9 +231,9 @@ NAME = ", principal of mode 1 (2 w1)"
         (rpm_range(420.0, 620.43, unknown=(300, None)),
          f"at most 420 to 620.5 rpm{NAME}; from 300 to 420 rpm nothing is known"),
         (rpm_range(500.0, 900.0, is_open=(False, True)),
-         f"500.0 to 900 rpm{NAME}; it goes on above 900 rpm, where stability was not asked for"),
+         f"500.0 to 900 rpm{NAME}; it goes on above 900 rpm, where stability was not requested"),
         (rpm_range(300.0, 300.0, is_open=(True, False), unknown=(None, 420)),
-         (f"at 300 rpm{NAME}; it goes on below 300 rpm, where stability was not asked for; "
+         (f"at 300 rpm{NAME}; it goes on below 300 rpm, where stability was not requested; "
           "from 300 to 420 rpm nothing is known")),
     ],
 )  # fmt: skip
@@ -263,7 +263,7 @@ def test_open_and_unknown_ends_are_marked_in_report_terminal_and_json(unstable: 
     assert (first[0], first[1]) == ("950.000000+", "960.000000?")
     assert first[-1].endswith("from 960 to 990 rpm nothing is known")
     assert second[-1] == ""
-    assert "+ goes on beyond the speeds asked for; ? nothing is known beyond" in " ".join(shown(marked).split())
+    assert "+ goes on beyond the speeds requested; ? nothing is known beyond" in " ".join(shown(marked).split())
     assert "960.000000?" in shown(marked)
     assert "from 960 to 990 rpm nothing is known" in " ".join(shown(marked).split())
     told = results(marked)["stability"]["ranges"][0]
@@ -335,7 +335,7 @@ def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Fi
     assert "The only such speed lies in the speed range" in critical.chapter(undamped)[1].text
     line = replace(unstable.need(Response), lines=unstable.need(Response).lines[:1])
     said = " ".join(b.text for b in response.chapter(unstable.having(response=line)) if isinstance(b, Paragraph))
-    assert said.startswith("1 line at ")
+    assert said.startswith("1 harmonic component at ")
     (alone,) = (check for check in unstable.need(Checks).lines if check.clause == "stability")
     assert "The only check failed (whole train)" in verdict.conclusion(unstable.having(checks=Checks((alone,))))[0].text
     passed = replace(alone, verdict="pass", value=-1.0)

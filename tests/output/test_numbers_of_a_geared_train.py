@@ -174,7 +174,7 @@ def test_what_excites_and_what_damps(found: Findings) -> None:
     assert (torque["flywheel"]["Order, reference"], torque["flywheel"]["Phase"]) == ("0.5", "30")
     amplitude = [torque[name]["Amplitude (half range)"] for name in ("screw", "flywheel")]
     assert amplitude == ["5 % of the mean torque", "3 N m"]
-    lines = rows_of(found, "Lines of the response")
+    lines = rows_of(found, "Harmonic components of the response")
     for text, order in (("0.5", 0.5), ("1.6", 1.6)):
         first, last = re.split("–", lines[text]["Frequency over the range"])
         assert [value(first), value(last)] == pytest.approx([order * n / (2 * math.pi) for n in (5.0, 40.0)], rel=1e-4)

@@ -72,7 +72,7 @@ def test_orders_that_are_not_named_are_left_out_and_said_so() -> None:
     assert [line.order for line in found.need(Response).left_out] == [4]
     assert ("order 4 of the response (screw)", "`orders` does not name it") in found.plan.left_out
     text = str(chapters(found))
-    assert "orders asked for" in text
+    assert "orders requested" in text
     assert "all orders" not in text
 
 

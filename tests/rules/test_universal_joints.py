@@ -166,7 +166,7 @@ def test_shafts_between_joints_that_nothing_holds_beside_one_on_a_support_are_le
     loose = ("shaft", {**TUBE[1], "name": "loose", "length": 0.5})
     between = [HELD, ("coupling", {"stiffness": 1e4}), loose, ("coupling", {"stiffness": 1e4})]
     scene = study([joint(1), *between, joint(1)], materials={"steel": STEEL})
-    assert "it is not held" in " ".join(why for _, why in RULE.left_out(scene, JointRuleSettings()))
+    assert "it is not supported" in " ".join(why for _, why in RULE.left_out(scene, JointRuleSettings()))
 
 
 def test_share_of_the_critical_speed_is_a_setting(judge):

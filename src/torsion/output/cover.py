@@ -35,7 +35,7 @@ def cover(findings: Findings, today: date | None = None, title: str = "Torsional
         ("Input file", study.file),
         ("SHA-256 of the input", checksum(study.text) if study.text else ""),
         ("Operation", _operation(findings)),
-        ("Rules", ", ".join(name for name, _ in study.rules) or "none asked"),
+        ("Rules", ", ".join(name for name, _ in study.rules) or "none requested"),
         ("Computed by", f"torsion {torsion.__version__}"),
         ("Date", today.isoformat() if today else ""),
     ]

@@ -17,7 +17,7 @@ class Element:
     kind: str  # the component's keyword
     part: int
     spans: Sequence[int]
-    ratio: float  # speed at which its torque is told / reference speed
+    ratio: float  # speed at which its torque is stated / reference speed
 
     def largest(self, values: FloatArray) -> FloatArray:
         """The largest over the element's spans of values (..., spans)."""

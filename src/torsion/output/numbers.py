@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 DIGITS = 5  # significant digits of a figure in a table
-MOST_DIGITS = 15  # that tell two floating-point numbers apart
+MOST_DIGITS = 15  # that distinguish two floating-point numbers
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NONE = "–"
 PREFIXES = ((1e6, "M"), (1e3, "k"))

@@ -17,7 +17,7 @@ class Output:
 
     render: str
     suffix: str = ""  # of its file; "" for what is printed
-    on_request: bool = False  # written where it is asked for by its name
+    on_request: bool = False  # written where it is requested by its name
 
     def __call__(self, document: Document) -> Any:
         """The document in this form: text, bytes, or what the terminal prints."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from torsion.analyses.motion.stability_over_speed import Stability
 
 Band = tuple[float, float]
-NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is told as 0
+NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is printed as 0
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
@@ -59,14 +59,14 @@ def barred_rpm(findings: Findings) -> tuple[Band, ...]:
 
 
 def band_words(band: Band) -> str:
-    """A range in rpm, rounded outward to a tenth so that nothing of it is lost."""
-    return "{} to {} rpm".format(*outward(band))
+    """A range in rpm, widened to tenths so that nothing of it is lost."""
+    return "{} to {} rpm".format(*widened(band))
 
 
-def outward(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]:
-    """Both ends of a range in rpm, rounded outward to a tenth, but not beyond two speeds (rpm).
+def widened(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]:
+    """Both ends of a range in rpm, rounded down and up to a tenth, but not beyond two speeds (rpm).
 
-    What the conversion of units adds is not rounded outward.
+    What the conversion of units adds does not widen it.
     """
     low = math.floor(10.0 * band[0] * (1.0 + CONVERSION)) / 10.0
     high = math.ceil(10.0 * band[1] * (1.0 - CONVERSION)) / 10.0
@@ -77,7 +77,7 @@ def outward(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]
 
 
 def unreliable(findings: Findings) -> BoolArray:
-    """(speeds,) where any line of the response is not ok."""
+    """(speeds,) where any harmonic component of the response is not ok."""
     response = findings.get(Response)
     if response is None:
         return np.zeros(0, dtype=bool)
@@ -119,13 +119,13 @@ def judged(findings: Findings) -> bool:
 
 
 def orders_together(findings: Findings) -> str:
-    """Of which lines the synthesis is made, in words."""
+    """Of which harmonic components the synthesis is made, in words."""
     some = findings.get(Response) is not None and findings.need(Response).left_out
-    return "the orders asked for" if some else "all orders"
+    return "the orders requested" if some else "all orders"
 
 
 def rounding(findings: Findings) -> FloatArray:
-    """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, told as 0."""
+    """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, printed as 0."""
     response, ratio = findings.get(Response), findings.system.span_ratio
     if response is None or not response.lines:
         return np.zeros(len(ratio))

@@ -35,7 +35,7 @@ LEGEND = {
     "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
     "series": f"an array of more than {MOST_NUMBERS} numbers stands in {SERIES} beside this file, and here instead "
     "{file, array, shape}: the file, the name of the array in it and its shape; null is NaN there, words are texts",
-    "null": "no value, not a number, or infinite (a held station's inertia)",
+    "null": "no value, not a number, or infinite (a fixed station's inertia)",
 }
 
 

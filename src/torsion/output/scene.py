@@ -36,7 +36,7 @@ class StationRow:
     sense: int = result("", (), "1 turns as the reference does, -1 the other way")
     is_ground: bool = result("", (), "the fixed end of a spring to ground")
     is_held: bool = result("", (), "turns at exactly its mean speed")
-    inertia: float = result("kg*m**2", (), "inertia with the share of its shafts; null where held", key="inertia_kg_m2")
+    inertia: float = result("kg*m**2", (), "with the share of its shafts; null where fixed", key="inertia_kg_m2")
 
 
 @reported

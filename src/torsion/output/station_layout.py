@@ -22,7 +22,7 @@ class Layout:
 
 
 def layout(system: System) -> Layout:
-    """Stations in the order of the train; a branch gets the nearest free row beside the point it hangs on."""
+    """Stations in the order of the train; a branch gets the nearest free row beside the point that carries it."""
     number = len(system.stations)
     x, row = np.full(number, np.nan), np.zeros(number)
     rows = _Rows()
@@ -90,7 +90,7 @@ def _place(system: System, index: int, x: FloatArray, row: FloatArray, line: int
 
 
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Inner stations of a shaft, evenly between its ends; the end that tells the torque there at the driven end."""
+    """Inner stations of a shaft, evenly between its ends; the end whose torque is reported there at the driven end."""
     for bar in system.train.bars:
         inner = np.flatnonzero((system.station_part == bar.part) & np.isnan(x))
         if system.bars is not None and bar.density > 0:
@@ -102,7 +102,7 @@ def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
 
 
 def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Rings, grounds and wheels without a train: beside the station that they hang on."""
+    """Rings, grounds and wheels without a train: beside the station that carries them."""
     for span in system.own_spans:
         for near, far in ((span.driving, span.driven), (span.driven, span.driving)):
             if np.isnan(x[far]) and not np.isnan(x[near]):

@@ -121,7 +121,7 @@ def test_shafts_in_a_row_bend_as_one_and_elastic_couplings_part_them() -> None:
     assert [len(shaft.parts) for shaft in shafts] == [2, 1, 1]
     assert shafts[0].loads == ("flange",)
     assert shafts[0].beam.points[0].at == pytest.approx(1.2)
-    assert all("not held" in shaft.lacks for shaft in shafts)
+    assert all("not supported" in shaft.lacks for shaft in shafts)
     assert not faults
 
 
@@ -139,11 +139,11 @@ analyses: {lateral: }
 @pytest.mark.parametrize(
     ("keys", "at", "words"),
     [
-        ("support: {at: 0.8, stiffness: [1e6, 0]}", "[1e6, 0]", "not held in the plane z"),
-        ("support: {at: 0.8, stiffness: [0, 1e6]}", "[0, 1e6]", "not held in the plane y"),
+        ("support: {at: 0.8, stiffness: [1e6, 0]}", "[1e6, 0]", "not supported in the plane z"),
+        ("support: {at: 0.8, stiffness: [0, 1e6]}", "[0, 1e6]", "not supported in the plane y"),
         ("support: {at: 0, stiffness: 1e6}", "0, stiff", "one place only, as its support stands on the joint itself"),
         ("support: {at: 0.8, stiffness: 1e-9}", "1e-9", "too soft to compute"),
-        ("note: a", "lateral", "shaft-1: it is not held: a joint at either end, a joint and a `support`"),
+        ("note: a", "lateral", "shaft-1: it is not supported: it needs a joint at either end, a joint and a `support`"),
     ],
 )
 def test_why_a_shaft_cannot_bend_is_told_at_the_key_that_would_mend_it(keys: str, at: str, words: str) -> None:
@@ -211,7 +211,7 @@ def test_what_is_left_out_is_told() -> None:
 
 
 def test_a_train_without_a_held_shaft_is_refused() -> None:
-    with pytest.raises(InputError, match="no shaft of the train can bend: shaft-1: it is not held"):
+    with pytest.raises(InputError, match="no shaft of the train can bend: shaft-1: it is not supported"):
         lateral(train([Disc(inertia=1.0), Shaft(length=1.0, diameter=0.05), Disc(inertia=1.0)]), SPEEDS)
 
 

@@ -165,7 +165,7 @@ def _cells(beam: Beam, frequency: float, shear: bool, elements: int) -> tuple[tu
         begin += segment.length
     if len(sections) > MOST_ELEMENTS:
         why = f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
-        raise SolveError(f"{beam.name or 'beam'}: {why}; ask for fewer `modes` or lower `speeds`")
+        raise SolveError(f"{beam.name or 'beam'}: {why}; request fewer `modes` or lower `speeds`")
     inside, first = size(shear) - 4, 2 * (len(sections) + 1)
     cells = [
         Cell(start, section, np.r_[2 * k : 2 * k + 4, first + inside * k : first + inside * (k + 1)])

@@ -62,7 +62,7 @@ def _nodes(train: Train) -> list[int]:
 
 
 def _rows(bars: Sequence[Bar], node: list[int]) -> list[list[Bar]]:
-    """Bars that touch each other; in a row each starts where the one before it ends."""
+    """Distributed shafts that touch each other; in a row each starts where the one before it ends."""
     rows: list[list[Bar]] = []
     for bar in bars:
         ends = {node[bar.driving], node[bar.driven]}
@@ -170,7 +170,7 @@ def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
 
 
 def _missing(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
-    """Why a shaft of the bars `row` cannot be computed, and the key it is about; both empty where it can."""
+    """Why a shaft made of `row` cannot be computed, and the key it is about; both empty where it can."""
     of_mesh = [bar for bar in row if bar.section is not None]
     if of_mesh:
         place = (*train.parts[of_mesh[0].part].path, "section")
@@ -191,11 +191,11 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
     if not any(free):
         return _held_softly(beam, given)
     if not given:
-        return "it is not held: a joint at either end, a joint and a `support`, or two supports would hold it", ()
+        return "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports", ()
     if free[0] != free[1]:
         plane = free.index(max(free))
         path = next(path for one, path in given if not one.stiffness_of_planes[plane] > 0)
-        why = f"it is not held in the plane {'yz'[plane]}, in which its support has no stiffness"
+        why = f"it is not supported in the plane {'yz'[plane]}, in which its support has no stiffness"
         return why, (*path, "stiffness")
     at = [point.at for point in beam.points]
     if len(set(at)) < len(at):
@@ -203,8 +203,8 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
             "on the joint itself" if any(point.fixation == "pinned" for point in beam.points) else "where another does"
         )
         path = given[-1][1]
-        return f"it is held at one place only, as its support stands {where}", (*path, "at")
-    return "it is held at one place only: another `support`, or a joint at an end, would hold it", given[-1][1]
+        return f"it is supported at one place only, as its support stands {where}", (*path, "at")
+    return "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]
 
 
 def _held_softly(beam: Beam, given: list[tuple[Support, Path]]) -> tuple[str, Path]:

@@ -23,9 +23,9 @@ def chapter(findings: Findings) -> list[Block]:
     if not found:
         return []
     text = (
-        "Heat is the mean power that the internal damping takes from the vibration, the sum over all lines "
-        f"({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic torque T. "
-        "Values stand at their own worst speed."
+        "Heat is the mean power that the internal damping takes from the vibration, the sum over all harmonic "
+        f"components ({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic "
+        "torque T. Values stand at their own worst speed."
     )
     return [Heading("Couplings"), Paragraph(text), _table(findings, found)]
 

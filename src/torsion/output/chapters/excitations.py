@@ -47,7 +47,7 @@ def _torques(findings: Findings) -> Table:
 def _frequency(torque: Torque) -> str:
     if torque.order is not None:
         return NONE
-    return "every one asked" if torque.frequency is None else given(torque.frequency)
+    return "every one requested" if torque.frequency is None else given(torque.frequency)
 
 
 def _amplitude(torque: Torque) -> str:
@@ -71,6 +71,6 @@ def _lines(findings: Findings) -> Table:
         low, high = float(response.frequency[:, index].min()), float(response.frequency[:, index].max())
         span = number(low) if math.isclose(low, high) else f"{number(low)}–{number(high)}"
         rows.append((order(line.order), span, ", ".join(dict.fromkeys(line.sources))))
-    per_turn = f"orders per turn of {reference(findings)}"
-    caption = f"Lines of the response, {per_turn}; contributions of one order are added as phasors"
+    per_revolution = f"orders per revolution of {reference(findings)}"
+    caption = f"Harmonic components of the response, {per_revolution}; contributions of one order are added as phasors"
     return Table(columns, tuple(rows), caption)

@@ -53,19 +53,19 @@ def chapter(findings: Findings) -> list[Block]:
 def _introduction(findings: Findings, response: Response) -> Paragraph:
     asked, extra = int(response.asked.sum()), int((~response.asked).sum())
     made = findings.get(Synthesis)
-    cycle, lines = "", "the lines of the orders asked for" if response.left_out else "all lines"
+    cycle, parts = "", "the components of the orders requested" if response.left_out else "all harmonic components"
     if made is not None:
         cycle = (
-            f" The synthesis is the half range of {lines} together, true to phase, over the common cycle of "
-            f"{exact(made.turns)} turn{'' if made.turns <= 1 else 's'} of {reference(findings)}."
+            f" The synthesis is the half range of {parts} together, true to phase, over the common cycle of "
+            f"{exact(made.turns)} revolution{'' if made.turns <= 1 else 's'} of {reference(findings)}."
             if made.turns
-            else " The lines have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
+            else " The components have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
     text = (
-        f"{counted(len(response.lines), 'line')} at {counted(asked, 'speed')} as asked and {extra} more placed "
-        f"around the resonances{' and where the rules judge' if judged(findings) else ''}, so that no peak falls "
-        "between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and damping part "
-        f"together, at the element's own speed.{cycle}"
+        f"{counted(len(response.lines), 'harmonic component')} at {counted(asked, 'speed')} as requested and {extra} "
+        f"more placed around the resonances{' and where the rules judge' if judged(findings) else ''}, so that no "
+        "peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and "
+        f"damping part together, at the element's own speed.{cycle}"
     )
     if response.left_out:
         names = "; ".join(f"order {order(line.order)} ({', '.join(line.sources)})" for line in response.left_out)
@@ -83,9 +83,9 @@ def _status(findings: Findings, response: Response) -> Paragraph:
     if bad == 0:
         return Paragraph(text)
     text += (
-        f" At {counted(bad, 'speed')} a line is near-singular or singular: no amplitude can be stated there, and none "
-        "as the largest over the range, since it grows without limit towards an undamped resonance. These speeds are "
-        "hatched in the figures and left out of the table of peaks."
+        f" At {counted(bad, 'speed')} a harmonic component is near-singular or singular: no amplitude can be stated "
+        "there, and none as the largest over the range, since it grows without limit towards an undamped resonance. "
+        "These speeds are hatched in the figures and left out of the table of peaks."
     )
     return Paragraph(text, "note")
 
@@ -163,6 +163,8 @@ def _figure(findings: Findings, element: Element) -> Figure:
         "limits": [] if limit is None else [("permissible vibratory torque (maker)", limit * unit.factor)],
         "rated": rated_rpm(findings), "barred": barred_rpm(findings), "unstable": unstable_rpm(findings),
     }  # fmt: skip
-    rest = f" (the {len(lines)} strongest of {parts.shape[1]} lines)" if len(lines) < parts.shape[1] else ""
+    rest = (
+        f" (the {len(lines)} strongest of {parts.shape[1]} harmonic components)" if len(lines) < parts.shape[1] else ""
+    )
     name = f"torque-{element.part}-{element.spans[0]}"
     return Figure(name, f"Vibratory torque in {element.name}, {element.kind}{rest}", "torque", values)

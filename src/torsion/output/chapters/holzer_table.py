@@ -45,7 +45,7 @@ def _summed(findings: Findings) -> str:
 
 @dataclass(frozen=True)
 class _Sums:
-    """Sums over each told row and the inner segments of a shaft before it; (told rows,) each."""
+    """Sums over each printed row and the inner segments of a shaft before it; (printed rows,) each."""
 
     flexibility: FloatArray
     twist: FloatArray
@@ -53,9 +53,9 @@ class _Sums:
     inertia: FloatArray
 
     @classmethod
-    def of(cls, table: HolzerTable, told: IntArray) -> "_Sums":
-        """The sums up to each of the rows `told` from the one before; what is behind the last belongs to none."""
-        starts, end = np.append(0, told[:-1] + 1), int(told[-1]) + 1
+    def of(cls, table: HolzerTable, printed: IntArray) -> "_Sums":
+        """The sums up to each of the rows `printed` from the one before; what is behind the last belongs to none."""
+        starts, end = np.append(0, printed[:-1] + 1), int(printed[-1]) + 1
         columns = table.flexibility, table.twist, table.inertia_torque, table.referred_inertia
         return cls(*(np.add.reduceat(column[:end], starts) for column in columns))
 

@@ -1,4 +1,4 @@
-"""Figures of the universal joints over the turn, and of the index of fluctuation against what can be chosen."""
+"""Figures of the universal joints over the revolution, and of the index of fluctuation against what can be chosen."""
 
 from typing import TYPE_CHECKING
 
@@ -109,5 +109,5 @@ def _motion_caption(joints: "Joints", line: "LineFound") -> str:
 
 
 def _within(value: float, first: float, last: float, turn: float) -> float:
-    """A phase or plane brought into the drawn range by whole turns; of an angle `turn` is 0."""
+    """A phase or plane brought into the drawn range by whole revolutions; of an angle `turn` is 0."""
     return value if turn == 0.0 or first <= value <= last else first + (value - first) % turn

@@ -60,7 +60,7 @@ def summary(findings: Findings) -> list[Block]:
 
 
 def _together(found: "Joints") -> list[Block]:
-    """The lines as one, their speeds and accelerations, and the motion over the turn."""
+    """The lines as one, their speeds and accelerations, and the motion over the revolution."""
     blocks: list[Block] = [Heading("Joints together", 2), joint_tables.lines(found)]
     moving = joint_tables.at_speed(found)
     if moving is not None:
@@ -78,7 +78,7 @@ def _couples(found: "Joints") -> list[Block]:
 
 
 def _best(found: "Joints") -> list[Block]:
-    """Nothing where no best choice was asked for."""
+    """Nothing where no best choice was requested."""
     blocks: list[Block] = []
     for k, line in enumerate(found.lines):
         figure = joint_figures.index(found, k)

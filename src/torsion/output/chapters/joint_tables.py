@@ -20,9 +20,9 @@ LINES = "Joints of a shaft line as one: angle, speed ratios, index"  # on the te
 STILL = 1e-12  # rad: an amplitude or an index below it is rounding of angles of order one
 COUPLES = (
     "Secondary couples on the shafts, for the mean torque in the joint's driving shaft: amplitudes are half ranges of "
-    "that order of the shaft whose torque is constant; bearings and force are largest values over the turn"
+    "that order of the shaft whose torque is constant; bearings and force are largest values over the revolution"
 )
-ASSEMBLY = "1 deg"  # of error, for which the sensitivity is told
+ASSEMBLY = "1 deg"  # of error, for which the sensitivity is stated
 
 
 def geometry(joints: "Joints") -> Table:

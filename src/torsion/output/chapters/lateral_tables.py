@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 Range = tuple[float, float] | None  # lowest and highest reference speed, rad/s
 PURE, FLAT = 0.99, 0.1  # of a direction: a circle from the first on, nearly a line up to the second
-FARTHEST = 2.0  # times the highest speed: beyond it only the lowest two critical speeds of an order are told
+FARTHEST = 2.0  # times the highest speed: beyond it only the lowest two critical speeds of an order are printed
 UNSTABLE = -1e-9  # of a logarithmic decrement; what lies between it and 0 is rounding
 MICRO = 1e6
 
 
 def shafts(found: "tuple[ShaftFound, ...]") -> Table:
-    """Length, what holds it, and the lowest frequency of both planes without rotation."""
-    columns = head("< Shaft | Length [m] | Speed / reference | < Held by | Lowest frequency at rest, y [Hz] | z [Hz]")
+    """Length, what supports it, and the lowest frequency of both planes without rotation."""
+    columns = head("< Shaft | Length [m] | Speed / reference | < Supports | Lowest frequency at rest, y [Hz] | z [Hz]")
     rows = tuple(
         (
             shaft.name, number(shaft.length), str(shaft.ratio),
@@ -33,7 +33,7 @@ def shafts(found: "tuple[ShaftFound, ...]") -> Table:
         )
         for shaft in found
     )  # fmt: skip
-    return Table(columns, rows, "Shafts that bend, and what holds them")
+    return Table(columns, rows, "Shafts that bend, and what supports them")
 
 
 def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
@@ -46,8 +46,8 @@ def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
     rows = [(*_critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in told]
     marks = tuple("note" if row[-1] == "yes" else "" for row in rows)
     caption = (
-        "Critical bending speeds: orders count turns of the shaft (1: unbalance; others: its joints' couples), speeds "
-        "are those of the reference; damping ratio 0: no bound is known for the amplitude"
+        "Critical bending speeds: orders are per revolution of the shaft (1: unbalance; others: its joints' couples), "
+        "speeds are those of the reference; damping ratio 0: no bound is known for the amplitude"
     )
     if speeds is not None:
         caption += f"; above {number(FARTHEST * speeds[1] * RPM)} rpm only the lowest two of an order"

@@ -94,8 +94,8 @@ def worst(model: "ModelCompared", found: "Compared") -> str:
 
 def _introduction(found: "Compared") -> Paragraph:
     return Paragraph(
-        "The same train with its shafts as lumped segments, as finite elements and as continua, each divided as a "
-        "calculation with that model alone would divide it. The continuum has no error of division: every error is "
+        "The same train with its shafts as lumped segments, as finite elements and as continua, each discretised "
+        "as in a calculation with that model alone. The continuum has no discretisation error: every error is "
         f"relative to it, and none may exceed {given(100 * found.tolerance)} %."
     )
 

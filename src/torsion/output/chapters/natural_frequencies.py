@@ -22,7 +22,7 @@ SMALLEST_SHARE = 0.005  # of the energy of a mode; less is not listed
 
 
 def chapter(findings: Findings) -> list[Block]:
-    """Nothing when no frequency was asked."""
+    """Nothing when no frequency was requested."""
     modes = findings.get(Modes)
     if modes is None:
         return []
@@ -90,7 +90,7 @@ def _damped(damped: DampedModes) -> list[Block]:
     if len(damped.overdamped):
         roots = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:8])
         more = ", …" if len(damped.overdamped) > 8 else ""
-        blocks.append(Paragraph(f"Motions that decay without swinging (overdamped): {roots}{more} 1/s."))
+        blocks.append(Paragraph(f"Motions that decay without oscillation (overdamped): {roots}{more} 1/s."))
     return blocks
 
 

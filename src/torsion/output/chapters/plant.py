@@ -19,7 +19,7 @@ def chapter(findings: Findings) -> list[Block]:
     """Sketch and components."""
     figure = Figure(
         "plant",
-        "The train from its driving end, numbered as in the table (not to scale; bars by the logarithm of the inertia)",
+        "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)",
         "sketch",
         {"points": _points(findings), "links": _links(findings)},
     )  # fmt: skip
@@ -80,7 +80,7 @@ def _size(inertia: float, extent: tuple[float, float]) -> float:
 
 
 def _rings(findings: Findings) -> dict[tuple[int, int], int]:
-    """The station of the ring that hangs on a damper's housing, by the damper and the station of its housing."""
+    """The station of the ring that a damper's housing carries, by the damper and the station of its housing."""
     found: dict[tuple[int, int], int] = {}
     for span in findings.system.own_spans:
         if not findings.system.stations[span.driven].is_ground:

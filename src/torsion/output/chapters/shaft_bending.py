@@ -27,7 +27,7 @@ AXES = (
 
 
 def chapter(findings: Findings) -> list[Block]:
-    """Nothing where bending is not asked for and no shaft has a support."""
+    """Nothing where bending is not requested and no shaft has a support."""
     found = findings.get(Lateral)
     if found is None:
         return []

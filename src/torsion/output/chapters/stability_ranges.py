@@ -26,7 +26,7 @@ SMALL = 1e-5  # 1/s: less is the error of few modes and of rounding
 
 
 def chapter(findings: Findings) -> list[Block]:
-    """Nothing where stability was not asked for."""
+    """Nothing where stability was not requested."""
     found, mapped = findings.get(Stability), findings.get(StabilityMap)
     if found is None:
         return [] if mapped is None else [Heading("Stability"), *_map(findings, mapped)]
@@ -57,7 +57,7 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
         )
     damps = "" if found.loses else " Nothing in the train damps: a growth of 0 is the best there is."
     text = (
-        f"{MODEL} {counted(int(found.asked.sum()), 'speed')} of {reference(findings)} as asked, "
+        f"{MODEL} {counted(int(found.asked.sum()), 'speed')} of {reference(findings)} as requested, "
         f"{int((~found.asked).sum())} more in and around zones.{checked}{damps} "
         f"Elastic modes with straight joints: {modes} rad/s{' and higher' if found.modes.size > 6 else ''}."
     )
@@ -66,7 +66,7 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
 
 def _verdict(findings: Findings, found: "Stability") -> Paragraph:
     check = next(check for check in findings.need(Checks).lines if check.clause == "stability")
-    where = "the operation" if findings.study.operation.speeds is not None else "the speeds asked for"
+    where = "the operation" if findings.study.operation.speeds is not None else "the speeds requested"
     if check.verdict == "pass":
         return Paragraph(f"No deviation grows at any speed of {where}.", "pass")
     if not np.isfinite(check.value):
@@ -83,7 +83,7 @@ def _ranges(findings: Findings, found: "Stability") -> Table:
     speeds = findings.study.operation.speeds
     columns: tuple[Column, ...] = head(
         "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | Largest growth [1/s] -> growth, 1/s | "
-        "At speed [rpm] -> at rpm | Factor per turn | < Within the operation -> operation"
+        "At speed [rpm] -> at rpm | Factor per revolution | < Within the operation -> operation"
     )
     shown = found.ranges[:MOST_ROWS]
     further = any(beyond(one) for one in shown)

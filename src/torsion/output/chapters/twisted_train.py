@@ -1,4 +1,4 @@
-"""Chapter, printed when `--vtu` asks for it: the train twisted by each of its modes."""
+"""Chapter, printed when `--vtu` requests it: the train twisted by each of its modes."""
 
 import numpy as np
 
@@ -99,7 +99,7 @@ def _labels(findings: Findings, placed: list[Axis], larger: float) -> list[tuple
 
 
 def _ties(placed: list[Axis], larger: float) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
-    """From every axis to what it hangs on without a gear."""
+    """From every axis to what carries it without a gear."""
 
     def point(x: float, axis: Axis) -> tuple[float, ...]:
         return x, larger * axis.place[0], larger * axis.place[1]

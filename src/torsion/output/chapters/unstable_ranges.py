@@ -1,9 +1,9 @@
-"""How unstable ranges are told: by their boundaries, or by where the speeds asked for or what is known of them end."""
+"""How unstable ranges are stated: by their boundaries, or by where the speeds requested or known end."""
 
 from typing import TYPE_CHECKING
 
 from torsion.output.numbers import RPM, given_rpm, rpm, told_apart
-from torsion.output.reported_values import outward
+from torsion.output.reported_values import widened
 
 if TYPE_CHECKING:
     from torsion.analyses.motion.stability_over_speed import Stability
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 BELOW, ABOVE = 0, 1
 GOES_ON, UNKNOWN = "+", "?"  # beside a figure, on the terminal
-LEGEND = {GOES_ON: "goes on beyond the speeds asked for", UNKNOWN: "nothing is known beyond"}
+LEGEND = {GOES_ON: "goes on beyond the speeds requested", UNKNOWN: "nothing is known beyond"}
 
 
 def end(one: "UnstableRange", side: int, digits: int) -> str:
@@ -20,21 +20,21 @@ def end(one: "UnstableRange", side: int, digits: int) -> str:
 
 
 def mark(one: "UnstableRange", side: int) -> str:
-    """'+' where the range goes on beyond the speeds asked for, '?' where nothing is known beyond; '' of a boundary."""
+    """'+' where the range goes on beyond the speeds requested, '?' where nothing is known beyond; '' of a boundary."""
     if one.unknown[side] is not None:
         return UNKNOWN
     return GOES_ON if one.is_open[side] else ""
 
 
 def legend(found: "tuple[UnstableRange, ...]") -> str:
-    """What the marks mean that occur: ' (+ goes on beyond the speeds asked for)'; '' of boundaries alone."""
+    """What the marks mean that occur: ' (+ goes on beyond the speeds requested)'; '' of boundaries alone."""
     marks = {mark(one, side) for one in found for side in (BELOW, ABOVE)}
     told = [f"{sign} {text}" for sign, text in LEGEND.items() if sign in marks]
     return f" ({'; '.join(told)})" if told else ""
 
 
 def fastest(one: "UnstableRange") -> str:
-    """The speed of the greatest growth in rpm, in as many digits as tell it from the ends."""
+    """The speed of the greatest growth in rpm, in as many digits as set it apart from the ends."""
     return told_apart([one.first * RPM, one.at * RPM, one.last * RPM])[1]
 
 
@@ -46,16 +46,16 @@ def beyond(one: "UnstableRange") -> tuple[str, ...]:
     if under is not None:
         said.append(f"from {given_rpm(under)} to {first} rpm nothing is known")
     elif one.is_open[BELOW]:
-        said.append(f"it goes on below {first} rpm, where stability was not asked for")
+        said.append(f"it goes on below {first} rpm, where stability was not requested")
     if over is not None:
         said.append(f"from {last} to {given_rpm(over)} rpm nothing is known")
     elif one.is_open[ABOVE]:
-        said.append(f"it goes on above {last} rpm, where stability was not asked for")
+        said.append(f"it goes on above {last} rpm, where stability was not requested")
     return tuple(said)
 
 
 def unanswered(found: "Stability") -> list[str]:
-    """'from 780 to 900 rpm': the stretches without a periodic motion at which no unstable range ends."""
+    """'from 780 to 900 rpm': the ranges of speed without a periodic motion at which no unstable range ends."""
     beside = [one.first for one in found.ranges if one.unknown[BELOW] is not None]
     beside += [one.last for one in found.ranges if one.unknown[ABOVE] is not None]
     return [
@@ -68,9 +68,9 @@ def unanswered(found: "Stability") -> list[str]:
 def words(one: "UnstableRange", asked: tuple[float, float]) -> str:
     """The range for a restriction of speed: '772.3 to at least 780 rpm, principal of mode 1; from there ...'.
 
-    Boundaries are rounded outward, but not beyond the speeds asked for (rad/s).
+    Boundaries are rounded so that the range grows, but not beyond the speeds requested (rad/s).
     """
-    told = list(outward((one.first * RPM, one.last * RPM), (asked[0] * RPM, asked[1] * RPM)))
+    told = list(widened((one.first * RPM, one.last * RPM), (asked[0] * RPM, asked[1] * RPM)))
     for side, (speed, limit) in enumerate(((one.first, "at most"), (one.last, "at least"))):
         if one.grows_at_end[side]:
             told[side] = given_rpm(speed)

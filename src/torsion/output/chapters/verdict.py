@@ -75,24 +75,24 @@ def _row(check: Check) -> tuple[str, ...]:
 def _overall(findings: Findings) -> Paragraph:
     checks, bad, doubt = findings.need(Checks).lines, failed(findings), _to_be_verified(findings.need(Checks).lines)
     if not checks:
-        text = "No rule was asked, or none applies to this train: the report gives results without a verdict."
+        text = "No rule was requested, or none applies to this train: the report gives results without a verdict."
         return Paragraph(text, "note")
     if bad:
         number_of = "The only check" if len(checks) == 1 else f"{len(bad)} of {len(checks)} checks"
         where = ", ".join(dict.fromkeys(check.where for check in bad))
         return Paragraph(
-            f"{number_of} failed ({where}). The train does not satisfy {_asked(findings)}.{doubt}",
+            f"{number_of} failed ({where}). The train does not satisfy {_requested(findings)}.{doubt}",
             "fail",
         )
     if any(check.verdict != "pass" for check in checks):
         return Paragraph(f"No check failed: {_count(checks)}.{doubt}", "note")
     restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
     passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
-    return Paragraph(f"{passed} passed: the train satisfies {_asked(findings)}{restricted}.{doubt}", "pass")
+    return Paragraph(f"{passed} passed: the train satisfies {_requested(findings)}{restricted}.{doubt}", "pass")
 
 
-def _asked(findings: Findings) -> str:
-    return "the rules asked" if findings.study.rules else "the demand of stability; no rule was asked"
+def _requested(findings: Findings) -> str:
+    return "the rules requested" if findings.study.rules else "the demand of stability; no rule was requested"
 
 
 def _count(checks: tuple[Check, ...]) -> str:
@@ -127,7 +127,7 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
             "No amplitude is stated there, nor a largest one of the range; give the damping of the train."
         )
     if not found and response is not None and findings.need(Checks).lines and not failed(findings):
-        found.append("No restriction of speed follows from the checks asked.")
+        found.append("No restriction of speed follows from the checks requested.")
     return tuple(found)
 
 

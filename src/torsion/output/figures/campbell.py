@@ -15,7 +15,7 @@ def campbell(
     crossings: Sequence[Crossing], speeds: tuple[float, float], rated: float | None,
     barred: tuple[tuple[float, float], ...] = (),
 ) -> str:  # fmt: skip
-    """frequencies: Hz; orders: (per turn, label); crossings: (rpm, Hz, inside the range); speeds and rated: rpm."""
+    """frequencies: Hz; orders: (per revolution, label); crossings: (rpm, Hz, inside the range); speeds, rated: rpm."""
     top = _top(frequencies, [order for order, _ in orders], speeds[1], crossings)
     right = speeds[1] * 1.12
     with page(name, 4.1) as sheet:

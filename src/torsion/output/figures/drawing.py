@@ -1,4 +1,4 @@
-"""The plots that a figure can name, drawn when a renderer asks for the first of them."""
+"""The plots that a figure can name, drawn when a renderer requests the first of them."""
 
 from importlib import import_module
 

@@ -74,7 +74,7 @@ def run_times(
                 [best[0]], [max(best[1], LEAST)], "o", color=COLOURS[2], markersize=13, fillstyle="none",
                 markeredgewidth=2.0, label="recommended", zorder=7,
             )  # fmt: skip
-        axes.set_xlabel("run time, ms: median of assembly and solve together; bars: the middle half of the runs")
+        axes.set_xlabel("run time, ms: median of assembly and solve together; ranges: the middle half of the runs")
         axes.set_ylabel("relative error")
         legend_below(sheet)
     return sheet.svg

@@ -1,4 +1,4 @@
-"""Quantities of universal joints over the turn of the driving shaft, one plot a quantity, above each other."""
+"""Quantities of universal joints over the revolution of the driving shaft, one plot a quantity, above each other."""
 
 from collections.abc import Sequence
 
@@ -47,6 +47,6 @@ def _limits(axes: Axes, size: float, values: Sequence[Array]) -> None:
 
 
 def _ticks(last: float) -> Array:
-    """Every 30 degrees of one turn, and no more than 13 marks over many."""
+    """Every 30 degrees of one revolution, and no more than 13 marks over many."""
     turns = max(1, round(last / 360.0))
     return np.arange(0.0, last + 1e-6, 30.0 * turns if turns <= 12 else 360.0 * np.ceil(turns / 12))

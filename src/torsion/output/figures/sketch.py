@@ -1,4 +1,4 @@
-"""The plant sketch: discs as bars by their inertia, shafts, couplings, gears and joints in their places."""
+"""The plant sketch: discs as high as their inertia is large, shafts, couplings, gears and joints in their places."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The look of every figure: A4 width, small type, thin grid, colours that the colour-blind can tell apart."""
+"""The look of every figure: A4 width, small type, thin grid, colours that the colour-blind distinguish."""
 
 import io
 import warnings

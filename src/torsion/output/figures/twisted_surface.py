@@ -19,7 +19,7 @@ LIGHT = np.array([0.45, -0.5, 0.74])
 AROUND, STRIPE = 64, 8  # sides of every body; one side in so many is dark
 HIGHEST = 3.9  # inch: of the surface
 DOTS = 220  # per inch, of the surface; words stay words
-LETTER, LINE, BAR = 0.064, 0.15, 0.55  # inch: mean width of a letter, distance of two lines, height of the colour bar
+LETTER, LINE, BAR = 0.064, 0.15, 0.55  # inch: mean width of a letter, distance of two lines, height of the colour scale
 SCALE = LinearSegmentedColormap.from_list("angle", [COLOURS[0], "#9fc6de", "#f2f1ec", "#f0b48a", COLOURS[1]])
 
 

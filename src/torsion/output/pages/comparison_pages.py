@@ -46,7 +46,7 @@ def study_document(findings: Findings, timings: Timings, today: date | None = No
 
 
 def csv_text(timings: Timings) -> str:
-    """One row a method and division; numbers come back to the last digit, an infinite error is 'inf'."""
+    """One row a method and discretisation; numbers come back to the last digit, an infinite error is 'inf'."""
     target = io.StringIO()
     rows = csv.writer(target, lineterminator="\n")
     rows.writerow(TITLES)

@@ -30,8 +30,8 @@ FAMILIES = (  # start of a method's name, and how it is drawn
     ("dense", "dense"), ("lumped", "lumped"), ("fem", "fem"), ("exact", "exact"), ("two-sided", "exact"), ("", "peer"),
 )  # fmt: skip
 MODAL = (
-    "The superpositions take modes of the exact model, so that they have no error of division. Each mode is damped by "
-    "itself: where damping couples the modes, that error stays, however many modes there are."
+    "The superpositions take modes of the exact model, so that they have no discretisation error. Each mode is damped "
+    "by itself: where damping couples the modes, that error stays, however many modes there are."
 )
 PARETO = "Methods that no other beats: none is both faster and more accurate"
 
@@ -136,9 +136,9 @@ def _row(row: TimedRow) -> tuple[str, ...]:
 
 
 def _how(timings: Timings) -> tuple[str, ...]:
-    turns = (
-        "Every method is run once before, which warms up, gives its error and is no sample. Then all methods have "
-        f"their turn in {timings.rounds} rounds, a fast one several times in a turn, one slower than "
+    rounds = (
+        "Every method is run once before, which warms up, gives its error and is no sample. Then all methods run "
+        f"one after another in {timings.rounds} rounds, a fast one several times a round, one slower than "
         f"{FULL.slow:g} s in {FULL.slow_rounds} of them, so that a slow minute of the machine falls on all alike."
     )
     steps = (
@@ -147,7 +147,7 @@ def _how(timings: Timings) -> tuple[str, ...]:
         "Not counted: reading the file, finding out how fine the exact model must be, writing a report."
     )
     spread = "Times are given by median and middle half of the runs; garbage is not collected during a run."
-    return turns, steps, spread, "All times are of this program in Python; another program has others."
+    return rounds, steps, spread, "All times are of this program in Python; another program has others."
 
 
 def recommendation(quantity: TimedQuantity, tolerance: float) -> str:
@@ -161,7 +161,7 @@ def recommendation(quantity: TimedQuantity, tolerance: float) -> str:
 
 
 def alternatives(quantity: TimedQuantity, tolerance: float) -> str:
-    """Which methods the runs cannot tell from the recommended one; '' where none."""
+    """Which methods the runs do not distinguish from the recommended one; '' where none."""
     others = sorted(as_fast(quantity.rows, tolerance), key=lambda row: row.total.median)
     if not others:
         return ""

@@ -1,7 +1,7 @@
 """Where the bodies of a train stand: one after another along axes that are parallel, and apart so that none overlap.
 
-The train goes on along x. A gear, a branch and a link that closes a loop begin an axis beside the one they hang on; the
-wheels of a gear touch, their diameters in the ratio of its speeds.
+The train goes on along x. A gear, a branch and a link that closes a loop begin an axis beside the one they start from;
+the wheels of a gear touch, their diameters in the ratio of its speeds.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ class Axis:
     """A line on which bodies turn."""
 
     parent: int | None = None
-    ties: list[float] = field(default_factory=list)  # x where it hangs on its parent without a gear
+    ties: list[float] = field(default_factory=list)  # x where its parent carries it without a gear
     bodies: list[Body] = field(default_factory=list)
     place: Place = (0.0, 0.0)
 

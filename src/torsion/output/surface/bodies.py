@@ -206,7 +206,7 @@ def length_of(kind: str, size: Sizes) -> float:
 
 
 def _grown(inertia: float, size: Sizes) -> float:
-    """0 for the smallest disc of the train, 1 for the largest or a held one."""
+    """0 for the smallest disc of the train, 1 for the largest or a fixed one."""
     low, top = size.inertia
     if inertia == 0:
         return 0.0

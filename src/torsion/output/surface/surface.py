@@ -43,7 +43,7 @@ class Surface:
     points: FloatArray  # (points, 3) m
     tangent: FloatArray  # (points, 3) m: the displacement for an angle of 1 rad about x
     ring: IntArray  # (points,)
-    quads: IntArray  # (quads, 4) points, their normal outward
+    quads: IntArray  # (quads, 4) points, their normal out of the body
     triangles: IntArray  # (triangles, 3)
     strip: IntArray  # (quads + triangles,)
 
@@ -111,7 +111,7 @@ def angles(found: Rings, modes: Modes, mode: int) -> FloatArray:
     """(rings,) rad at own speed, in own sense.
 
     Between two stations: sin(mu (1 - s)) / sin mu of the one and sin(mu s) / sin mu of the other, with mu the phase
-    between them: linear where nothing of the shaft swings by itself, and where half a wave between them leaves it open.
+    between them: linear where no part of the shaft oscillates by itself, and where half a wave leaves it open.
     """
     shape = modes.shape[:, mode]
     phase = 2.0 * math.pi * float(modes.frequency[mode]) * found.delay

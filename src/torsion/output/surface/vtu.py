@@ -53,5 +53,5 @@ def _around(findings: Findings, rings: Rings, modes: int) -> int:
         size = f"{modes} modes on {rings.x.size} rings"
         message = f"{size} are more than {NAME} is made for"
         path = ("analyses",) if findings.study.analyses else ("train",)
-        raise InputError([Fault(path, message, "ask for fewer modes (`modes: {count: 6}`), or leave --vtu out")])
+        raise InputError([Fault(path, message, "request fewer modes (`modes: {count: 6}`), or leave --vtu out")])
     return min(most, AROUND)

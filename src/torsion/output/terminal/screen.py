@@ -47,7 +47,7 @@ def screen(document: Document) -> list[RenderableType]:
 
 @contextmanager
 def progress() -> Iterator[Progress]:
-    """A bar on the error stream that shows what is being done; nothing where that is no terminal."""
+    """A progress indicator on the error stream that shows what is being done; nothing where that is no terminal."""
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
