@@ -12,9 +12,9 @@ def first_order_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, 
     size, length = error_size(bend, radius, arm), np.asarray(arm, dtype=float)
     slope = np.asarray(radius, dtype=float) / 2.0 * np.tan(bend / 2.0)
     along, across = slope * np.tan(bend) * np.cos(turned), slope * np.sin(bend) * np.sin(turned)
-    swing = -slope / length / np.cos(bend) * np.cos(turned)
+    precession = -slope / length / np.cos(bend) * np.cos(turned)
     leaning = bend + across / (length * np.cos(bend))
-    return TripodMotion(size * np.cos(turned), 1.0 - 3.0 * size * np.sin(turned), leaning, swing, (along, across))
+    return TripodMotion(size * np.cos(turned), 1.0 - 3.0 * size * np.sin(turned), leaning, precession, (along, across))
 
 
 def first_order_statics(

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
@@ -14,6 +14,9 @@ from torsion.output.elastic_elements import Element
 from torsion.output.numbers import RPM, given, number
 from torsion.rules import needed
 from torsion.rules.verdict_line import BarredRange, Check, Checks
+
+if TYPE_CHECKING:
+    from torsion.analyses.motion.stability_over_speed import Stability
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is printed as 0
@@ -140,7 +143,8 @@ def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     """The unstable ranges of speed, rpm."""
-    found = () if findings.get(Stability) is None else findings.need(Stability).ranges
+    stability: Stability | None = findings.results.get("stability")  # its class is not loaded where there is none
+    found = () if stability is None else stability.ranges
     return tuple((one.first * RPM, one.last * RPM) for one in found)
 
 

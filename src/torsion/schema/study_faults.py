@@ -52,9 +52,9 @@ def _motion_faults(study: Study) -> list[Fault]:
     exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
     if not exact and "stability" not in study.analyses:
         return []
-    from torsion.analyses.motion.stability_settings import asked_faults
+    from torsion.analyses.motion.stability_settings import requested_motion_faults
 
-    found = asked_faults(study)
+    found = requested_motion_faults(study)
     lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
     if "stability" in study.analyses and not (lumps or any(bar.density > 0 for bar in study.train.bars)):
         message = "the train has no component with an inertia, and without one nothing can grow"

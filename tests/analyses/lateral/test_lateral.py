@@ -20,7 +20,7 @@ MOMENT = math.pi / 64 * (OUTER**4 - BORE**4)
 AREA = math.pi / 4 * (OUTER**2 - BORE**2)
 MASS, ROTARY, STIFF = RHO * AREA, RHO * MOMENT, E * MOMENT  # kg/m, kg m, N m2
 TUBE = Segment(LENGTH, (OUTER, OUTER), (BORE, BORE), E, RHO, G)
-PINNED = (Point(0.0, held="pinned"), Point(LENGTH, held="pinned"))
+PINNED = (Point(0.0, fixation="pinned"), Point(LENGTH, fixation="pinned"))
 LIGHT = Segment(1.0, (0.05, 0.05), (0.0, 0.0), E, 0.0, G)  # no mass
 BEND = E * math.pi / 64 * 0.05**4
 TWO_PI = 2 * math.pi
@@ -74,7 +74,7 @@ MASS_OF_DISC, DIAMETRAL, POLAR = 30.0, 0.6, 1.1
 def test_whirl_of_an_overhung_disc_on_a_light_shaft(speed: float) -> None:
     # Genta 2005: K = E I [[12, -6], [-6, 4]], M = diag(m, Jd), gyroscopic moment w Omega Jp on the slope
     disc = Point(1.0, mass=MASS_OF_DISC, diametral=DIAMETRAL, polar=POLAR)
-    found = whirl(_turning((Point(0.0, held="clamped"), disc), LIGHT, 1), np.array([speed]), 2)
+    found = whirl(_turning((Point(0.0, fixation="clamped"), disc), LIGHT, 1), np.array([speed]), 2)
     # (12 B - m w2)(4 B - Jd w2 + Jp Omega w) - 36 B2 = 0
     one = np.array([-MASS_OF_DISC, 0.0, 12 * BEND])
     other = np.array([-DIAMETRAL, POLAR * speed, 4 * BEND])
@@ -85,7 +85,7 @@ def test_whirl_of_an_overhung_disc_on_a_light_shaft(speed: float) -> None:
 
 def test_a_thin_disc_meets_no_forward_critical_speed_of_its_tilting() -> None:
     disc = Point(1.0, mass=MASS_OF_DISC, diametral=DIAMETRAL, polar=POLAR)
-    found = criticals(_turning((Point(0.0, held="clamped"), disc), LIGHT, 1), 1, np.inf)
+    found = criticals(_turning((Point(0.0, fixation="clamped"), disc), LIGHT, 1), 1, np.inf)
     assert [round(crossing.direction) for crossing in found] == [-1, 1, -1]
 
 

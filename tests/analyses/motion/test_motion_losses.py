@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from torsion.analyses.motion.equations_of_motion import right_hand_side
-from torsion.analyses.motion.floquet_exponents import Search, damped, search, variation
+from torsion.analyses.motion.floquet_exponents import Search, damped, growth_search, variation
 from torsion.analyses.motion.mechanism_loads import scene
 from torsion.analyses.motion.periodic_orbits import orbit, periodic_response
 from torsion.analyses.motion.periodic_speeds import growths
@@ -79,14 +79,14 @@ def raw_monodromy(ask: Search, speed: float) -> np.ndarray:
 
 @pytest.mark.parametrize("speed", [70.0, 100.0])
 def test_free_turning_of_a_train_with_loss_factors_neither_grows_nor_dies_out(speed):
-    value = np.linalg.eigvals(raw_monodromy(search(*seven_parts()), speed))
+    value = np.linalg.eigvals(raw_monodromy(growth_search(*seven_parts()), speed))
     assert np.abs(value - 1.0).min() < 1e-9
 
 
 @pytest.mark.parametrize("loss", [0.005, 0.05, 0.3])
 def test_both_methods_agree_on_a_free_train_with_loss_factors(loss):
     line = seven_parts(loss)
-    first, second = search(*line), search(*line, method="hill")
+    first, second = growth_search(*line), growth_search(*line, method="hill")
     for speed in (70.0, 100.0):
         assert second.growth(speed) == pytest.approx(first.growth(speed), abs=1e-8)
 
@@ -102,7 +102,7 @@ def test_free_train_that_its_loss_factor_damps_is_stable():
 def test_growth_of_the_exact_response_leaves_the_free_turning_out(line):
     found = growths(scene(*line()), periodic_response(*line(), np.array([100.0])))
     assert found[0] < -1.0
-    assert found[0] == pytest.approx(search(*line()).growth(100.0), rel=1e-5)
+    assert found[0] == pytest.approx(growth_search(*line()).growth(100.0), rel=1e-5)
 
 
 @pytest.mark.parametrize("phase", [0, 90, 180, 270])
@@ -124,8 +124,8 @@ def test_vibratory_torque_of_the_joints_order_does_not_hold_the_free_turning_to_
 
 @pytest.mark.parametrize("method", ["monodromy", "hill"])
 def test_train_on_few_modes_turns_as_freely_as_the_whole(method):
-    whole = search(*long_train(12)).growth(90.0)
-    assert search(*long_train(12), modes=4, method=method).growth(90.0) == pytest.approx(whole, rel=1e-4)
+    whole = growth_search(*long_train(12)).growth(90.0)
+    assert growth_search(*long_train(12), modes=4, method=method).growth(90.0) == pytest.approx(whole, rel=1e-4)
 
 
 def test_slow_motion_of_a_free_train_goes_by_what_the_drive_must_give_at_other_speeds():
@@ -135,11 +135,11 @@ def test_slow_motion_of_a_free_train_goes_by_what_the_drive_must_give_at_other_s
     faster, slower = (orbit(at, speed + by).found.load[0] for by in (step, -step))
     inertia = 2.0 + 0.8 + 0.8 + 0.2
     expected = -(0.6 + (faster - slower) / (2.0 * step)) / inertia
-    assert search(*line).growth(speed) == pytest.approx(expected, rel=1e-2)
+    assert growth_search(*line).growth(speed) == pytest.approx(expected, rel=1e-2)
 
 
 def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time():
-    ask = search(*seven_parts(0.3), method="monodromy")
+    ask = growth_search(*seven_parts(0.3), method="monodromy")
     here, _ = ask(104.0)
     whole, loading, free = raw_monodromy(ask, 104.0), here.now.loading, ask.at.layout.free
     motion = motion_of(here.found.harmonic, loading.w0, points_in_time(here.found.count))
@@ -180,17 +180,17 @@ def test_train_that_turns_rigidly_through_its_joints_loses_nothing_by_loss_facto
         Motor(inertia=1.0), Coupling(stiffness=stiff, loss_factor=0.2), Joint(angle="20 deg", inertia=(0.1, 0.1)),
         Coupling(stiffness=stiff, loss_factor=0.2), Disc(inertia=1.0),
     ]  # fmt: skip
-    ask = search(*made(line, Operation()))
+    ask = growth_search(*made(line, Operation()))
     assert abs(ask(50.0)[0].found.load[0]) < 1e-6 * 50.0**2
 
 
 @pytest.mark.parametrize("method", ["monodromy", "hill"])
 def test_ring_that_hangs_by_damping_alone_has_no_angle_of_its_own(method):
-    ask = search(*ringed(), method=method)
+    ask = growth_search(*ringed(), method=method)
     _, found = ask(100.0)
     assert len(found.exponent) == 2 * ask.at.layout.free - 2
     assert found.growth < -1e-3
-    assert found.growth == pytest.approx(search(*ringed()).growth(100.0), rel=1e-6)
+    assert found.growth == pytest.approx(growth_search(*ringed()).growth(100.0), rel=1e-6)
 
 
 @pytest.mark.parametrize("line", [seven_parts, ringed, massless])
@@ -198,5 +198,5 @@ def test_map_over_damping_with_loss_factors_is_that_of_the_whole_trains(line):
     speeds, factors = np.array([96.0, 104.0]), np.array([0.5, 1.0])
     found = stability_map(*line(), speeds, "damping", factors)
     assert found.error < 1e-3
-    expected = [search(*line()).growth(float(speed)) for speed in speeds]
+    expected = [growth_search(*line()).growth(float(speed)) for speed in speeds]
     assert found.growth[:, 1] == pytest.approx(expected, abs=1e-3)

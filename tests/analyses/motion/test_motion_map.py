@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.floquet_exponents import modes_that_matter, search
+from torsion.analyses.motion.floquet_exponents import growth_search, modes_that_matter
 from torsion.analyses.motion.mechanism_loads import scene
 from torsion.analyses.motion.stability_map import stability_map
 from torsion.analyses.motion.stability_settings import MapSettings, StabilitySettings
@@ -42,7 +42,7 @@ SPEEDS = np.array([84.0, 90.0, 93.0])
 
 def worst(found: np.ndarray, variants: list[tuple[Study, System]]) -> float:
     """Largest difference to the unreduced trains, 1/s."""
-    whole = [[search(*one).growth(float(speed)) for one in variants] for speed in SPEEDS]
+    whole = [[growth_search(*one).growth(float(speed)) for one in variants] for speed in SPEEDS]
     return float(np.abs(found - np.array(whole)).max())
 
 
@@ -101,7 +101,7 @@ def test_map_of_a_geared_train_keeps_the_modes_that_its_stability_keeps():
     fewer = modes_that_matter(at, basis(at.layout), 130.0)
     found = stability_map(*study_system, speeds, "angle", np.radians([20.0, 30.0]))
     assert found.modes == fewer.modes - fewer.rigid > 3
-    expected = [search(*geared_train(angle)).growth(130.0) for angle in (20.0, 30.0)]
+    expected = [growth_search(*geared_train(angle)).growth(130.0) for angle in (20.0, 30.0)]
     assert found.growth[0] == pytest.approx(expected, abs=5e-4)
 
 

@@ -9,7 +9,14 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from torsion.analyses.motion.equations_of_motion import linearised, mean_angle, right_hand_side, state
-from torsion.analyses.motion.floquet_exponents import Variation, by_hill, by_monodromy, hill_count, search, variation
+from torsion.analyses.motion.floquet_exponents import (
+    Variation,
+    by_hill,
+    by_monodromy,
+    growth_search,
+    hill_count,
+    variation,
+)
 from torsion.analyses.motion.mechanism_loads import operating, scene
 from torsion.analyses.motion.periodic_orbits import orbit
 from torsion.analyses.motion.stability_over_speed import stability
@@ -161,7 +168,7 @@ def test_zone_of_a_joint_is_found_between_the_speeds_beside_a_joint_at_another_s
         Disc(held=True), Coupling(stiffness=1e4), Joint(angle="10 deg"), Disc(inertia=0.1), Gear(teeth=(20, 30)),
         Coupling(stiffness=2e4), Joint(angle="1 deg"), Disc(inertia=1.0),
     ]  # fmt: skip
-    ask = search(*made(line))
+    ask = growth_search(*made(line))
     assert ask.at.layout.orders == (Fraction(4, 3), Fraction(2))
     first = float(ask.shapes.frequency[0])  # met by half of order 2, three times that of the common period
     found = stability(*made(line), np.array([0.97, 1.03]) * first)
@@ -177,7 +184,7 @@ def test_zone_of_a_joint_is_found_between_the_speeds_beside_a_joint_at_another_s
 )  # fmt: skip
 def test_six_station_train_at_twice_its_first_mode_grows_as_published(angle, phase, damping, growth, unit):
     study, system = six_stations(angle, phase, damping)
-    ask = search(study, system)
+    ask = growth_search(study, system)
     found = ask.growth(107.14)
     if growth is None:
         assert found < -0.1
@@ -218,7 +225,7 @@ def test_exponents_of_a_train_without_joints_are_its_damped_modes():
         Coupling(stiffness=2e4, viscous=1.0), Disc(inertia=2.0, damping=5.0),
     ]  # fmt: skip
     study, system = made(line)
-    ask = search(study, system)
+    ask = growth_search(study, system)
     _, found = ask(50.0)
     size = 3
     mass = np.diag([1.0, 0.5, 2.0])
@@ -235,7 +242,7 @@ def test_exponents_of_a_train_without_joints_are_its_damped_modes():
 def test_loss_factor_damps_each_mode_by_half_of_it():
     eta = 0.02
     study, system = made([Disc(held=True), Coupling(stiffness=1e4, loss_factor=eta), Disc(inertia=1.0)])
-    assert search(study, system).growth(30.0) == pytest.approx(-eta / 2.0 * 100.0, rel=1e-3)
+    assert growth_search(study, system).growth(30.0) == pytest.approx(-eta / 2.0 * 100.0, rel=1e-3)
 
 
 def test_massless_joints_between_damped_shafts_give_the_exponents_of_small_inertias():
@@ -247,14 +254,14 @@ def test_massless_joints_between_damped_shafts_give_the_exponents_of_small_inert
         ]  # fmt: skip
         return made(line, CONSTANT)
 
-    exact = search(*train_of(None)).growth(96.0)
-    errors = [abs(search(*train_of(yoke)).growth(96.0) - exact) for yoke in (1e-3, 1e-4)]
+    exact = growth_search(*train_of(None)).growth(96.0)
+    errors = [abs(growth_search(*train_of(yoke)).growth(96.0) - exact) for yoke in (1e-3, 1e-4)]
     assert errors[1] < 0.2 * errors[0] < 0.02 * abs(exact)
 
 
 def test_reduction_to_the_modes_that_matter_keeps_the_growth():
     study, system = six_stations(20, 0, 1.5)
-    whole, reduced = search(study, system), search(study, system, modes=2)
+    whole, reduced = growth_search(study, system), growth_search(study, system, modes=2)
     assert reduced.growth(107.14) == pytest.approx(whole.growth(107.14), abs=2e-3)
 
 
@@ -296,7 +303,7 @@ def test_zones_are_named_by_the_modes_that_take_part(energy, w0, name):
 
 
 def test_hill_with_more_harmonics_than_the_orbit_has_agrees_with_the_monodromy():
-    ask = search(*six_stations(20, 90, 1.5))
+    ask = growth_search(*six_stations(20, 90, 1.5))
     orbit, expected = ask(56.0)
     around = variation(ask.at, orbit)
     count = around.mass.shape[0] // 2 + 4

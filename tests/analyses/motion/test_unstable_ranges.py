@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.floquet_exponents import Search, search
+from torsion.analyses.motion.floquet_exponents import Search, growth_search
 from torsion.analyses.motion.stability_over_speed import stability
 from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone, unstable_ranges
 from torsion.assembly import assemble
@@ -51,7 +51,7 @@ class Gap(Search):
 
 def known(speeds: list[float], gap: tuple[float, float] = (np.inf, np.inf)) -> Search:
     """The swing, asked at some speeds, without a periodic motion between two."""
-    whole = search(*swing())
+    whole = growth_search(*swing())
     ask = Gap(whole.at, whole.shapes, whole.reduced, whole.method, {})
     ask.gap = gap
     for speed in speeds:
@@ -69,7 +69,7 @@ def test_no_speed_of_a_range_grows_faster_than_its_greatest_growth(steps):
     found = stability(study, system, np.linspace(800.0, 900.0, steps) / RPM)
     (only,) = found.ranges
     inside = (found.speed >= only.first) & (found.speed <= only.last)
-    ask = search(study, system)
+    ask = growth_search(study, system)
     fine = [ask.growth(float(speed)) for speed in np.linspace(only.first, only.last, 21)]
     assert only.growth == found.growth[inside].max()
     assert only.growth >= max(fine)

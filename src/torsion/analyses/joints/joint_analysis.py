@@ -72,7 +72,7 @@ def joints(
     moved = motions(every, turned)
     found = [_joint(every, k, moved[k], wanted, speed=speed, torque=torque) for k, torque in enumerate(torques)]
     lines = tuple(line_found(every, path, _optimum(every, path, wanted)) for path in paths(every))
-    remarks = [*([] if speed else ["no speed is given: accelerations are told for speed 1 rad/s"]), *lacking]
+    remarks = [*([] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]), *lacking]
     return Joints(turned, tuple(found), lines, (*remarks, *_remarks(every, lines, wanted)))
 
 

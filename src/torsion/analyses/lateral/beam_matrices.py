@@ -33,7 +33,7 @@ class Point:
     polar: float = 0.0  # kg m2
     stiffness: tuple[float, float] = (0.0, 0.0)  # N/m in y and z
     damping: tuple[float, float] = (0.0, 0.0)  # N s/m
-    held: Literal["free", "pinned", "clamped"] = "free"
+    fixation: Literal["free", "pinned", "clamped"] = "free"
 
 
 @dataclass(frozen=True)
@@ -56,21 +56,21 @@ class Beam:
 
     def rigid_motions(self, plane: int) -> int:
         """Motions of a plane (0 is y, 1 is z) that bend nothing and meet no spring: 0, 1 or 2."""
-        if any(point.held == "clamped" for point in self.points):
+        if any(point.fixation == "clamped" for point in self.points):
             return 0
-        held = {point.at for point in self.points if point.held == "pinned" or point.stiffness[plane] > 0}
-        return max(0, 2 - len(held))
+        places = {point.at for point in self.points if point.fixation == "pinned" or point.stiffness[plane] > 0}
+        return max(0, 2 - len(places))
 
     def hold(self, plane: int) -> float:
         """How stiffly its points hold it against the softest motion that bends nothing, over E I/length^3; at most 1.
 
         The motions are 1 - x/L and x/L; no point counts for more than the bending stiffness.
         """
-        if any(point.held == "clamped" for point in self.points):
+        if any(point.fixation == "clamped" for point in self.points):
             return 1.0
         bent, total = self.bending_stiffness, np.zeros((2, 2))
         for point in self.points:
-            share = 1.0 if point.held == "pinned" else min(1.0, point.stiffness[plane] / bent)
+            share = 1.0 if point.fixation == "pinned" else min(1.0, point.stiffness[plane] / bent)
             motion = np.array([1.0 - point.at / self.length, point.at / self.length])
             total += share * np.outer(motion, motion)
         return float(min(1.0, np.linalg.eigvalsh(total)[0]))
@@ -106,7 +106,6 @@ class LateralSystem:
     gyroscopic: FloatArray  # kg: of the polar inertia
     free: IntArray  # unknowns that no fixation holds
     place: IntArray  # (points,) unknown of the displacement; the slope is the next one
-    frequency: float  # rad/s up to which the elements are fine enough
     shear: bool
 
     def support(self, what: Literal["stiffness", "damping"], plane: int) -> FloatArray:
@@ -138,14 +137,14 @@ def assemble_lateral(
         inertia[at] += mass + (rotary if rotary_inertia else 0.0)
         gyroscopic[at] += 2.0 * rotary if rotary_inertia else 0.0
     place = np.array([2 * int(np.argmin(np.abs(nodes - point.at))) for point in beam.points], dtype=np.intp)
-    held: set[int] = set()
+    fixed: set[int] = set()
     for point, row in zip(beam.points, place.tolist(), strict=True):
         inertia[row, row] += point.mass
         inertia[row + 1, row + 1] += point.diametral
         gyroscopic[row + 1, row + 1] += point.polar
-        held |= {"free": set(), "pinned": {row}, "clamped": {row, row + 1}}[point.held]
-    free = np.array([k for k in range(order) if k not in held], dtype=np.intp)
-    return LateralSystem(beam, cells, stiffness, lossy, inertia, gyroscopic, free, place, frequency, shear)
+        fixed |= {"free": set(), "pinned": {row}, "clamped": {row, row + 1}}[point.fixation]
+    free = np.array([k for k in range(order) if k not in fixed], dtype=np.intp)
+    return LateralSystem(beam, cells, stiffness, lossy, inertia, gyroscopic, free, place, shear)
 
 
 def _cells(beam: Beam, frequency: float, shear: bool, elements: int) -> tuple[tuple[Cell, ...], FloatArray]:
@@ -181,7 +180,6 @@ class Places:
 
     position: FloatArray  # (places,) m from the start
     displacement: FloatArray  # m
-    slope: FloatArray  # 1: of the section; with shear the axis of the shaft is steeper
     moment: FloatArray  # N m: E I u'', which bends in the plane of y (about z) or of z
     moment_of_loss: FloatArray  # N m: loss factor times that, in quadrature
 
@@ -189,14 +187,12 @@ class Places:
 def places(system: LateralSystem, shares: tuple[float, ...] = SHARES) -> Places:
     """The rows at shares of the length of every element."""
     local = np.array(shares)
-    rows = np.zeros((4, len(system.cells), len(shares), len(system.inertia)))
+    rows = np.zeros((3, len(system.cells), len(shares), len(system.inertia)))
     for k, cell in enumerate(system.cells):
         section = cell.section
         shapes = scaled(functions(shares, system.shear), section.length, system.shear)
         moment = shapes.bending * (section.youngs_modulus * section.moment(local))
-        for row, values in zip(
-            rows, (shapes.deflection, shapes.rotation, moment, section.loss_factor * moment), strict=True
-        ):
+        for row, values in zip(rows, (shapes.deflection, moment, section.loss_factor * moment), strict=True):
             row[k][:, cell.unknowns] = values.T
     position = [cell.start + cell.section.length * local for cell in system.cells]
-    return Places(np.concatenate(position), *rows.reshape(4, -1, rows.shape[3]))
+    return Places(np.concatenate(position), *rows.reshape(3, -1, rows.shape[3]))

@@ -126,7 +126,7 @@ def _points(train: Train, row: list[Bar], joints: list[Placing]) -> tuple[list[P
     for part, _, place in joints:
         if place not in at:
             at[place] = len(points)
-            points.append(Point(sum(bar.length for bar in row[:place]), train.parts[part].name, held="pinned"))
+            points.append(Point(sum(bar.length for bar in row[:place]), train.parts[part].name, fixation="pinned"))
     return points, [at[place] for _, _, place in joints]
 
 
@@ -199,7 +199,9 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
         return why, (*path, "stiffness")
     at = [point.at for point in beam.points]
     if len(set(at)) < len(at):
-        where = "on the joint itself" if any(point.held == "pinned" for point in beam.points) else "where another does"
+        where = (
+            "on the joint itself" if any(point.fixation == "pinned" for point in beam.points) else "where another does"
+        )
         path = given[-1][1]
         return f"it is supported at one place only, as its support stands {where}", (*path, "at")
     return "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]

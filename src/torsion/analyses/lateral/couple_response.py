@@ -16,7 +16,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.results import derived, reported, result, words
 
-SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is told
+SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is reported
 UNDAMPED = 1e-9  # damping ratio below which the height of a resonance is not known
 REACH = 0.01  # of its speed: an amplitude so near an undamped resonance, 50 times the static one, is marked
 Lines = NDArray[np.uint8]
@@ -37,7 +37,6 @@ class Answer:
     order: int = result("", (), "per revolution of the shaft; 0 stands still")
     speed: FloatArray  # (speeds,) rad/s of the shaft
     displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude, half range")
-    slope: ComplexArray  # (speeds, places, 2)
     moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
     force: ComplexArray = result(
         "N", ("speed", "point", "direction"), "[y, z] complex amplitude, of the shaft on its joints and supports"
@@ -101,7 +100,7 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
     status = _status(planes, order, speeds, amplification)
     y[status == Status.SINGULAR] = z[status == Status.SINGULAR] = np.nan
     x = np.stack([y @ planes.y.shape.T, z @ planes.z.shape.T], axis=-1)
-    return _told(planes, order, speeds, x, (amplification, status))
+    return _along(planes, order, speeds, x, (amplification, status))
 
 
 def _loads(planes: Planes, couple: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
@@ -156,7 +155,7 @@ def _status(planes: Planes, order: int, speeds: FloatArray, amplification: Float
     return np.asarray(lines.astype(np.uint8))
 
 
-def _told(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray, judged: tuple[FloatArray, Lines]) -> Answer:
+def _along(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray, judged: tuple[FloatArray, Lines]) -> Answer:
     """The amplitudes along the shaft and at its points from its unknowns (speeds, unknowns, 2)."""
     rows = places(planes.system)
 
@@ -166,7 +165,7 @@ def _told(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray, judge
 
     bent = along(rows.moment + 1j * rows.moment_of_loss if order else rows.moment)
     force = _forces(planes, order, speeds, x)
-    return Answer(order, speeds, along(rows.displacement), along(rows.slope), bent, force, *judged)
+    return Answer(order, speeds, along(rows.displacement), bent, force, *judged)
 
 
 def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> ComplexArray:
@@ -181,7 +180,7 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
     pushed[..., 1] -= turned[..., 0]
     force = np.zeros_like(pushed)
     for k, point in enumerate(system.beam.points):
-        if point.held != "free":
+        if point.fixation != "free":
             force[:, k] = -pushed[:, k]
         else:
             spring = np.array(point.stiffness) + 1j * w * np.array(point.damping)

@@ -119,13 +119,13 @@ def lateral(
     if faults := lateral_faults(train, asked):
         raise InputError(faults)
     every, (shafts, _) = placed(train), bending_shafts(train)
-    held = [shaft for shaft in shafts if not shaft.lacks]
+    supported = [shaft for shaft in shafts if not shaft.lacks]
     speeds, found = wanted.speeds or operation.speeds, []
     reference = None if speeds is None else speeds.values()
     torque = None if speeds is None else _torques(train, operation, wanted, every)
-    for number, shaft in enumerate(held):
+    for number, shaft in enumerate(supported):
         if progress is not None:
-            progress("bending of the shafts", number / len(held))
+            progress("bending of the shafts", number / len(supported))
         found.append(_found(every, shaft, wanted, reference, torque))
     remarks = [
         f"{shaft.name}: " + (shaft.lacks or f"it bends without the masses of {', '.join(shaft.loads)}, "
@@ -142,11 +142,11 @@ def lateral(
 def lateral_faults(train: Train, asked: LateralSettings | None) -> list[Fault]:
     """Supports and materials at fault; where bending is asked for and no shaft is held, that too."""
     shafts, faults = bending_shafts(train)
-    held = [shaft for shaft in shafts if not shaft.lacks]
-    if not faults and not held:
+    supported = [shaft for shaft in shafts if not shaft.lacks]
+    if not faults and not supported:
         faults += _none_held(train, shafts, asked is not None)
     if asked is not None and asked.shear:
-        faults += [fault for shaft in held for fault in _shear_faults(train, shaft)]
+        faults += [fault for shaft in supported for fault in _shear_faults(train, shaft)]
     return faults
 
 

@@ -113,7 +113,7 @@ def tilting(
 
     bending: (modes,) Hz of y and of z at rest, of the same shaft as it bends.
     """
-    why = _untold(shaft, placed)
+    why = _left_out(shaft, placed)
     if why is not None:
         return None, why
     joint = next(one for one in placed if one.part == shaft.joints[0].part)
@@ -137,8 +137,8 @@ def _around(zone: Zone) -> list[float]:
     return [zone.lower, zone.worst, zone.upper, *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist()]
 
 
-def _untold(shaft: BendingShaft, placed: Sequence[Placed]) -> str | None:
-    """Why the tilt of a held shaft is left out, "" where there is none to speak of; None where it is told."""
+def _left_out(shaft: BendingShaft, placed: Sequence[Placed]) -> str | None:
+    """Why the tilt of a shaft is left out, "" where there is none to speak of; None where it is computed."""
     if len(shaft.joints) != 1 or not any(max(point.stiffness) for point in shaft.beam.points):
         return ""
     at = shaft.joints[0]

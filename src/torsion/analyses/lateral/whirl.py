@@ -12,7 +12,10 @@ from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.results import derived, reported, result
 
-SPARE_MODES, TIMES_MODES = 8, 1  # modes at rest among which damped ones are sought: these, and so many times those told
+SPARE_MODES, TIMES_MODES = (
+    8,
+    1,
+)  # modes at rest among which damped ones are sought: so many, and times those reported
 OVERDAMPED = 1e-7  # |Im s|/|s| below which a motion does not oscillate
 SETTLED = 1e-8  # relative step after which a root is found: convergence is cubic, so that the next would be rounding
 STEPS = 8
@@ -60,7 +63,7 @@ def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
     """The lowest modes over speeds (speeds,) rad/s: `modes` backward and as many forward ones.
 
     Loss factors of the shaft enter the decrement to first order; they drive a forward whirl slower than the shaft
-    (Genta 2005). With unequal supports the 2 `modes` lowest are told, in ascending order.
+    (Genta 2005). With unequal supports the 2 `modes` lowest are reported, in ascending order.
     """
     speeds = np.atleast_1d(np.asarray(speed, dtype=np.float64))
     columns = np.full((3, len(speeds), 2 * modes), np.nan)
@@ -70,8 +73,8 @@ def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
         wanted = 2 * modes // len(turns)
         for group, sign in enumerate(turns):
             chosen = np.flatnonzero(sign * root.imag > OVERDAMPED * np.abs(root))[:wanted]
-            told = _told(planes, omega, root[chosen], _both(planes, shape[:, chosen], sign))
-            columns[:, k, group * wanted : group * wanted + len(chosen)] = told
+            values = _decays(planes, omega, root[chosen], _both(planes, shape[:, chosen], sign))
+            columns[:, k, group * wanted : group * wanted + len(chosen)] = values
     return Whirl(speeds, columns[0], columns[1], columns[2])
 
 
@@ -93,7 +96,7 @@ def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, Comp
 
 
 def lowest(planes: Planes, modes: int) -> IntArray:
-    """Coordinates of the lowest modes at rest, a few times as many as are told."""
+    """Coordinates of the lowest modes at rest, a few times as many as are reported."""
     return np.argsort(-planes.square, kind="stable")[: SPARE_MODES + TIMES_MODES * modes]
 
 
@@ -167,7 +170,7 @@ def _improve(planes: Planes, speed: float, root: ComplexArray, shape: ComplexArr
     return np.asarray(step)
 
 
-def _told(planes: Planes, speed: float, root: ComplexArray, p: ComplexArray) -> FloatArray:
+def _decays(planes: Planes, speed: float, root: ComplexArray, p: ComplexArray) -> FloatArray:
     """(3, modes) Hz, decrement and direction of shapes of both planes.
 
     Loss factors add to first order 2 pi lossy energy/(elastic + kinetic energy).

@@ -100,7 +100,7 @@ def over_time(values: FloatArray) -> FloatArray:
 def state(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray) -> State:
     """The motion of all bodies, and what each lacks for equilibrium.
 
-    Behind its coordinates a motion may tell the twists of the layout's dampers, which else follow from it.
+    Behind its coordinates a motion may hold the twists of the layout's dampers, which else follow from it.
     """
     free = layout.free
     where = turning(layout, motion.deviation, turned)
@@ -148,7 +148,7 @@ def spring_torques(
 def linearised(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int) -> Linearised:
     """The equations at a motion over the common period, with their derivatives.
 
-    Dampers are in them where the motion tells their twists: those are then further unknowns, and the matrix stays
+    Dampers are in them where the motion holds their twists: those are then further unknowns, and the matrix stays
     sparse. Where it does not, the residual holds the dampers and the derivatives leave them out.
     """
     turned = mean_angle(loading, motion.deviation.shape[1])

@@ -105,7 +105,7 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
 def _repeated(layout: Layout, loading: Loading, motion: Motion) -> FloatArray:
     """(motions, 2 free, times) what repeats itself unless something holds it: all that turns, turning further.
 
-    Where parts hang together by damping alone, so does every one without a joint, turned by a fixed angle.
+    Where parts are joined by damping alone, so does every one without a joint, turned by a fixed angle.
     """
     free, times = motion.speed.shape
     found = list[FloatArray]()
@@ -179,8 +179,8 @@ def by_hill(around: Variation, count: int, most: int = MOST_HILL) -> Multipliers
     order = np.argsort(-value.real, kind="stable")
     start = found.vector[order]
     rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
-    folded = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
-    return Multipliers(folded, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
+    within = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
+    return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
 
 
 def hill_count(around: Variation, highest: float, orbit_count: int) -> int:
@@ -190,7 +190,7 @@ def hill_count(around: Variation, highest: float, orbit_count: int) -> int:
 
 @dataclass
 class Search:
-    """A train whose growth rate is asked at many speeds; remembers what it computed."""
+    """The growth rates of a train at any speeds; keeps what it has computed."""
 
     at: Scene
     shapes: Basis
@@ -232,8 +232,8 @@ class Search:
         return self.at.system.damps and self.at.damping > 0
 
 
-def search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:
-    """A train ready to be asked; `modes`: reduce to so many elastic modes."""
+def growth_search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:
+    """A train whose growth rates are wanted; `modes`: reduce to so many elastic modes."""
     at = scene(study, system, vibratory=False)
     shapes = basis(at.layout)
     fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)

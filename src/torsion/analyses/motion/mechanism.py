@@ -100,7 +100,7 @@ def at_rest(deviation: FloatArray) -> Turning:
 
 @dataclass(frozen=True)
 class JointStep:
-    """A joint on the way from a coordinate's own body outward."""
+    """A joint on the way from a coordinate's own body to the others."""
 
     inner: int  # body
     outer: int
@@ -124,7 +124,7 @@ class Layout:
     coordinate: IntArray  # (bodies,)
     root: IntArray  # (coordinates,) the body whose angle each coordinate is
     free: int
-    steps: tuple[JointStep, ...]  # from the coordinates' own bodies outward
+    steps: tuple[JointStep, ...]  # from the coordinates' own bodies on
     spring: IntArray  # (springs,) spans with stiffness or damping
     driving: IntArray  # (springs,) bodies
     driven: IntArray
@@ -132,7 +132,7 @@ class Layout:
     viscous: FloatArray  # (springs,) N m s/rad
     hysteretic: FloatArray  # (springs,) N m/rad: stiffness times loss factor
     dampers: Dampers  # what stands for loss factors that are not in `hysteretic`; none unless put there
-    floating: tuple[tuple[int, ...], ...]  # coordinates that hang together by springs and by nothing held
+    floating: tuple[tuple[int, ...], ...]  # coordinates that springs join to each other and to nothing fixed
     orders: tuple[Fraction, ...]  # of the joints, per turn of the reference station, ascending
 
     @property
@@ -239,7 +239,7 @@ def _coordinates(
 def _floating(
     coordinate: IntArray, free: int, driving: IntArray, driven: IntArray, number: int
 ) -> tuple[tuple[int, ...], ...]:
-    """Groups of free coordinates that elastic springs join, without those that hang on a prescribed one."""
+    """Groups of free coordinates that elastic springs join, without those joined to a prescribed one."""
     group = connected(number, coordinate[driving], coordinate[driven])
     held = set(group[free:].tolist())
     names = [one for one in np.unique(group[:free]).tolist() if one not in held]

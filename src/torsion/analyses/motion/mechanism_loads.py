@@ -130,7 +130,7 @@ def rigid_motion(at: Scene, now: Operating, count: int) -> ComplexArray:
 def rigid_deviation(whole: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray) -> FloatArray:
     """(free, times) rad of the train turning without any elasticity but its static twist (bodies, 1 or times).
 
-    steady: coordinates that turn evenly, from which the motion is followed outward; turned: (times,) rad.
+    steady: coordinates that turn evenly, from which the motion is followed on; turned: (times,) rad.
     """
     deviation = np.zeros((len(whole.root), len(turned)))
     bodies: dict[int, FloatArray] = {}

@@ -148,10 +148,10 @@ def periodic_response(
 ) -> PeriodicResponse:
     """The periodic response at ascending reference speeds (speeds,) rad/s, each started from the one before it."""
     at = scene(study, system)
-    tell = progress or (silent)
+    report = progress or silent
     orbits, why = list[Orbit | None](), list[str]()
     for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
-        tell("harmonic balance", k / len(speeds))
+        report("harmonic balance", k / len(speeds))
         orbit, reason = continued(at, speed, orbits[-1] if orbits else None)
         orbits.append(orbit)
         why.append(reason)
@@ -307,27 +307,27 @@ def course(at: Scene, now: Operating, found: Balance, times: int | None = None) 
 
 
 def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: FloatArray) -> None:
-    """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree inward.
+    """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree to its root.
 
     need: (stations, times) N m that a station needs from its rigid spans; summed up here on the way. A joint takes
     power through: torque on either side times the speed there is the same, and the speeds go as `first`. Told is the
     torque on its driven side.
     """
-    folded = system.folded
-    above = np.full(folded.tree.size, -1)
-    above[folded.span[folded.span >= 0]] = np.flatnonzero(folded.span >= 0)
-    station = np.full(folded.tree.size, -1)
-    station[folded.node] = np.arange(len(folded.node))
-    for node in range(folded.tree.size - 1, -1, -1):
-        span, parent = int(above[node]), int(folded.tree.parent[node])
+    condensed = system.folded
+    above = np.full(condensed.tree.size, -1)
+    above[condensed.span[condensed.span >= 0]] = np.flatnonzero(condensed.span >= 0)
+    station = np.full(condensed.tree.size, -1)
+    station[condensed.node] = np.arange(len(condensed.node))
+    for node in range(condensed.tree.size - 1, -1, -1):
+        span, parent = int(above[node]), int(condensed.tree.parent[node])
         if span < 0 or system.flexibility[span] != 0:
             continue
         driving, driven = int(system.driving[span]), int(system.driven[span])
-        here = station[node] if station[node] >= 0 else (driven if folded.sign[span] > 0 else driving)
-        inward = station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
-        passed = need[here] * (first[here] / first[inward])
+        here = station[node] if station[node] >= 0 else (driven if condensed.sign[span] > 0 else driving)
+        near_root = station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
+        passed = need[here] * (first[here] / first[near_root])
         torque[span] = need[here] if here == driven else -passed
-        need[inward] = need[inward] + passed
+        need[near_root] = need[near_root] + passed
 
 
 def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:

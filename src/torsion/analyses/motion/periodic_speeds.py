@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.motion.floquet_exponents import BEYOND, by_monodromy, damped, modes_that_matter, variation
+from torsion.analyses.motion.floquet_exponents import Search, damped, modes_that_matter
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import (
     Orbit,
@@ -24,7 +24,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.findings import Progress
+from torsion.findings import Progress, silent
 from torsion.study import Study
 
 WORK = 2400  # speeds times coordinates, with few harmonics: about 10 s on one slow core
@@ -69,13 +69,13 @@ def periodic_over_speed(
     Every speed is started from the nearest that is solved.
     """
     at = scene(study, system)
-    tell, number = progress or (lambda what, share: None), most or number_of_speeds(at)
+    report, number = progress or silent, most or number_of_speeds(at)
     known: dict[float, tuple[Orbit | None, str]] = {}
 
     def solve(speeds: FloatArray) -> PeriodicResponse:
         for speed in speeds.tolist():
             if speed not in known:
-                tell("harmonic balance", len(known) / number)
+                report("harmonic balance", len(known) / number)
                 solved = (one for one, _ in known.values() if one is not None)
                 known[speed] = continued(at, speed, nearest(speed, solved))
         order = sorted(known)
@@ -88,9 +88,9 @@ def periodic_over_speed(
         if not more.size:
             break
         found = solve(np.sort(more))
-    tell("stability of the periodic motion", 1.0)
+    report("stability of the periodic motion", 1.0)
     found = replace(found, growth=growths(at, found))
-    tell("other periodic motions", 1.0)
+    report("other periodic motions", 1.0)
     further = others(at, found, worth_another_look(found, max(1, min(MOST_SOUGHT, number // EACH))))
     if further is not None:
         further = replace(further, growth=growths(at, further))
@@ -113,8 +113,10 @@ def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
     With loss factors it is that of the motion beside it that dampers in their place make (`losses.viscous`): of any
     other motion the free turning, which neither grows nor dies out, would seem to do either.
     """
-    fewer = modes_that_matter(at, basis(at.layout), float(found.speed[-1]))
+    shapes = basis(at.layout)
+    fewer = modes_that_matter(at, shapes, float(found.speed[-1]))
     there = damped(at, fewer)
+    search = Search(there, shapes, fewer, "monodromy", {})
 
     def growth(own: Orbit | None) -> float:
         if own is None:
@@ -123,7 +125,7 @@ def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
             beside = own if there.layout is at.layout else orbit(there, own.now.loading.speed, own)
         except SolveError:
             return np.nan
-        return by_monodromy(variation(there, beside).on(fewer), BEYOND * fewer.highest).growth
+        return search.exponents(beside, "monodromy").growth
 
     return np.array([growth(own) for own in found.orbits])
 

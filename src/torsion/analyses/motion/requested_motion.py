@@ -12,7 +12,7 @@ SMALL = "no joint is bent by more than 10 degrees, and the first order estimates
 
 
 def run_periodic(work: Work) -> None:
-    """The exact periodic response beside the first-order one, where the file or the size of the angles asks for it."""
+    """The exact periodic response beside the first-order one, where the file or the size of the angles calls for it."""
     system, log, first_order = work.system, work.log, work.get(Response)
     method = getattr(work.study.analyses.get("response"), "method", None)
     asked = method == "harmonic-balance"
@@ -74,7 +74,7 @@ def run_stability(work: Work) -> None:
     """Stability over speed and its map, where they are requested."""
     from torsion.analyses.motion.mechanism_loads import scene
     from torsion.analyses.motion.periodic_orbits import harmonics_at_least
-    from torsion.analyses.motion.stability_over_speed import stability_asked
+    from torsion.analyses.motion.stability_over_speed import requested_stability
 
     study, system, log = work.study, work.system.whole, work.log
     settings = work.settings("stability", StabilitySettings)
@@ -84,7 +84,7 @@ def run_stability(work: Work) -> None:
         return
     harmonics_at_least(scene(study, system, vibratory=False))  # refused before anything is computed
     with log.step("stability", "asked") as step:
-        found = stability_asked(study, system, settings, speeds.values(), progress=work.progress)
+        found = requested_stability(study, system, settings, speeds.values(), progress=work.progress)
         step.method = _METHODS[settings.method]
         added = int((~found.asked).sum())
         modes = found.modes.size

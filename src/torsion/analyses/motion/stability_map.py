@@ -25,7 +25,7 @@ from torsion.results import reported, result
 from torsion.study import Study
 
 SIDE_BY_SIDE = 25  # values solved at a time, to stay within the caches
-SAME_SWING = 0.02  # relative: periodic motions that differ by more are not the same
+SAME_MOTION = 0.02  # relative: periodic motions that differ by more are not the same
 CHECKED = 9  # points at which the unreduced train is computed too
 MOST_ALONE = 1000  # points that are solved one by one where they found no solution side by side
 
@@ -40,7 +40,7 @@ class StabilityMap:
     growth: FloatArray = result("1/s", ("speed", "value"), "null where no periodic motion was found")
     modes: int = result("", (), "elastic modes kept")
     of_modes: int = result("", (), "of so many")
-    swing: FloatArray  # (speeds, values) rad: largest vibration of a coordinate, half range
+    amplitude: FloatArray  # (speeds, values) rad: largest vibration of a coordinate, half range
     error: float = result("1/s", (), "largest difference to the whole train at the points checked")
     checked: int = result("", (), "points checked")
     elsewhere: int = result("", (), "points checked at which the whole train settled in another motion")
@@ -84,28 +84,30 @@ def stability_map(
     progress: Progress | None = None,
 ) -> StabilityMap:
     """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
-    tell = progress or (silent)
+    report = progress or silent
     at = scene(study, system, vibratory=False)
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")
     shapes = basis(at.layout)
     fewer = modes_that_matter(at, shapes, float(np.max(speeds)), modes)
     lossy = damped(at, fewer)
-    growth, swing = np.full((2, len(speeds), len(values)), np.nan)
+    growth, amplitude = np.full((2, len(speeds), len(values)), np.nan)
     for first in range(0, len(values), SIDE_BY_SIDE):
         some = values[first : first + SIDE_BY_SIDE]
-        stack = Stack(lossy, fewer, lambda value: varied(lossy, over, value), some, _uneven(at, over, some))
+        most = varied(at, over, float(some.max())).layout.steps
+        uneven = max(abs(float(step.joint.unevenness)) for step in most)
+        stack = Stack(lossy, fewer, lambda value: varied(lossy, over, value), some, uneven)
         solution = None
         for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
-            tell("stability map", (first + len(some) * k / len(speeds)) / len(values))
+            report("stability map", (first + len(some) * k / len(speeds)) / len(values))
             solution = solve_stack(stack, speed, solution)
             growth[k, first : first + len(some)] = growths(stack, solution)
-            swing[k, first : first + len(some)] = solution.swing
+            amplitude[k, first : first + len(some)] = solution.amplitude
     whole = _Whole(at, shapes, over, np.asarray(speeds, dtype=float), values)
-    alone = whole.fill(growth, swing)
-    error, checked, elsewhere = whole.check(growth, swing)
+    alone = whole.fill(growth, amplitude)
+    error, checked, elsewhere = whole.check(growth, amplitude)
     counts = fewer.modes - fewer.rigid, len(shapes.frequency) - shapes.rigid
-    return StabilityMap(over, whole.speeds, values, growth, *counts, swing, error, checked, elsewhere, alone)
+    return StabilityMap(over, whole.speeds, values, growth, *counts, amplitude, error, checked, elsewhere, alone)
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class _Whole:
     values: FloatArray
 
     def __call__(self, k: int, column: int) -> tuple[float, float]:
-        """Growth (1/s) and swing (rad) at a point; NaN where there is no periodic motion."""
+        """Growth (1/s) and amplitude (rad) at a point; NaN where there is no periodic motion."""
         there = varied(self.at, self.over, float(self.values[column]))
         shapes = basis(there.layout) if self.over == "damping" else self.shapes
         found = Search(damped(there, shapes), shapes, None, "monodromy", {})(float(self.speeds[k]))
@@ -128,14 +130,14 @@ class _Whole:
         motion = motion_of(found[0].found.harmonic, 1.0, points_in_time(found[0].found.count))
         return found[1].growth, float(half_range(motion.deviation))
 
-    def fill(self, growth: FloatArray, swing: FloatArray) -> int:
+    def fill(self, growth: FloatArray, amplitude: FloatArray) -> int:
         """Solve what is missing point by point; returns how many were found."""
         missing = np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist()
         for k, column in missing:
-            growth[k, column], swing[k, column] = self(k, column)
+            growth[k, column], amplitude[k, column] = self(k, column)
         return sum(bool(np.isfinite(growth[k, column])) for k, column in missing)
 
-    def check(self, growth: FloatArray, swing: FloatArray) -> tuple[float, int, int]:
+    def check(self, growth: FloatArray, amplitude: FloatArray) -> tuple[float, int, int]:
         """Largest difference (1/s) at the fastest growing points, those nearest to a boundary, and some spread out.
 
         Where several periodic motions exist, only the same one is compared. Returns how many points were, and how many
@@ -151,16 +153,9 @@ class _Whole:
         worst, same, other = 0.0, 0, 0
         for point in sorted(int(one) for one in chosen):
             k, column = divmod(point, growth.shape[1])
-            grows, swings = self(k, column)
-            if abs(swings - swing[k, column]) <= SAME_SWING * swings:
+            grows, reached = self(k, column)
+            if abs(reached - amplitude[k, column]) <= SAME_MOTION * reached:
                 worst, same = max(worst, abs(grows - float(growth[k, column]))), same + 1
             else:
                 other += 1
         return worst, same, other
-
-
-def _uneven(at: Scene, over: Over, values: FloatArray) -> float:
-    """The largest unevenness among the joints."""
-    if over == "angle":
-        return float(unevenness(values).max())
-    return max(abs(float(step.joint.unevenness)) for step in at.layout.steps)

@@ -5,11 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from torsion.analyses.motion.floquet_exponents import (
-    Search,
-    modes_that_matter,
-    search,
-)
+from torsion.analyses.motion.floquet_exponents import Search, growth_search, modes_that_matter
 from torsion.analyses.motion.mechanism_loads import scene
 from torsion.analyses.motion.stability_settings import Method, StabilitySettings
 from torsion.analyses.motion.straight_modes import basis
@@ -82,16 +78,16 @@ def stability(
     Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
     they shift the orbit, not its stability, to first order.
     """
-    tell = progress or (silent)
-    ask = search(study, system, method=method, modes=modes)
+    report = progress or silent
+    search = growth_search(study, system, method=method, modes=modes)
     asked = np.unique(np.asarray(speeds, dtype=float))
     for k, speed in enumerate(asked.tolist()):
-        tell("stability", 0.6 * k / len(asked))
-        ask(speed)
-    _look_between(ask, asked, tell)
-    ranges = unstable_ranges(ask, tell)
-    speed = np.array(sorted(ask.known))
-    solved = [ask.known[one] for one in speed.tolist()]
+        report("stability", 0.6 * k / len(asked))
+        search(speed)
+    _look_between(search, asked, report)
+    ranges = unstable_ranges(search, report)
+    speed = np.array(sorted(search.known))
+    solved = [search.known[one] for one in speed.tolist()]
     growth = np.array([np.nan if one is None else one[1].growth for one in solved])
     frequency = np.array(
         [np.nan if one is None or not one[1].exponent.size else one[1].exponent.imag[0] for one in solved]
@@ -99,31 +95,31 @@ def stability(
     with np.errstate(over="ignore"):
         factor = np.exp(growth * 2.0 * np.pi / speed)
     unsolved = speed[np.isnan(growth)]
-    shapes = ask.shapes.frequency[ask.shapes.rigid :]
+    shapes = search.shapes.frequency[search.shapes.rigid :]
     return Stability(
-        speed, np.isin(speed, asked), growth, frequency, factor, ranges, shapes, method, _check(ask, asked), unsolved,
-        ask.loses,
+        speed, np.isin(speed, asked), growth, frequency, factor, ranges, shapes, method, _check(search, asked),
+        unsolved, search.loses,
     )  # fmt: skip
 
 
-def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
+def _look_between(search: Search, asked: FloatArray, report: Progress) -> None:
     """Ask around each combination resonance for zones that fall between the speeds."""
     if len(asked) < 2:
         return
-    uneven = max((step.joint.strength for step in ask.at.layout.steps), default=0.0)
+    uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
     if uneven == 0.0:
         return
-    seeds = candidates(ask.shapes, ask.at.layout.orders, float(asked[0]), float(asked[-1]))
+    seeds = candidates(search.shapes, search.at.layout.orders, float(asked[0]), float(asked[-1]))
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
     for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
-        tell("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
+        report("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
         low, high = max(seed * (1.0 - around), float(asked[0])), min(seed * (1.0 + around), float(asked[-1]))
-        inside = [speed for speed in ask.known if low <= speed <= high]
-        if any(ask.is_unstable(speed) for speed in [*inside, seed]):
+        inside = [speed for speed in search.known if low <= speed <= high]
+        if any(search.is_unstable(speed) for speed in [*inside, seed]):
             continue
 
         def height(speed: float) -> float:
-            value = indicator(ask, speed, None)
+            value = indicator(search, speed, None)
             return np.inf if np.isnan(value) else -value
 
         minimize_scalar(
@@ -131,23 +127,23 @@ def _look_between(ask: Search, asked: FloatArray, tell: Progress) -> None:
         )
 
 
-def _check(ask: Search, asked: FloatArray) -> float:
+def _check(search: Search, asked: FloatArray) -> float:
     """1/s: largest difference between the growth rates of both methods at a few speeds."""
-    other: Method = "monodromy" if ask.method == "hill" else "hill"
+    other: Method = "monodromy" if search.method == "hill" else "hill"
     worst = np.nan
-    known = [found for speed in asked.tolist() if (found := ask(speed)) is not None]
-    known = known or [found for found in ask.known.values() if found is not None]
+    known = [found for speed in asked.tolist() if (found := search(speed)) is not None]
+    known = known or [found for found in search.known.values() if found is not None]
     for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
         found = known[place]
         try:
-            apart = abs(ask.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
+            apart = abs(search.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
         except SolveError:
             continue
         worst = apart if np.isnan(worst) else max(worst, apart)
     return float(worst)
 
 
-def stability_asked(
+def requested_stability(
     study: Study, system: System, asked: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
 ) -> Stability:
     """Stability at reference speeds (speeds,) rad/s, on as many modes as are asked for, else those that matter."""
@@ -167,9 +163,9 @@ def stability_asked(
 
 def _left_out(study: Study, system: System, found: Stability, more: int) -> float:
     """1/s: largest change of the growth rate with more modes, at the fastest growth and at both ends."""
-    ask = search(study, system, modes=more)
+    search = growth_search(study, system, modes=more)
     known = np.flatnonzero(np.isfinite(found.growth))
     if not known.size:
         return np.nan
     places = {int(known[0]), int(known[-1]), int(known[np.argmax(found.growth[known])])}
-    return float(np.nanmax([abs(ask.growth(float(found.speed[k])) - found.growth[k]) for k in sorted(places)]))
+    return float(np.nanmax([abs(search.growth(float(found.speed[k])) - found.growth[k]) for k in sorted(places)]))

@@ -1,4 +1,4 @@
-"""What a file may ask of the stability of a train with joints."""
+"""Settings of the stability of a train with joints."""
 
 from typing import Annotated, Any, Literal
 
@@ -46,7 +46,7 @@ class StabilitySettings(Declared):
 
 
 def motion_faults(study: Study, path: Path) -> list[Fault]:
-    """Why a train has no exact motion: its model of shafts, or its closed loops; at the place that asks for it."""
+    """Why a train has no exact motion: its model of shafts, or its closed loops; at the place that requests it."""
     if study.model != "lumped" and any(bar.density > 0 for bar in study.train.bars):
         message = f"the exact motion of joints is built for the model lumped, and this is {study.model}"
         return [Fault(path, message, "model: lumped")]
@@ -57,8 +57,8 @@ def motion_faults(study: Study, path: Path) -> list[Fault]:
     return []
 
 
-def asked_faults(study: Study) -> list[Fault]:
-    """Faults of a file that asks for the exact response or for stability."""
+def requested_motion_faults(study: Study) -> list[Fault]:
+    """Faults of a file that requests the exact response or stability."""
     found: list[Fault] = []
     if getattr(study.analyses.get("response"), "method", None) == "harmonic-balance":
         found += motion_faults(study, ("analyses", "response", "method"))
@@ -67,7 +67,7 @@ def asked_faults(study: Study) -> list[Fault]:
         return found
     path: Path = ("analyses", "stability")
     if not study.has_joints:
-        hint = "leave it out; what damps, the damped modes tell"
+        hint = "leave it out; the damped modes show what damps"
         found.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
     if getattr(asked, "speeds", None) is None and study.operation.speeds is None:
         found.append(Fault(path, "stability needs speeds", SPEEDS))

@@ -23,7 +23,7 @@ RANK_COSTS = 0.02  # of w0, per rank: a near miss of a low rank is believed befo
 WITHIN = 1e-10  # relative: boundaries are sought this closely
 BISECTIONS = 10  # before a boundary of a train without damping is sought by the gap of its multipliers
 PARTS = 8  # of a range: in each of them the growth is asked before the greatest is sought
-PEAK = 1e-4  # of the stretch in which the greatest growth is sought; at a smooth peak its growth is then far closer
+PEAK = 1e-4  # of the interval in which the greatest growth is sought; at a smooth peak its growth is then far closer
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Zone:
 def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None) -> FloatArray:
     """(modes,) energy of the fastest growing motion in each mode at reference angle zero, largest 1.
 
-    reduced: the basis that the motion is told in, with more behind it; None: the coordinates.
+    reduced: the basis of the motion, with more behind it; None: the coordinates.
     """
     onto = shapes.shape.T * shapes.inertia
     if reduced is not None:
@@ -75,8 +75,8 @@ def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
         rank = max(1, round(combination / w0))
         away = combination / w0 - rank
         if abs(away) < DETUNED:
-            told = tuple(max(0, mode - rigid + 1) for mode in modes)
-            choices.append((abs(away) + RANK_COSTS * rank + cost, Zone(kind, told, rank, away)))
+            numbers = tuple(max(0, mode - rigid + 1) for mode in modes)
+            choices.append((abs(away) + RANK_COSTS * rank + cost, Zone(kind, numbers, rank, away)))
 
     strong = [k for k in taking if energy[k] > ALONE]
     for mode in strong if len(strong) < 2 else []:
@@ -170,17 +170,17 @@ class End:
     unknown: float | None = None
 
 
-def unstable_ranges(ask: Search, tell: Callable[[str, float], None]) -> tuple[UnstableRange, ...]:
+def unstable_ranges(search: Search, report: Callable[[str, float], None]) -> tuple[UnstableRange, ...]:
     """Every range around the unstable speeds that are known; speeds without a periodic motion part them."""
     out = list[UnstableRange]()
     while True:
-        known = sorted(ask.known)
-        apart = (one for one in known if ask.is_unstable(one) and not any(_holds(there, one) for there in out))
+        known = sorted(search.known)
+        apart = (one for one in known if search.is_unstable(one) and not any(_holds(there, one) for there in out))
         seed = next(apart, None)
         if seed is None:
             return tuple(sorted(out, key=lambda one: one.first))
-        tell("boundaries", 0.8 + 0.2 * known.index(seed) / len(known))
-        out.append(_around(ask, seed))
+        report("boundaries", 0.8 + 0.2 * known.index(seed) / len(known))
+        out.append(_around(search, seed))
 
 
 def _holds(there: UnstableRange, speed: float) -> bool:
@@ -188,55 +188,55 @@ def _holds(there: UnstableRange, speed: float) -> bool:
     return there.first * (1.0 - 10.0 * WITHIN) <= speed <= there.last * (1.0 + 10.0 * WITHIN)
 
 
-def _around(ask: Search, seed: float) -> UnstableRange:
+def _around(search: Search, seed: float) -> UnstableRange:
     """The range of an unstable speed (rad/s); where the search for its greatest growth meets a gap, the part before."""
     while True:
-        low, high = _end(ask, seed, -1), _end(ask, seed, 1)
-        worst = _fastest(ask, low.speed, high.speed)
-        if all(ask.is_unstable(one) for one in list(ask.known) if low.inner < one < high.inner):
+        low, high = _end(search, seed, -1), _end(search, seed, 1)
+        worst = _fastest(search, low.speed, high.speed)
+        if all(search.is_unstable(one) for one in list(search.known) if low.inner < one < high.inner):
             break
-    found = ask(worst)
+    found = search(worst)
     if found is None:
         raise SolveError("no periodic motion within an unstable range")
     multipliers = found[1]
-    energy = modal_energy(multipliers, ask.shapes, ask.reduced)
+    energy = modal_energy(multipliers, search.shapes, search.reduced)
     return UnstableRange(
         low.speed, high.speed, (low.is_open, high.is_open), multipliers.growth, worst,
-        zone(energy, ask.shapes, 2.0 * np.pi / multipliers.period), (low.unknown, high.unknown),
+        zone(energy, search.shapes, 2.0 * np.pi / multipliers.period), (low.unknown, high.unknown),
     )  # fmt: skip
 
 
-def _end(ask: Search, seed: float, side: int) -> End:
+def _end(search: Search, seed: float, side: int) -> End:
     """Where a range ends above (side 1) or below (-1) an unstable speed of it (rad/s)."""
-    outward = sorted((one for one in ask.known if side * (one - seed) >= 0), key=lambda one: side * one)
-    number = next((k for k, one in enumerate(outward) if not ask.is_unstable(one)), len(outward))
-    inner, beyond = outward[number - 1], outward[number:]
+    away = sorted((one for one in search.known if side * (one - seed) >= 0), key=lambda one: side * one)
+    number = next((k for k, one in enumerate(away) if not search.is_unstable(one)), len(away))
+    inner, beyond = away[number - 1], away[number:]
     if not beyond:
         return End(inner, inner, is_open=True)
-    if ask(beyond[0]) is None:
-        return End(inner, inner, unknown=next((one for one in beyond if ask(one) is not None), beyond[-1]))
+    if search(beyond[0]) is None:
+        return End(inner, inner, unknown=next((one for one in beyond if search(one) is not None), beyond[-1]))
     try:
-        return End(inner, _boundary(ask, inner, beyond[0]))
+        return End(inner, _boundary(search, inner, beyond[0]))
     except NoMotion:
-        return _end(ask, seed, side)
+        return _end(search, seed, side)
 
 
-def _boundary(ask: Search, inner: float, outer: float) -> float:
+def _boundary(search: Search, inner: float, outer: float) -> float:
     """The speed (rad/s) between an unstable and a stable one at which the growth begins; raises NoMotion."""
-    if ask.loses:
-        if _known(ask, outer, ask.growth(outer)) >= 0.0:
+    if search.loses:
+        if _known(search, outer, search.growth(outer)) >= 0.0:
             return outer
-        return _root(lambda speed: _known(ask, speed, ask.growth(speed)), inner, outer)
+        return _root(lambda speed: _known(search, speed, search.growth(speed)), inner, outer)
     for _ in range(BISECTIONS):
         middle = (inner + outer) / 2.0
-        _known(ask, middle, ask.growth(middle))
-        inner, outer = (middle, outer) if ask.is_unstable(middle) else (inner, middle)
-    found = ask(inner)
+        _known(search, middle, search.growth(middle))
+        inner, outer = (middle, outer) if search.is_unstable(middle) else (inner, middle)
+    found = search(inner)
     if found is None:
         raise SolveError("no periodic motion at the boundary of an unstable range")
     at = np.exp(1j * np.angle(found[1].multiplier[0]))
     try:
-        return _root(lambda speed: _known(ask, speed, indicator(ask, speed, at)), inner, outer)
+        return _root(lambda speed: _known(search, speed, indicator(search, speed, at)), inner, outer)
     except ValueError:
         return (inner + outer) / 2.0
 
@@ -245,22 +245,22 @@ def _root(of: Callable[[float], float], inner: float, outer: float) -> float:
     return float(brentq(of, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
 
 
-def _known(ask: Search, speed: float, value: float) -> float:
-    if ask(speed) is None:
+def _known(search: Search, speed: float, value: float) -> float:
+    if search(speed) is None:
         raise NoMotion(f"no periodic motion at {speed:.8g} rad/s")
     return value
 
 
-def indicator(ask: Search, speed: float, at: complex | None) -> float:
+def indicator(search: Search, speed: float, at: complex | None) -> float:
     """Smooth over speed, positive where unstable: growth, or without damping the squared gap of two multipliers.
 
     at: unit complex number near which the two meet; None: wherever they lie closest.
     """
-    found = ask(speed)
+    found = search(speed)
     if found is None:
         return np.nan
     multipliers = found[1]
-    if ask.loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and at is None):
+    if search.loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and at is None):
         return multipliers.growth
     value = multipliers.multiplier
     if at is None:
@@ -272,19 +272,19 @@ def indicator(ask: Search, speed: float, at: complex | None) -> float:
     return float((gap * gap).real)
 
 
-def _fastest(ask: Search, lower: float, upper: float) -> float:
+def _fastest(search: Search, lower: float, upper: float) -> float:
     """The speed (rad/s) of the greatest growth between two: of speeds in all parts, and about the best of them."""
 
     def growth(speed: float) -> float:
-        return float(np.nan_to_num(ask.growth(speed)))
+        return float(np.nan_to_num(search.growth(speed)))
 
     def inside() -> list[float]:
-        return sorted(one for one, found in ask.known.items() if found is not None and lower <= one <= upper)
+        return sorted(one for one, found in search.known.items() if found is not None and lower <= one <= upper)
 
     for low, high in pairwise([lower, *inside(), upper]):
         parts = int(np.ceil(PARTS * (high - low) / (upper - lower))) if upper > lower else 1
         for speed in np.linspace(low, high, parts + 1)[1:-1].tolist():
-            ask(speed)
+            search(speed)
     speeds = inside()
     best = int(np.argmax([growth(one) for one in speeds]))
     low, high = speeds[max(best - 1, 0)], speeds[min(best + 1, len(speeds) - 1)]

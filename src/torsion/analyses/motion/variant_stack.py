@@ -74,7 +74,7 @@ class Solution:
     is_found: np.ndarray  # (variants,)
     around: Periodic
     turning: FloatArray  # (variants, 2 modes) the motion itself at time 0: rate and acceleration
-    swing: FloatArray  # (variants,) rad, largest vibration of a coordinate, half range; NaN where none was found
+    amplitude: FloatArray  # (variants,) rad, largest vibration of a coordinate, half range; NaN where none was found
 
 
 def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution:
@@ -106,8 +106,8 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
         is_near = np.abs(move).max(axis=(1, 2)) < FARTHEST
         harmonic = harmonic + np.where(is_near[:, None, None], move, 0.0)
         load = load + np.where(is_near[:, None], change, 0.0)
-        swing, shift = np.abs(harmonic).max(axis=(1, 2)), np.abs(move).max(axis=(1, 2))
-        reached = np.where(swing > 0, shift / np.where(swing > 0, swing, 1.0), 0.0)
+        amplitude, shift = np.abs(harmonic).max(axis=(1, 2)), np.abs(move).max(axis=(1, 2))
+        reached = np.where(amplitude > 0, shift / np.where(amplitude > 0, amplitude, 1.0), 0.0)
         if np.any((reached > SLOW * size) & (reached > SMALL)) or not is_near.all():
             factors, around = None, None
         size = np.where(is_near, reached, np.inf)
@@ -119,8 +119,8 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     around = _periodic(stack, there.layout, loading, now)
     first = [one.reshape(-1, variants, stack.times)[:, :, 0] for one in (speed + motion.speed, motion.acceleration)]
     start = [stack.reduced.share(one).T for one in first]
-    swing = np.where(found, half_range(motion.deviation.reshape(-1, variants, stack.times)), np.nan)
-    return Solution(loading, harmonic, load, found, around, np.concatenate(start, axis=1), swing)
+    amplitude = np.where(found, half_range(motion.deviation.reshape(-1, variants, stack.times)), np.nan)
+    return Solution(loading, harmonic, load, found, around, np.concatenate(start, axis=1), amplitude)
 
 
 def half_range(deviation: FloatArray) -> FloatArray:

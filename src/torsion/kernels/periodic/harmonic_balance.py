@@ -19,7 +19,7 @@ from torsion.kernels.periodic.hill import (
     scattered,
 )
 
-OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not folded back
+OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not aliased
 MOST_NEWTON = 40
 QUADRATIC = 1e-7  # relative step from which one more step of Newton's method reaches rounding
 ROUNDING = 1e-14  # of the largest mean: smaller steps are rounding
@@ -130,8 +130,8 @@ def balance(
 
 def _is_small(move: ComplexArray, harmonic: ComplexArray) -> bool:
     middle = harmonic.shape[1] // 2
-    swing = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
-    return bool(np.abs(move).max() <= QUADRATIC * swing + ROUNDING * np.abs(harmonic).max())
+    amplitude = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
+    return bool(np.abs(move).max() <= QUADRATIC * amplitude + ROUNDING * np.abs(harmonic).max())
 
 
 def _norm(at: Linearised, count: int) -> float:
@@ -215,5 +215,5 @@ def _truncation(at: Linearised, harmonic: ComplexArray, w0: float, count: int) -
     np.add.at(noise, at.entries.row, ROUNDING * acts)
     missed = (np.maximum(np.abs(spectrum) - noise[:, None], 0.0) / floor).max(initial=0.0)
     middle = harmonic.shape[1] // 2
-    swing = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
-    return float(missed / swing) if swing > 0 else 0.0
+    amplitude = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
+    return float(missed / amplitude) if amplitude > 0 else 0.0

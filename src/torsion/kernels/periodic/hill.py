@@ -83,7 +83,7 @@ def hill_blocks(entries: Couplings, w0: float, count: int, rows: IntArray | None
 
 
 def real_blocks(upper: ComplexArray) -> FloatArray:
-    """(..., 2 count + 1, 2 count + 1) acting on what `real_parts` tells, from rows 0..count (..., rows, harmonics)."""
+    """(..., 2 count + 1, 2 count + 1) acting on what `real_parts` makes, from rows 0..count (..., rows, harmonics)."""
     count = upper.shape[-1] // 2
     right, left = upper[..., count:], upper[..., count::-1]
     out = np.empty((*upper.shape[:-2], 2 * count + 1, 2 * count + 1))

@@ -56,8 +56,8 @@ def _table(findings: Findings, found: list[Element]) -> Table:
         mean = NONE if steady is None else unit.text(float(np.abs(steady.torque[spans]).max()))
         rows.append((
             element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,
-            unit.text(limits.rated_torque), peak, unit.text(limits.max_torque),
-            *worst(_heat(findings, spans), speed, WATT), WATT.text(limits.heat_limit),
+            unit.text(limits.rated_torque), peak,
+            unit.text(limits.max_torque), *worst(_heat(findings, spans), speed, WATT), WATT.text(limits.heat_limit),
         ))  # fmt: skip
     return Table(columns, tuple(rows), "Torque and heat of the couplings (limits of the maker where given)")
 

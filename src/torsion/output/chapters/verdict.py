@@ -1,10 +1,10 @@
 """Chapter: the verdict of every rule in one table, the conclusion and the restrictions of speed."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from torsion.analyses.compare.side_by_side import Compared
-from torsion.analyses.motion.periodic_orbits import PeriodicResponse
-from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, head, on_terminal
@@ -12,6 +12,9 @@ from torsion.output.chapters.model_comparison import conclusion as compared_mode
 from torsion.output.numbers import RPM, given, number, order, rpm
 from torsion.output.reported_values import band_words, barred_rpm, failed, unreliable
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
+
+if TYPE_CHECKING:
+    from torsion.analyses.motion.stability_over_speed import Stability
 
 COLUMNS = head(
     "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | < Unit -> | "
@@ -47,7 +50,7 @@ def conclusion(findings: Findings) -> list[Block]:
     compared = findings.get(Compared)
     if compared is not None:
         blocks.append(compared_models(compared))
-    if findings.get(PeriodicResponse) is not None:
+    if findings.results.get("periodic") is not None:
         from torsion.output.first_order_and_exact import first_order_judged
 
         text = first_order_judged(findings)
@@ -130,7 +133,7 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
 
 def _unstable(findings: Findings) -> list[str]:
     """The unstable ranges, and where it could not be said whether there is one."""
-    stable = findings.get(Stability)
+    stable: Stability | None = findings.results.get("stability")
     if stable is None:
         return []
     from torsion.output.chapters.unstable_ranges import unanswered, words
