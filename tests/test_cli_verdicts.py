@@ -34,7 +34,7 @@ def test_a_limit_to_be_verified_that_is_not_kept_ends_with_status_1(tmp_path: Pa
     done = solve(str(SCENES / "haixun_06402.yaml"), "-o", str(tmp_path))
     assert done.exit_code == 1
     told = " ".join(done.output.split())
-    assert "1 of 8 checks failed (propeller shaft)" in told
+    assert "The limit of 1 of 8 checks is not kept (propeller shaft)" in told
     assert "4 limits are to be verified against the edition in force; of these not kept: propeller shaft" in told
     checks = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["checks"]
     assert {(one["where"], one["verdict"]) for one in checks if one["verdict"] != "pass"} == {

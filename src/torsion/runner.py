@@ -65,7 +65,7 @@ def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError |
     known = (
         located(InputError(faults), study) if all(fault.path for fault in faults) else InputError(faults, str(error))
     )
-    why = "; ".join(fault.message for fault in known.faults)
+    why = "; ".join(fault.message.removeprefix(f"{analysis.title}: ") for fault in known.faults)
     remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
     line = next((fault.line for fault in known.faults), None)
     return Unanswered(name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known))

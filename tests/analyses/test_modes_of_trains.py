@@ -12,6 +12,7 @@ from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper
 from torsion.components.disc import Disc
 from torsion.components.gear import Gear
+from torsion.errors import InputError
 from torsion.train import Link
 
 
@@ -202,3 +203,10 @@ def test_change_of_units_changes_nothing(build):
     quick = modes(build(_chain([1.1, 2.3, 0.7], [520.0, 840.0]))[1])
     assert heavy.frequency == pytest.approx(plain.frequency, rel=1e-15)
     assert quick.frequency == pytest.approx(2.0 * plain.frequency, rel=1e-15)
+
+
+@pytest.mark.parametrize("count", [-1, 0, 100_001])
+def test_number_of_modes_out_of_range_is_a_fault_of_the_input(build, count):
+    _, system = build([Disc(inertia=1.0), Coupling(stiffness=1e4), Disc(inertia=1.0)])
+    with pytest.raises(InputError, match="give 1 to 100000"):
+        modes(system, count)

@@ -11,6 +11,7 @@ from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
 from torsion.components.gear import Gear
+from torsion.errors import InputError
 from torsion.train import train
 
 
@@ -56,3 +57,8 @@ def test_eigenvalues_of_the_matrices_are_the_modes_of_a_mild_train():
     condensed = view.stiffness[np.ix_(massive, massive)] - coupled.T @ np.linalg.solve(inner, coupled)
     w2 = eigh(condensed, view.inertia[np.ix_(massive, massive)], eigvals_only=True)
     assert np.sqrt(w2) / (2 * np.pi) == pytest.approx(found.frequency, rel=1e-12)
+
+
+def test_unknown_model_is_a_fault_of_the_input():
+    with pytest.raises(InputError, match="give lumped, fem, exact"):
+        assemble(train([Disc(inertia=1.0), Coupling(stiffness=10.0), Disc(inertia=1.0)]), "foo")

@@ -338,6 +338,13 @@ def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Fi
     assert said.startswith("1 harmonic component at ")
     (alone,) = (check for check in unstable.need(Checks).lines if check.clause == "stability")
     assert "The only check failed (whole train)" in verdict.conclusion(unstable.having(checks=Checks((alone,))))[0].text
+    left = replace(alone, verdict="not kept")
+    for lines, text in (
+        ((left,), "The limit of the only check is not kept"),
+        ((left, left), "The limits of 2 of 2 checks are not kept"),
+        ((alone, left), "1 of 2 checks failed, the limits of 1 more are not kept"),
+    ):
+        assert verdict.conclusion(unstable.having(checks=Checks(lines)))[0].text.startswith(text)
     passed = replace(alone, verdict="pass", value=-1.0)
     assert verdict.conclusion(unstable.having(checks=Checks((passed,))))[0].text.startswith("The only check passed")
 

@@ -12,6 +12,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
+from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
 from torsion.results import derived, reported, result
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from torsion.kernels.mode_shapes import ShaftModes, TreeModes
 
 STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
+MOST_MODES = 100_000
 LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
@@ -88,7 +90,7 @@ def _nodes(system: System, shape: FloatArray) -> IntArray:
 class ModesSettings(Declared):
     """Settings of `modes`."""
 
-    count: Annotated[int, Field(ge=1, le=100_000)] = given("how many elastic modes", 6)
+    count: Annotated[int, Field(ge=1, le=MOST_MODES)] = given("how many elastic modes", 6)
     damped: bool | None = given("damped frequencies and damping ratios too (default: when something damps)")
 
 
@@ -162,9 +164,12 @@ def modes(
     """The lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
 
     Where the shafts of `system` do not resolve the last mode they are refined, and `Modes.system` is the system of
-    the results. Raises SolveError where they cannot be, where that is needed and `refine` is False, and for a frequency
-    that cannot be proven. progress: called where modes are found one by one (few of a long row of stations).
+    the results. Raises InputError for a count below 1 or above 100 000; SolveError where shafts cannot be refined,
+    where that is needed and `refine` is False, and for a frequency that cannot be proven. progress: called where modes
+    are found one by one (few of a long row of stations).
     """
+    if count is not None and not 1 <= count <= MOST_MODES:
+        raise InputError([Fault(("count",), f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}")])
     if not refine or (system.bars is None and math.isinf(system.resolved_to)):
         found = modes_as_discretised(system, count, progress=progress)
     else:

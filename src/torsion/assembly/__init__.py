@@ -5,7 +5,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from torsion.assembly.section.solved_sections import resolved
-from torsion.errors import SolveError
+from torsion.errors import Fault, InputError, SolveError
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System
@@ -32,8 +32,10 @@ def assemble(
     degree, elements: of every shaft, of the model `fem` alone; None: what the frequency needs. The system's
     `resolved_to` is the frequency up to which it keeps the error of its model (lumped 1e-3, fem 1e-6); infinite in the
     exact model, and where nothing is left to choose: no shaft has inertia, or its segments or elements are stated.
-    Raises KeyError for an unknown model, SolveError where a model cannot take the train.
+    Raises InputError for an unknown model, SolveError where a model cannot take the train.
     """
+    if model not in MODELS:
+        raise InputError([Fault(("model",), f"no model is called '{model}'", f"give {', '.join(MODELS)}")])
     module, name = MODELS[model].split(":")
     finite = {"degree": degree, "elements": elements} if model == "fem" else {}
     system: System = getattr(import_module(module), name)(resolved(train), frequency=frequency, **finite)

@@ -238,7 +238,7 @@ def vibration_faults(study: Study, settings: Declared, rule: str) -> list[Fault]
         found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule} judges a speed range", hint))
     if not study.excites:
         hint = "give an excitation, or leave the rule out"
-        message = f"nothing excites the train, so {rule} has nothing to judge"
+        message = f"nothing excites the train by order or at a frequency of its own, so {rule} has nothing to judge"
         found.append(Fault(rule_path(study, settings), message, hint))
     return found
 

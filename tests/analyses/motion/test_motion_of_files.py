@@ -78,7 +78,7 @@ def test_six_station_train_of_a_file_has_the_published_torques(angle, phase, spe
         ("response: ", 20, 0, True, "beyond 10 degrees"),
         ("response: {method: first-order}", 20, 0, False, "first-order"),
         ("response: ", 5, 0, False, "10 degrees"), ("response: ", 10, 90, True, "beyond 1 %"),
-        ("response: {method: harmonic-balance}", 5, 0, True, "asked"), ("modes: ", 20, 0, False, ""),
+        ("response: {method: harmonic-balance}", 5, 0, True, "requested"), ("modes: ", 20, 0, False, ""),
     ],
 )  # fmt: skip
 def test_exact_response_is_the_default_where_the_first_order_does_not_hold(analyses, angle, phase, is_exact, words):

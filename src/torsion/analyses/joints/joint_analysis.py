@@ -184,12 +184,13 @@ def _freedom(place: Placed, asked: JointsSettings) -> list[Fault]:
 def run(work: Work) -> None:
     """The joints of the train by themselves."""
     with work.log.step(
-        "universal joints", "asked" if "joints" in work.study.analyses else "the train has joints"
+        "universal joints", "requested" if "joints" in work.study.analyses else "the train has joints"
     ) as step:
         settings = work.settings("joints", JointsSettings)
         found = joints(work.study.train, work.study.operation, settings, work.get(Steady))
         step.method = "exact kinematics of rigid shafts, each line as one joint"
-        step.size = f"{len(found.joints)} joints on {len(found.lines)} lines, {found.angle.size} angles"
+        lines = "1 line" if len(found.lines) == 1 else f"{len(found.lines)} lines"
+        step.size = f"{len(found.joints)} joints on {lines}, {found.angle.size} angles"
     for remark in found.remarks:
         work.log.without("universal joints, in part", remark)
     work.put(joints=found)

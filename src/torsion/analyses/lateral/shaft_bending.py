@@ -243,7 +243,7 @@ def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
 
 def run(work: Work) -> None:
     """The bending of every shaft that is held."""
-    why = "asked" if "lateral" in work.study.analyses else "a shaft has a `support`"
+    why = "requested" if "lateral" in work.study.analyses else "a shaft has a `support`"
     with work.log.step("bending of the shafts", why) as step:
         settings = work.settings("lateral", LateralSettings)
         found = lateral(work.study.train, work.study.operation, settings, progress=work.progress)

@@ -29,7 +29,7 @@ def run_periodic(work: Work) -> None:
     if not asked and not is_advised(system, first_order.joint_error):
         log.without(PERIODIC, SMALL)
         return
-    why = "asked" if asked else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
+    why = "requested" if asked else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
     _periodic(work, first_order, why, patient=asked)
 
 
@@ -83,13 +83,13 @@ def run_stability(work: Work) -> None:
         log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
         return
     harmonics_at_least(scene(study, system, vibratory=False))  # refused before anything is computed
-    with log.step("stability", "asked") as step:
+    with log.step("stability", "requested") as step:
         found = requested_stability(study, system, settings, speeds.values(), progress=work.progress)
         step.method = _METHODS[settings.method]
         added = int((~found.asked).sum())
         modes = found.modes.size
         kept = "all modes" if found.kept is None else f"{found.kept} of {modes} elastic modes"
-        step.size = f"{int(found.asked.sum())} speeds asked, {added} more around zones and boundaries; {kept}"
+        step.size = f"{int(found.asked.sum())} speeds requested, {added} more around zones and boundaries; {kept}"
     if found.unsolved.size:
         number = found.unsolved.size
         log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
@@ -114,7 +114,7 @@ def run_map(work: Work) -> None:
     from torsion.analyses.motion.stability_map import stability_map
 
     harmonics_at_least(scene(work.study, work.system.whole, vibratory=False))
-    with work.log.step("stability map", "asked") as step:
+    with work.log.step("stability map", "requested") as step:
         found = stability_map(
             work.study, work.system.whole, speeds.values(), settings.over, settings.values(), modes=settings.modes,
             progress=work.progress,

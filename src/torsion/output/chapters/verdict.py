@@ -78,17 +78,26 @@ def _overall(findings: Findings) -> Paragraph:
         text = "No rule was requested, or none applies to this train: the report gives results without a verdict."
         return Paragraph(text, "note")
     if bad:
-        number_of = "The only check" if len(checks) == 1 else f"{len(bad)} of {len(checks)} checks"
         where = ", ".join(dict.fromkeys(check.where for check in bad))
-        return Paragraph(
-            f"{number_of} failed ({where}). The train does not satisfy {_requested(findings)}.{doubt}",
-            "fail",
-        )
+        text = f"{_bad(checks)} ({where}). The train does not satisfy {_requested(findings)}.{doubt}"
+        return Paragraph(text, "fail")
     if any(check.verdict != "pass" for check in checks):
         return Paragraph(f"No check failed: {_count(checks)}.{doubt}", "note")
     restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
     passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
     return Paragraph(f"{passed} passed: the train satisfies {_requested(findings)}{restricted}.{doubt}", "pass")
+
+
+def _bad(checks: tuple[Check, ...]) -> str:
+    """How many checks failed, and how many limits that are to be verified are not kept, in words."""
+    failed, not_kept = (sum(check.verdict == verdict for check in checks) for verdict in ("fail", "not kept"))
+    if len(checks) == 1:
+        return "The only check failed" if failed else "The limit of the only check is not kept"
+    if not failed:
+        limits, are = ("limit", "is") if not_kept == 1 else ("limits", "are")
+        return f"The {limits} of {not_kept} of {len(checks)} checks {are} not kept"
+    more = f", the limits of {not_kept} more are not kept" if not_kept else ""
+    return f"{failed} of {len(checks)} checks failed{more}"
 
 
 def _requested(findings: Findings) -> str:
