@@ -43,7 +43,7 @@ class JointsSettings(Declared):
     optimise: Literal["phase", "angle", "plane"] | None = given("which quantity of the joints is to be chosen best")
     joint: str | None = given("the one joint that may be changed (default: every joint of its line but the first)")
     turns: Annotated[int, Field(ge=1, le=100)] = given("turns of the driving shaft that are shown", 1)
-    steps: Annotated[int, Field(ge=8, le=10_000)] = given("angles in a turn", 360)
+    steps: Annotated[int, Field(ge=8, le=10_000)] = given("angles per revolution", 360)
     torque: fields.Torque | None = given(
         "torque in the driving shaft of every joint (default: the mean torque, if known)"
     )
@@ -59,7 +59,7 @@ def joints(
     """All joints of a train over the turns of each line's first shaft; the rest of the train is taken as rigid.
 
     Each joint carries its own mean torque at the rated speed (else the highest), constant on the shaft `carrier`;
-    a `torque` that is asked for stands in its place everywhere. `steady` saves computing the mean torques again.
+    a `torque` that is given stands in its place everywhere. `steady` saves computing the mean torques again.
     Raises InputError where the train has no joint, or a setting names none.
     """
     wanted = asked or JointsSettings()

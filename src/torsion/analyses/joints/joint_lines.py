@@ -17,7 +17,9 @@ from torsion.kinematics.optimise import Variable, index_over, optimise
 from torsion.kinematics.tripod import exact_motion
 from torsion.train import Train
 
-_SAMPLES = 256  # of a third of a turn; harmonics of a tripod that can turn fall below rounding long before the 128th
+_SAMPLES = (
+    256  # of a third of a revolution; harmonics of a tripod that can turn fall below rounding long before the 128th
+)
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
 
 
 def _slope(angle: float, radius: float, arm: float, arms: FloatArray) -> FloatArray:
-    """Derivative of a tripod's speed ratio, 1/rad, from the Fourier series of the ratio over a third of a turn."""
+    """Derivative of a tripod's speed ratio, 1/rad, by the Fourier series of it over a third of a revolution."""
     third = 2.0 * np.pi / 3.0 * np.arange(_SAMPLES) / _SAMPLES
     series = 2.0 * np.fft.rfft(exact_motion(third, angle, radius, arm).ratio)[1:-1] / _SAMPLES
     order = 3.0 * np.arange(1, series.size + 1)

@@ -54,11 +54,13 @@ class Planes:
 
 
 def planes(system: LateralSystem) -> Planes:
-    """The modal coordinates of a shaft that its joints and supports hold; raises SolveError where it is not held."""
+    """The modal coordinates of a shaft on its joints and supports; raises SolveError where it is not supported."""
     for name, plane in (("y", 0), ("z", 1)):
         if system.beam.rigid_motions(plane):
             where = system.beam.name or "the shaft"
-            raise SolveError(f"{where} is not held in the plane {name}; give it a `support`, or a joint at either end")
+            raise SolveError(
+                f"{where} is not supported in the plane {name}; give it a `support`, or a joint at either end"
+            )
     y = _plane(system, 0)
     turning, crossed = _projected(system.gyroscopic, y, y), _projected(system.lossy, y, y)
     damping = _projected(system.support("damping", 0), y, y)
@@ -79,7 +81,7 @@ def _projected(matrix: FloatArray, one: Plane, other: Plane) -> FloatArray:
 
 
 def _plane(system: LateralSystem, plane: int) -> Plane:
-    """Modes of a held plane, by the inverse of the stiffness scaled to a diagonal of 1."""
+    """Modes of a supported plane, by the inverse of the stiffness scaled to a diagonal of 1."""
     stiffness = system.stiffness + system.support("stiffness", plane)
     at = np.ix_(system.free, system.free)
     scale = 1.0 / np.sqrt(np.diagonal(stiffness)[system.free])

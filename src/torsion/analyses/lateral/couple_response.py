@@ -73,7 +73,7 @@ def extent(pairs: ComplexArray) -> FloatArray:
 
 
 def speeds_for(asked: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:
-    """The speeds asked for, and more around the resonances between them, which are there themselves."""
+    """The speeds requested, and more around the resonances between them, which are there themselves."""
     added = [asked]
     for resonance in resonances:
         steps = ASIDE if resonance.damping_ratio < UNDAMPED else resonance.damping_ratio * np.append(STEPS, 0.0)

@@ -112,8 +112,8 @@ def lateral(
 ) -> Lateral:
     """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
-    Raises InputError where no shaft is held, or a support or a material is at fault; SolveError where the modes asked
-    for are out of reach.
+    Raises InputError where no shaft is supported, or a support or a material is at fault; SolveError where the
+    requested modes are out of reach.
     """
     wanted = asked or LateralSettings()
     if faults := lateral_faults(train, asked):
@@ -140,7 +140,7 @@ def lateral(
 
 
 def lateral_faults(train: Train, asked: LateralSettings | None) -> list[Fault]:
-    """Supports and materials at fault; where bending is asked for and no shaft is held, that too."""
+    """Supports and materials at fault; where bending is requested and no shaft is supported, that too."""
     shafts, faults = bending_shafts(train)
     supported = [shaft for shaft in shafts if not shaft.lacks]
     if not faults and not supported:
@@ -213,11 +213,11 @@ def _divided(
         if spare and reached <= highest:
             return both, critical
         highest, elements = max(highest, 1.01 * reached), elements if spare else 2 * elements
-    raise SolveError(f"{shaft.name}: its bending modes need too many elements; ask for fewer `modes`")
+    raise SolveError(f"{shaft.name}: its bending modes need too many elements; give fewer `modes`")
 
 
 def _none_held(train: Train, shafts: Sequence[BendingShaft], is_asked: bool) -> list[Fault]:
-    """At the keys where every shaft lacks something; else where bending is asked for, or at the first support."""
+    """At the keys where every shaft lacks something; else where bending is requested, or at the first support."""
     named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
     if named:
         return named
@@ -242,7 +242,7 @@ def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
 
 
 def run(work: Work) -> None:
-    """The bending of every shaft that is held."""
+    """The bending of every shaft that is supported."""
     why = "requested" if "lateral" in work.study.analyses else "a shaft has a `support`"
     with work.log.step("bending of the shafts", why) as step:
         settings = work.settings("lateral", LateralSettings)

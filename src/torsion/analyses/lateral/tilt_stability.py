@@ -1,6 +1,6 @@
 """Parametric stability of a driven shaft on bearings: its joint's couple follows the tilt of the shaft.
 
-The shaft is taken for rigid, as Zhu and Wang do: it turns about the centre of the joint that drives it, held by its
+The shaft is taken for rigid, as Zhu and Wang do: it turns about the centre of the joint that drives it, on its
 supports. Where it bends about as easily as it tilts, that is said and nothing is computed.
 """
 

@@ -246,7 +246,7 @@ def damped(at: Scene, shapes: Basis) -> Scene:
 
 
 def modes_that_matter(at: Scene, shapes: Basis, fastest: float, asked: int | None = None) -> Basis:
-    """The rigid motions and as many elastic modes as asked for.
+    """The rigid motions and as many elastic modes as requested.
 
     Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 3 to 12 elastic ones.
     """

@@ -1,7 +1,7 @@
 """The train as a mechanism: bodies that turn as one, joints between them, springs, and the coordinates that are free.
 
 All is referred to one speed: angle = own angle / speed ratio. Bodies joined by joints follow one coordinate, the angle
-of the body in front of the joints (or of the held body among them, whose motion is prescribed).
+of the body in front of the joints (or of the fixed body among them, whose motion is prescribed).
 """
 
 from dataclasses import dataclass, replace
@@ -39,7 +39,7 @@ class JointMap:
     def undone(self) -> "JointMap":
         """The map from the driven side back; raises SolveError where only a series is known."""
         if self.series:
-            raise SolveError("a tripod joint that is driven from its driven side by a held station is not built")
+            raise SolveError("a tripod joint that is driven from its driven side by a fixed station is not built")
         return replace(self, unevenness=-self.unevenness)
 
 
@@ -120,7 +120,7 @@ class Layout:
     """The mechanism of a train; coordinates below `free` are unknown, the others follow the mean motion exactly."""
 
     body: IntArray  # (stations,)
-    inertia: FloatArray  # (bodies,) kg m2; 0 where held
+    inertia: FloatArray  # (bodies,) kg m2; 0 where fixed
     coordinate: IntArray  # (bodies,)
     root: IntArray  # (coordinates,) the body whose angle each coordinate is
     free: int

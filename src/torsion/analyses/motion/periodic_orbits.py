@@ -44,7 +44,7 @@ SUBDIVISIONS = 6  # halvings of a step of speed before a solution is given up
 LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
 LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
 GROWS = 1e-5  # over one common period: less may be the error of few modes
-SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be asked to hold
+SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be required to carry
 ASIDE = (-0.02, 0.02)  # of the speed: from so far away a motion is carried to it
 STEPS = 4  # of the way
 SAME = 1e-5  # of the largest amplitude: motions that differ by less are one
@@ -97,7 +97,7 @@ class PeriodicResponse:
         "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
     )
     drive: FloatArray = result(
-        "N*m", ("speed",), "mean torque of all drives at the reference speed; null where the train is held"
+        "N*m", ("speed",), "mean torque of all drives at the reference speed; null where the train is fixed"
     )
     harmonics: np.ndarray = result("", ("speed",), "of the common period")
     truncation: FloatArray = result(
@@ -310,8 +310,8 @@ def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: 
     """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree to its root.
 
     need: (stations, times) N m that a station needs from its rigid spans; summed up here on the way. A joint takes
-    power through: torque on either side times the speed there is the same, and the speeds go as `first`. Told is the
-    torque on its driven side.
+    power through: torque on either side times the speed there is the same, and the speeds go as `first`.
+    Returned is the torque on its driven side.
     """
     condensed = system.folded
     above = np.full(condensed.tree.size, -1)

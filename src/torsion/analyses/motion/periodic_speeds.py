@@ -29,7 +29,7 @@ from torsion.study import Study
 
 WORK = 2400  # speeds times coordinates, with few harmonics: about 10 s on one slow core
 FEW = 20  # harmonics; more take time in proportion
-PATIENCE = 60  # harmonics at least: a longer common period is left alone unless it is asked for
+PATIENCE = 60  # harmonics at least: a longer common period is left alone unless it is requested
 FEWEST, MOST = 24, 201  # speeds
 EVERYWHERE = 0.5  # of the speeds: spread over the range; the others are for peaks
 AT_PEAKS = 0.25  # of the speeds: at the peaks of the first order
@@ -57,7 +57,7 @@ def too_long(study: Study, system: System) -> str:
         return ""
     return (
         f"joints and torques repeat together only every {float(1 / at.order):.6g} revolutions of the reference shaft, "
-        f"which takes {harmonics} harmonics or more; ask for it with `response: {{method: harmonic-balance}}`"
+        f"which takes {harmonics} harmonics or more; request it with `response: {{method: harmonic-balance}}`"
     )
 
 
@@ -131,7 +131,7 @@ def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
 
 
 def start(study: Study, first_order: Response, number: int) -> FloatArray:
-    """(speeds,) rad/s to begin with: of those asked for, the rated one, and the highest peaks of the first order."""
+    """(speeds,) rad/s to begin with: of those requested, the rated one, and the highest peaks of the first order."""
     asked = first_order.speed[first_order.asked]
     few = max(2, int(EVERYWHERE * number))
     spread = asked if len(asked) <= few else asked[np.linspace(0, len(asked) - 1, few).round().astype(int)]

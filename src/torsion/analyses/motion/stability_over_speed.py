@@ -17,7 +17,7 @@ from torsion.findings import Progress, silent
 from torsion.results import reported, result
 from torsion.study import Study
 
-MOST_SEEDS = 60  # combination resonances that are looked at between the speeds asked for
+MOST_SEEDS = 60  # combination resonances that are looked at between the speeds requested
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
 CHECKED = 3  # speeds at which the other method checks the growth rate
@@ -57,7 +57,7 @@ class Stability:
 
     @property
     def unknown(self) -> tuple[tuple[float, float], ...]:
-        """Stretches of speed (rad/s) between neighbours with a periodic motion in which none was found."""
+        """Ranges of speed (rad/s) between neighbours with a periodic motion in which none was found."""
         bare = np.concatenate([[False], np.isnan(self.growth), [False]])
         first = np.maximum(np.flatnonzero(~bare[:-1] & bare[1:]) - 1, 0)
         last = np.minimum(np.flatnonzero(bare[:-1] & ~bare[1:]), len(self.speed) - 1)
@@ -103,7 +103,7 @@ def stability(
 
 
 def _look_between(search: Search, asked: FloatArray, report: Progress) -> None:
-    """Ask around each combination resonance for zones that fall between the speeds."""
+    """Search around each combination resonance for zones that fall between the speeds."""
     if len(asked) < 2:
         return
     uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
@@ -146,7 +146,7 @@ def _check(search: Search, asked: FloatArray) -> float:
 def requested_stability(
     study: Study, system: System, asked: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
 ) -> Stability:
-    """Stability at reference speeds (speeds,) rad/s, on as many modes as are asked for, else those that matter."""
+    """Stability at reference speeds (speeds,) rad/s, on as many modes as are requested, else those that matter."""
     at = scene(study, system, vibratory=False)
     shapes = basis(at.layout)
     elastic, modes = len(shapes.frequency) - shapes.rigid, asked.modes

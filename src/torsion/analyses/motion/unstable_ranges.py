@@ -22,7 +22,7 @@ MIXED_COSTS = 0.05  # of w0: where two modes take part, a zone of both is believ
 RANK_COSTS = 0.02  # of w0, per rank: a near miss of a low rank is believed before a hit of a high one
 WITHIN = 1e-10  # relative: boundaries are sought this closely
 BISECTIONS = 10  # before a boundary of a train without damping is sought by the gap of its multipliers
-PARTS = 8  # of a range: in each of them the growth is asked before the greatest is sought
+PARTS = 8  # of a range: in each of them the growth is evaluated before the greatest is sought
 PEAK = 1e-4  # of the interval in which the greatest growth is sought; at a smooth peak its growth is then far closer
 
 
@@ -145,7 +145,7 @@ class UnstableRange:
 
     @property
     def grows_at_end(self) -> tuple[bool, bool]:
-        """The end itself is unstable: the last speed asked for, or the last that has a periodic motion."""
+        """The end itself is unstable: the last speed requested, or the last that has a periodic motion."""
         (below, above), (under, over) = self.is_open, self.unknown
         return below or under is not None, above or over is not None
 

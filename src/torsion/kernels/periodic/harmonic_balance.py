@@ -156,7 +156,7 @@ def _newton(at: Linearised, held: IntArray, w0: float, count: int) -> tuple[Comp
 def _solve(
     entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
 ) -> FloatArray:
-    """Solve with the loads as further unknowns and the means at `place` held as further equations."""
+    """Solve with the loads as further unknowns and the means at `place` fixed as further equations."""
     total, loads = force.shape
     size = float(np.abs(entries[2]).max())
     scaled = (entries[0], entries[1], entries[2] / size)

@@ -15,7 +15,7 @@ STAGES = 7  # order 13
 ANGLE_PER_STEP = 1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
 FEWEST_STEPS = 16
 MOST_STEPS = 4096
-MOST_NUMBERS = 4_000_000  # held at a time in the stage equations
+MOST_NUMBERS = 4_000_000  # in memory at a time in the stage equations
 
 
 @dataclass(frozen=True)
@@ -123,6 +123,6 @@ def step_matrices(
 
 
 def exponents(multiplier: ComplexArray, period: float) -> ComplexArray:
-    """1/s: ln(multiplier)/period, imaginary part within half a turn; a multiplier of 0 decays infinitely fast."""
+    """1/s: ln(multiplier)/period, imaginary part within pi/period of 0; a multiplier of 0 decays infinitely fast."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(np.abs(multiplier)) / period + 1j * np.angle(multiplier) / period)
