@@ -3,7 +3,7 @@
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -178,6 +178,9 @@ def _publish(
 
 
 def _progress() -> "AbstractContextManager[Progress]":
+    """A progress indicator; what draws it is loaded only where the error stream is a terminal."""
+    if not sys.stderr.isatty():
+        return nullcontext(lambda what, share: None)
     from torsion.output.terminal.screen import progress
 
     return progress()

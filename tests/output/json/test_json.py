@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -82,3 +83,18 @@ def test_json_alone_loads_neither_plots_nor_templates() -> None:
     script = LIGHT.format(scene=scene)
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_results_alone_load_nothing_that_prints(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.yaml"
+    scene.write_text("name: two discs\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 1}]\n")
+    heavy = ("matplotlib", "jinja2", "typst", "rich")
+    code = f"""
+import sys
+from torsion.cli import app
+app(["solve", {str(scene)!r}, "--json"], standalone_mode=False)
+print([name for name in sys.modules if name in {heavy}], file=sys.stderr)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+    assert json.loads(done.stdout)["modes"]
