@@ -171,13 +171,13 @@ def main() -> None:
     command.add_argument("--only", default="", help="part of a path: mutants of these files alone")
     command.add_argument("--workers", type=int, default=2)
     command.add_argument("--list", action="store_true", help="print the mutants and run nothing")
-    asked = command.parse_args()
-    found = drawn(asked.number, asked.seed, asked.only)
-    if asked.list:
+    requested = command.parse_args()
+    found = drawn(requested.number, requested.seed, requested.only)
+    if requested.list:
         print(*found, sep="\n")
         return
     survived = 0
-    with ThreadPoolExecutor(asked.workers) as pool:
+    with ThreadPoolExecutor(requested.workers) as pool:
         parts = sorted({mutant.part for mutant in found})
         failing = [part for part, sound in zip(parts, pool.map(passes, parts), strict=True) if not sound]
         if failing:

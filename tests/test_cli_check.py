@@ -39,10 +39,10 @@ def test_models_are_compared_without_the_file_asking_it(scene: Path, tmp_path: P
 
 def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Path) -> None:
     done = call("check", str(scene), "--json")
-    told = json.loads(done.stdout)
-    assert [model["model"] for model in told["check"]["models"]] == ["exact", "lumped", "fem"]
-    assert told["check"]["tolerance"] == 0.001
-    assert told["plan"]["left_out"][-1]["what"] == "everything else"
+    stated = json.loads(done.stdout)
+    assert [model["model"] for model in stated["check"]["models"]] == ["exact", "lumped", "fem"]
+    assert stated["check"]["tolerance"] == 0.001
+    assert stated["plan"]["left_out"][-1]["what"] == "everything else"
     assert [path.name for path in tmp_path.iterdir()] == ["line.yaml"]
 
 
@@ -64,8 +64,8 @@ def test_a_train_without_shafts_is_the_same_in_all_models(scene: Path, tmp_path:
     done = call("check", str(scene), "-o", str(tmp_path / "out"))
     assert done.exit_code == 0, done.output
     assert "all models of it are the same" in done.output
-    told = json.loads((tmp_path / "out" / "check.json").read_text(encoding="utf-8"))
-    assert told["check"]["models"] == []
+    stated = json.loads((tmp_path / "out" / "check.json").read_text(encoding="utf-8"))
+    assert stated["check"]["models"] == []
 
 
 def test_a_loop_has_no_exact_model_and_the_fault_is_located(scene: Path) -> None:

@@ -43,9 +43,9 @@ def test_the_report_goes_beside_those_of_solve(scene: Path, tmp_path: Path, monk
 
 def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Path) -> None:
     done = call(str(scene), "--json")
-    told = json.loads(done.stdout)
-    assert [joint["name"] for joint in told["joints"]["joints"]] == ["joint-1", "joint-2"]
-    assert told["plan"]["left_out"][0]["what"] == "everything but the joints"
+    stated = json.loads(done.stdout)
+    assert [joint["name"] for joint in stated["joints"]["joints"]] == ["joint-1", "joint-2"]
+    assert stated["plan"]["left_out"][0]["what"] == "everything but the joints"
     assert [path.name for path in tmp_path.iterdir()] == ["line.yaml"]
 
 
@@ -99,5 +99,5 @@ def test_settings_and_other_rules_of_the_file_do_not_stop_the_joints(scene: Path
     scene.write_text(text, encoding="utf-8")
     done = call(str(scene), "--json")
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert told["joints"]["lines"][0]["optimum"]["best_rad"] == [pytest.approx(0.17453292519943295, rel=1e-12)]
+    stated = json.loads(done.stdout)
+    assert stated["joints"]["lines"][0]["optimum"]["best_rad"] == [pytest.approx(0.17453292519943295, rel=1e-12)]

@@ -1,4 +1,4 @@
-"""A command that is told to end while it writes."""
+"""A command that is stated to end while it writes."""
 
 import os
 import signal
@@ -23,8 +23,8 @@ def test_a_command_that_is_told_to_end_leaves_the_earlier_report_alone_and_nothi
     while not list(out.glob(".report-*")) and started.poll() is None:
         time.sleep(0.01)
     started.send_signal(signal.SIGTERM)
-    _, told = started.communicate(timeout=60)
-    assert started.returncode == 128 + signal.SIGTERM, told
+    _, stated = started.communicate(timeout=60)
+    assert started.returncode == 128 + signal.SIGTERM, stated
     assert [path.name for path in out.iterdir()] == ["report.html"]
     assert (out / "report.html").read_text(encoding="utf-8") == "earlier"
-    assert told == b""
+    assert stated == b""

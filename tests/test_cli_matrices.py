@@ -46,8 +46,8 @@ def test_eigenvalues_of_the_exported_matrices_are_the_damped_modes(tmp_path: Pat
     assert done.exit_code == 0, done.output
     assert "1500 rpm and its mean torque" in done.output
     arrays = dict(np.load(target))
-    told = torsion.run(torsion.read(scene)).need(DampedModes)
-    assert roots(arrays, "loss" in damping)[: told.eigenvalue.size] == pytest.approx(told.eigenvalue, rel=1e-9)
+    stated = torsion.run(torsion.read(scene)).need(DampedModes)
+    assert roots(arrays, "loss" in damping)[: stated.eigenvalue.size] == pytest.approx(stated.eigenvalue, rel=1e-9)
     assert float(arrays["speed"]) == pytest.approx(50.0 * np.pi, rel=1e-14)
     at = dict(zip(arrays["stations"].tolist(), arrays["mean_torque"].tolist(), strict=True))
     torque = 1e5 / (50.0 * np.pi)

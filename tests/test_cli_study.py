@@ -44,18 +44,18 @@ def test_the_study_is_printed_and_written(scene: Path, tmp_path: Path) -> None:
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == FILES
     page = (tmp_path / "out" / "study.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2
-    told = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
+    stated = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
     rows = list(csv.DictReader((tmp_path / "out" / "study.csv").read_text(encoding="utf-8").splitlines()))
-    assert len(rows) == sum(len(one["rows"]) for one in told["quantities"])
-    worst = [row["error"] for one in told["quantities"] for row in one["rows"]]
+    assert len(rows) == sum(len(one["rows"]) for one in stated["quantities"])
+    worst = [row["error"] for one in stated["quantities"] for row in one["rows"]]
     assert [float(row["error [1]"]) for row in rows] == [float("inf") if error is None else error for error in worst]
 
 
 def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Path) -> None:
     done = call(str(scene), "--quick", "--json", "--tolerance", "5 %")
-    told = json.loads(done.stdout)
-    assert told["tolerance"] == pytest.approx(0.05)
-    for one in told["quantities"]:
+    stated = json.loads(done.stdout)
+    assert stated["tolerance"] == pytest.approx(0.05)
+    for one in stated["quantities"]:
         best = one["rows"][one["recommended_row"]]
         kept = [(one["rows"][k]["total"]["median_s"], one["rows"][k]["error"]) for k in one["unbeaten_rows"]]
         assert all(a[0] <= b[0] and a[1] > b[1] for a, b in pairwise(kept))
@@ -70,9 +70,9 @@ def test_a_train_without_shafts_compares_the_methods_of_the_response(scene: Path
     scene.write_text(DISCS, encoding="utf-8")
     done = call(str(scene), "--quick", "--json")
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert [one["key"] for one in told["quantities"]] == ["response"]
-    assert "nothing to divide" in told["remarks"][0]
+    stated = json.loads(done.stdout)
+    assert [one["key"] for one in stated["quantities"]] == ["response"]
+    assert "nothing to divide" in stated["remarks"][0]
 
 
 @pytest.mark.parametrize("tolerance", ["0", "-1 %", "2", "1 mm", "good"])

@@ -33,9 +33,9 @@ def test_a_limit_to_be_verified_that_is_not_kept_ends_with_status_1(tmp_path: Pa
     """Propeller shaft of 90 mm, at least 100 x 1.26 (0.58333 x 560/680)^(1/3) = 98.68 mm."""
     done = solve(str(SCENES / "haixun_06402.yaml"), "-o", str(tmp_path))
     assert done.exit_code == 1
-    told = " ".join(done.output.split())
-    assert "The limit of 1 of 8 checks is not kept (propeller shaft)" in told
-    assert "4 limits are to be verified against the edition in force; of these not kept: propeller shaft" in told
+    stated = " ".join(done.output.split())
+    assert "The limit of 1 of 8 checks is not kept (propeller shaft)" in stated
+    assert "4 limits are to be verified against the edition in force; of these not kept: propeller shaft" in stated
     checks = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["checks"]
     assert {(one["where"], one["verdict"]) for one in checks if one["verdict"] != "pass"} == {
         ("propeller shaft", "not kept")
@@ -50,10 +50,10 @@ def test_a_limit_to_be_verified_that_is_not_kept_ends_with_status_1(tmp_path: Pa
 def test_limits_to_be_verified_that_are_kept_end_with_status_0(tmp_path: Path) -> None:
     done = solve(str(SCENES / "usv.yaml"), "-o", str(tmp_path))
     assert done.exit_code == 0
-    told = " ".join(done.output.split())
-    assert "No check failed: 8 passed, 3 outside the range" in told
-    assert "3 limits are to be verified against the edition in force." in told
-    assert "NOT KEPT" not in told
+    stated = " ".join(done.output.split())
+    assert "No check failed: 8 passed, 3 outside the range" in stated
+    assert "3 limits are to be verified against the edition in force." in stated
+    assert "NOT KEPT" not in stated
 
 
 @pytest.mark.parametrize(("share", "status"), [("0.65", 0), ("0.3", 1)])

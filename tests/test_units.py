@@ -219,11 +219,11 @@ TEXTS = st.text(max_size=30) | st.lists(PIECES, max_size=12).map("".join)
 @given(text=TEXTS | TEXTS.map(lambda text: "2 " + text), unit=st.sampled_from([*units._KINDS, "W/K"]))
 def test_any_text_is_a_finite_number_or_a_unit_fault(text: str, unit: str) -> None:
     try:
-        value, told = to_si(text, unit), ""
+        value, stated = to_si(text, unit), ""
     except UnitFault as fault:
-        value, told = 0.0, str(fault)
+        value, stated = 0.0, str(fault)
     assert math.isfinite(value)
-    assert told.isprintable()
+    assert stated.isprintable()
 
 
 @settings(max_examples=80, deadline=None, derandomize=True)

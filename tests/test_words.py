@@ -38,6 +38,21 @@ WORDS = (
     (r"(?<!-)fold(?:s|ed|ing)?", "condensed"),
     (r"bars?", "distributed shaft; rod"),
 )  # a word, whole, without its case; what to write in its place
+NAMES = {
+    "told",
+    "asked",
+    "brother",
+    "brothers",
+    "hung",
+    "folded",
+    "liveliest",
+    "outward",
+    "inward",
+    "stretch",
+    "stretches",
+    "swing",
+    "proof",
+}  # parts of a name in the code that are private words of the same kind
 QUOTED = re.compile(r"```.*?^```|`[^`\n]*`|\]\([^)\n]*\)", re.MULTILINE | re.DOTALL)  # keys, code, targets of links
 
 
@@ -61,6 +76,13 @@ def prose_of(source: str) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.value
 
 
+def names_of(source: str) -> Iterator[tuple[int, str]]:
+    """Line and text of every name in a module of which a part is a private word."""
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.NAME and NAMES & set(token.string.lower().split("_")):
+            yield token.start[0], token.string
+
+
 def checked_files() -> list[Path]:
     found: list[Path] = []
     for name in CHECKED:
@@ -79,6 +101,17 @@ def test_a_page_is_written_in_the_words_of_the_field(path: Path) -> None:
         for line, word, instead in private_words(part)
     ]
     assert not faults, "\n".join(faults)
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "src").rglob("*.py")), ids=lambda path: path.relative_to(ROOT).as_posix()
+)
+def test_a_name_is_a_word_of_the_field(path: Path) -> None:
+    assert list(names_of(path.read_text(encoding="utf-8"))) == []
+
+
+def test_a_private_word_in_a_name_is_found() -> None:
+    assert [line for line, _ in names_of("told_apart = 1\nhas_Asked(x)\ntasked = foretold = 2\n")] == [1, 2]
 
 
 def test_the_roots_that_are_checked_exist() -> None:

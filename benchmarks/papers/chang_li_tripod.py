@@ -11,7 +11,7 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.tripod_space import Tripod
 from benchmarks.papers.tripod_space import tripod as in_space
-from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, told
+from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, stated
 from torsion.kinematics import tripod
 
 NAME = "chang_li_tripod"
@@ -73,13 +73,13 @@ def _numbers() -> Iterator[tuple[str, ...]]:
         size = exact.couple
         pushed = np.hypot(*exact.force)
         steady = tripod.constant_velocity_couple(np.radians(angle), TORQUE)
-        yield told(f"{angle}°, single: M1, corrected equations", f"{first.min():.10f} .. {first.max():.10f}", "N m")
-        yield told(f"{angle}°, single: M1, exact mechanism", f"{size.min():.6f} .. {size.max():.6f}", "N m", "–")
-        yield told(f"{angle}°, single: lateral force, exact mechanism", f"up to {pushed.max():.4g}", "N", "not said")
-        yield told(f"{angle}°, twin: M1", f"{steady:.10f}", "N m")
+        yield stated(f"{angle}°, single: M1, corrected equations", f"{first.min():.10f} .. {first.max():.10f}", "N m")
+        yield stated(f"{angle}°, single: M1, exact mechanism", f"{size.min():.6f} .. {size.max():.6f}", "N m", "–")
+        yield stated(f"{angle}°, single: lateral force, exact mechanism", f"up to {pushed.max():.4g}", "N", "not said")
+        yield stated(f"{angle}°, twin: M1", f"{steady:.10f}", "N m")
 
-    yield told("40°: third harmonic of the error, (1)", tripod.error_size(g := np.radians(40.0), RADIUS, ARM), "rad")
-    yield told("40°: third harmonic of the error, exact mechanism", _third(float(g)), "rad", "–")
+    yield stated("40°: third harmonic of the error, (1)", tripod.error_size(g := np.radians(40.0), RADIUS, ARM), "rad")
+    yield stated("40°: third harmonic of the error, exact mechanism", _third(float(g)), "rad", "–")
 
 
 def _third(g: float) -> float:

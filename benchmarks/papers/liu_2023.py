@@ -9,7 +9,7 @@ from benchmarks.papers import liu_equations as paper
 from benchmarks.papers import space
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
-from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, compared, told
+from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, compared, stated
 from torsion.analyses.joints.joint_results import Joints
 from torsion.kinematics import couples, cross, line
 
@@ -58,24 +58,26 @@ def page() -> Page:
 
 
 def _numbers() -> Iterator[tuple[str, ...]]:
-    yield told("driving speed, printed as 3600 rad/min", SPEED, "rad/s", "60 rad/s")
+    yield stated("driving speed, printed as 3600 rad/min", SPEED, "rad/s", "60 rad/s")
     most = cross.extremes(np.radians(8.0), "N")
     yield compared("fig. 4, r = 8°: greatest less mean speed", "0.6", SPEED * (most.ratio_greatest - 1.0), "rad/s")
     yield compared("fig. 4, r = 8°: mean less least speed", "0.6", SPEED * (1.0 - most.ratio_least), "rad/s")
     for angle in ANGLES:
         first = at(angle).joints[0]
         speeds = SPEED * first.speed_ratio
-        yield told(f"fig. 4, r = {angle}°: least and greatest speed", _range(speeds), "rad/s")
-        yield told(f"fig. 4, r = {angle}°: greatest acceleration", SPEED**2 * first.steepest, "rad/s²")
-    yield told("phases 0°, 60°, 120° of one joint, r = 8°: least and greatest speed, all three", _of_phases(), "rad/s")
-    yield told("phi2 − phi1 = 90°, r = 8°: index of fluctuation", f"{_index(90):.0e} or less", "", "0 (constant)")
-    yield told("phi2 − phi1 = 0°, r = 8°: index of fluctuation (the worst)", _index(0), "", "not said")
+        yield stated(f"fig. 4, r = {angle}°: least and greatest speed", _range(speeds), "rad/s")
+        yield stated(f"fig. 4, r = {angle}°: greatest acceleration", SPEED**2 * first.steepest, "rad/s²")
+    yield stated(
+        "phases 0°, 60°, 120° of one joint, r = 8°: least and greatest speed, all three", _of_phases(), "rad/s"
+    )
+    yield stated("phi2 − phi1 = 90°, r = 8°: index of fluctuation", f"{_index(90):.0e} or less", "", "0 (constant)")
+    yield stated("phi2 − phi1 = 0°, r = 8°: index of fluctuation (the worst)", _index(0), "", "not said")
     for angle in ANGLES:
         driving, driven = at(angle).joints[0].couples
         carried = TORQUE * at(angle).joints[0].torque_ratio
         size = f"{np.abs(driving.yoke).max():.9f}, {np.abs(driven.yoke).max():.9f}"
-        yield told(f"fig. 7, r = {angle}°: greatest M1, M2", size, "N m")
-        yield told(f"fig. 7, r = {angle}°: least and greatest T2", _range(carried), "N m")
+        yield stated(f"fig. 7, r = {angle}°: greatest M1, M2", size, "N m")
+        yield stated(f"fig. 7, r = {angle}°: least and greatest T2", _range(carried), "N m")
 
 
 def _range(values: np.ndarray) -> str:

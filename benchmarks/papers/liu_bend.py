@@ -11,7 +11,7 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.liu_bend_model import Array, Boat
 from benchmarks.papers.pump_lumped import modes_of
 from benchmarks.papers.scenes import solved
-from benchmarks.papers.writing import Misprint, Page, Picture, bound, told
+from benchmarks.papers.writing import Misprint, Page, Picture, bound, stated
 
 NAME = "liu_2023_section_3"
 SOFT = 0.5  # stiffness of the softer shafts / that of the stiff ones
@@ -85,11 +85,11 @@ def twist(name: str) -> Array:
 def _data() -> Iterator[tuple[str, ...]]:
     """What was estimated, first."""
     J, K, C = STIFF.inertia, STIFF.stiffness, STIFF.damping
-    yield told("inertias 1 to 6 (estimate)", ", ".join(f"{one:g}" for one in J), "kg m²", "missing")
-    yield told("stiffnesses K1 to K3 (estimate)", ", ".join(f"{one:g}" for one in K), "N m/rad", "missing")
-    yield told("dampings C1 to C3 (estimate)", ", ".join(f"{one:g}" for one in C), "N m s/rad", "missing")
+    yield stated("inertias 1 to 6 (estimate)", ", ".join(f"{one:g}" for one in J), "kg m²", "missing")
+    yield stated("stiffnesses K1 to K3 (estimate)", ", ".join(f"{one:g}" for one in K), "N m/rad", "missing")
+    yield stated("dampings C1 to C3 (estimate)", ", ".join(f"{one:g}" for one in C), "N m s/rad", "missing")
     bearing = f"{STIFF.mass:g} kg, {STIFF.bearing_stiffness:g} N/m, {STIFF.bearing_damping:g} N s/m, {STIFF.span:g} m"
-    yield told("mass, K4, C4, span of the bearings (estimate)", bearing, "", "missing")
+    yield stated("mass, K4, C4, span of the bearings (estimate)", bearing, "", "missing")
 
 
 def _found() -> Iterator[tuple[str, ...]]:
@@ -97,20 +97,20 @@ def _found() -> Iterator[tuple[str, ...]]:
         for rank, frequency in enumerate(model.frequencies(boat), start=1):
             line, _ = peak(run(name)[0] - run(name)[1], frequency)
             words = f"{frequency:.4f} Hz, line at {line:.0f} Hz"
-            yield told(f"natural frequency {rank}, {name}; line of the driving shaft's twist", words)
+            yield stated(f"natural frequency {rank}, {name}; line of the driving shaft's twist", words)
     twice = STIFF.speed / np.pi
     for name in LINES:
         size = f"{1e3 * np.abs(twist(name)).max():.1f}"
-        yield told(f"greatest twist of the intermediate shaft, {name}", size, "mrad")
+        yield stated(f"greatest twist of the intermediate shaft, {name}", size, "mrad")
     for name in LINES:
         line, size = peak(run(name)[8], twice)
         words = f"{1e6 * size:.0f} µm at {line:.0f} Hz (2 × speed: {twice:.2f} Hz)"
-        yield told(f"front bearing, y at twice the speed, {name}", words)
+        yield stated(f"front bearing, y at twice the speed, {name}", words)
     mean = STIFF.torque * np.tan(STIFF.angle) / (2.0 * STIFF.span)
-    yield told("front bearing, mean force T tan r/(2 span)", mean, "N", digits=6)
+    yield stated("front bearing, mean force T tan r/(2 span)", mean, "N", digits=6)
     y = run("stiff shafts")[8]
     late = np.average(y, weights=np.hanning(y.size)) * STIFF.bearing_stiffness
-    yield told("the same from the motion", late, "N", digits=4)
+    yield stated("the same from the motion", late, "N", digits=4)
 
 
 def _checks() -> str:

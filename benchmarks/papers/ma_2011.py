@@ -9,7 +9,7 @@ from benchmarks.papers import ma_equations as paper
 from benchmarks.papers import space
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
-from benchmarks.papers.writing import Misprint, Page, Picture, bound, compared, told
+from benchmarks.papers.writing import Misprint, Page, Picture, bound, compared, stated
 from torsion.analyses.joints.joint_results import Joints, LineFound
 from torsion.kinematics import line
 
@@ -74,13 +74,13 @@ def _numbers() -> Iterator[tuple[str, ...]]:
     yield compared("phi = 10°: least speed", "58.37", SPEED * best.least.speed_ratio, "deg/s", DIGITS)
     yield compared("phi = 100°: greatest speed", "66.10", SPEED * worst.greatest.speed_ratio, "deg/s", DIGITS)
     yield compared("phi = 100°: least speed", "64.64", SPEED * worst.least.speed_ratio, "deg/s", DIGITS)
-    yield told("phi = 100°: index of fluctuation", worst.index, "", "curve only", DIGITS)
-    yield told("phi = 55°: greatest speed", SPEED * middle.greatest.speed_ratio, "deg/s", "curve only", DIGITS)
-    yield told("phi = 55°: at the driving angle", float(np.degrees(middle.greatest.at)), "°", "curve only", DIGITS)
-    yield told("phi = 55°: least speed", SPEED * middle.least.speed_ratio, "deg/s", "curve only", DIGITS)
-    yield told("phi = 55°: index of fluctuation", middle.index, "", "curve only", DIGITS)
-    yield told("index if the best phase is 1° off", optimum.sensitivity[0], "", "not said")
-    yield told("one joint that does the same, phi = 10°", float(np.degrees(best.resultant)), "°", "not said")
+    yield stated("phi = 100°: index of fluctuation", worst.index, "", "curve only", DIGITS)
+    yield stated("phi = 55°: greatest speed", SPEED * middle.greatest.speed_ratio, "deg/s", "curve only", DIGITS)
+    yield stated("phi = 55°: at the driving angle", float(np.degrees(middle.greatest.at)), "°", "curve only", DIGITS)
+    yield stated("phi = 55°: least speed", SPEED * middle.least.speed_ratio, "deg/s", "curve only", DIGITS)
+    yield stated("phi = 55°: index of fluctuation", middle.index, "", "curve only", DIGITS)
+    yield stated("index if the best phase is 1° off", optimum.sensitivity[0], "", "not said")
+    yield stated("one joint that does the same, phi = 10°", float(np.degrees(best.resultant)), "°", "not said")
 
 
 def _checks() -> str:

@@ -12,7 +12,7 @@ from benchmarks.papers import pump_steps as steps
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.pump_steps import Chain
 from benchmarks.papers.scenes import solved
-from benchmarks.papers.writing import Misprint, Page, Picture, bound, told
+from benchmarks.papers.writing import Misprint, Page, Picture, bound, stated
 from torsion.analyses.response.amplitudes import FrequencyResponse
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
@@ -110,8 +110,8 @@ def geared() -> Findings:
         if moment
     ]
     frequencies = {"from": 1, "to": 200, "steps": 400}
-    asked = {"modes": {"count": 5}, "response": {"frequencies": frequencies}}
-    scene = {"name": "geared", "train": train, "excitations": torques, "analyses": asked}
+    requested = {"modes": {"count": 5}, "response": {"frequencies": frequencies}}
+    scene = {"name": "geared", "train": train, "excitations": torques, "analyses": requested}
     return torsion.run(torsion.parse(json.dumps(scene)))
 
 
@@ -151,7 +151,7 @@ def page() -> Page:
 def _numbers() -> Iterator[tuple[str, ...]]:
     modes = modes_of(found())
     for k, frequency in enumerate(modes.frequency):
-        yield told(f"natural frequency {k + 1}", float(frequency), "Hz", "missing", 10)
+        yield stated(f"natural frequency {k + 1}", float(frequency), "Hz", "missing", 10)
     first = float(modes.frequency[0])
     amplitude = steps.complex_steps(chain(), 2.0 * np.pi * first)
     whole = steps.section_right(chain(), amplitude, 2.0 * np.pi * first)

@@ -87,7 +87,9 @@ def compared(what: str, printed: str, ours: float, unit: str = "", digits: int =
     return what, _with(printed, unit), _with(f"{ours:.{digits}g}", unit), f"{shown}, {verdict}"
 
 
-def told(what: str, ours: float | str, unit: str = "", paper: str = "curve only", digits: int = 12) -> tuple[str, ...]:
+def stated(
+    what: str, ours: float | str, unit: str = "", paper: str = "curve only", digits: int = 12
+) -> tuple[str, ...]:
     """A row without a printed number to compare with."""
     value = ours if isinstance(ours, str) else f"{ours:.{digits}g}"
     return what, paper, _with(value, unit), "–"

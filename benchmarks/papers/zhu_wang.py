@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.papers import zhu_wang_equations as paper
 from benchmarks.papers import zhu_wang_space as space
 from benchmarks.papers.drawing import Panel, curves
-from benchmarks.papers.writing import Page, Picture, bound, compared, told
+from benchmarks.papers.writing import Page, Picture, bound, compared, stated
 from benchmarks.papers.zhu_wang_faults import faults
 from benchmarks.papers.zhu_wang_motion import DENSITY, RADIUS, SHAFT, body, exact, linear, shaft
 from benchmarks.papers.zhu_wang_theory import (
@@ -77,8 +77,8 @@ def _data() -> Iterator[tuple[str, ...]]:
     yield compared("J0 = m l²/3", "0.004597", mass * SHAFT.length**2 / 3.0, "kg m²", 5)
     yield compared("kappa = 1.5 R²/l²", "0.0000396", 1.5 * (RADIUS / SHAFT.length) ** 2, "", 5)
     yield compared("w20", "18.876", low, "rad/s")
-    yield told("w20², printed as 3.563e3", low**2, "rad²/s²", "3563 rad²/s²")
-    yield told("w10", high, "rad/s", "not recorded")
+    yield stated("w20², printed as 3.563e3", low**2, "rad²/s²", "3563 rad²/s²")
+    yield stated("w10", high, "rad/s", "not recorded")
     yield compared("Gamma = T0/(2 J0 W0²), W0² = (w10² + w20²)/2", "0.04580", SHAFT.pull / (2.0 * middle**2), "", 6)
     yield compared("C11 = C l²/(J0 W0)", "0.00172", SHAFT.decay[0] / middle, "", 6)
 
@@ -122,18 +122,18 @@ def every_zone() -> tuple[Zone, ...]:
 def _boundaries() -> Iterator[tuple[str, ...]]:
     for name in _models():
         one = zone(name)
-        yield told(f"sum zone, {name}", f"{one.lower:.9f} .. {one.upper:.9f}", "rad/s", "–")
+        yield stated(f"sum zone, {name}", f"{one.lower:.9f} .. {one.upper:.9f}", "rad/s", "–")
     first = paper.averaged(SHAFT)
     width, wrong = paper.half_width_right(SHAFT), paper.half_width_printed(SHAFT)
-    yield told("sum zone, first order, C = 0, (20)", _around(first.middle, width), "rad/s", "–")
-    yield told("sum zone, (22) as printed", _around(first.middle, wrong), "rad/s", "–")
+    yield stated("sum zone, first order, C = 0, (20)", _around(first.middle, width), "rad/s", "–")
+    yield stated("sum zone, (22) as printed", _around(first.middle, wrong), "rad/s", "–")
     low, up = first.boundaries()
-    yield told("sum zone, second order, C = 1e-3", f"{low:.6f} .. {up:.6f}", "rad/s", "–")
+    yield stated("sum zone, second order, C = 1e-3", f"{low:.6f} .. {up:.6f}", "rad/s", "–")
     for one in every_zone():
         if not one.kind.startswith("sum"):
             said = "never unstable" if one.kind.startswith("difference") else "not mentioned"
             words = f"{one.lower:.9f} .. {one.upper:.9f}"
-            yield told(f"{one.kind}, (7) corrected, greatest growth {one.rate:.8f} 1/s", words, "rad/s", said)
+            yield stated(f"{one.kind}, (7) corrected, greatest growth {one.rate:.8f} 1/s", words, "rad/s", said)
 
 
 def _around(middle: float, half: float) -> str:
@@ -148,12 +148,12 @@ def _curves() -> Iterator[tuple[str, ...]]:
                 f"alpha, greatest from {LAST - 1:g} to {LAST:g} s, {speed} rad/s, C = {1e-3 if damped else 0:g}, linear"
             )
             number = angles.shape[1] // int(LAST)
-            yield told(what, np.abs(angles[0, -number:]).max(), "rad", digits=2)
+            yield stated(what, np.abs(angles[0, -number:]).max(), "rad", digits=2)
     _, angles = linear(SHAFT, 26.2, int(300.0 * 26.2 / np.pi))
-    yield told("the same at 26.2 rad/s, C = 1e-3, after 300 s", np.abs(angles[0, -600:]).max(), "rad", "stable", 2)
+    yield stated("the same at 26.2 rad/s, C = 1e-3, after 300 s", np.abs(angles[0, -600:]).max(), "rad", "stable", 2)
     for damped in (True, False):
         what = f"alpha, greatest within {LAST:g} s, 25.9 rad/s, C = {1e-3 if damped else 0:g}, exact equations"
-        yield told(what, np.abs(exact(25.9, damped, LAST, POINTS)[1][0]).max(), "rad", digits=2)
+        yield stated(what, np.abs(exact(25.9, damped, LAST, POINTS)[1][0]).max(), "rad", digits=2)
 
 
 def _checks() -> str:

@@ -175,7 +175,7 @@ def test_two_held_points_with_nothing_elastic_between_are_a_fault_where_they_sta
     assert fault.path == path
     assert words in fault.message
     with pytest.raises(InputError, match=words):
-        _ = assemble(train(line)).folded
+        _ = assemble(train(line)).condensed
 
 
 def test_a_file_with_such_points_is_refused_at_its_line() -> None:

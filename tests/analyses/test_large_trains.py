@@ -35,8 +35,8 @@ ENDS = {
 def test_modes_of_a_uniform_shaft_in_very_many_segments_are_those_of_the_uniform_chain(ends):
     first, last, step, less = ENDS[ends]
     system = _shaft(first(), last())
-    told = []
-    found = modes(system, COUNT, progress=lambda done, of: told.append((done, of)))
+    stated = []
+    found = modes(system, COUNT, progress=lambda done, of: stated.append((done, of)))
     mode = step * np.arange(1, COUNT + 1) - less
     h, inertia = system.flexibility[0], system.inertia[-1]
     exact = np.sin(mode * math.pi / (2 * SEGMENTS)) / (math.pi * math.sqrt(h * inertia))
@@ -44,7 +44,7 @@ def test_modes_of_a_uniform_shaft_in_very_many_segments_are_those_of_the_uniform
     assert found.certified
     assert (found.lower <= exact * (1 + 1e-15)).all()
     assert (found.upper >= exact * (1 - 1e-15)).all()
-    assert told == [(k, COUNT) for k in range(1, COUNT + 1)]
+    assert stated == [(k, COUNT) for k in range(1, COUNT + 1)]
     held = sum(math.isinf(j) for j in system.inertia[:2])
     assert found.nodes.tolist() == [k + (1 if held == 0 else 0) for k in range(COUNT)]
     along = np.arange(SEGMENTS + 1) * math.pi / SEGMENTS
@@ -68,12 +68,12 @@ def test_memory_of_a_large_train_is_that_of_a_few_arrays():
     tracemalloc.start()
     system = _shaft(Disc(inertia=1.0), Disc(inertia=1.0))
     assembled = tracemalloc.get_traced_memory()[1] / SEGMENTS
-    assert system.folded.tree.size == SEGMENTS + 1
-    folded = tracemalloc.get_traced_memory()[1] / SEGMENTS
+    assert system.condensed.tree.size == SEGMENTS + 1
+    condensed = tracemalloc.get_traced_memory()[1] / SEGMENTS
     found = modes(system, COUNT)
     solved = tracemalloc.get_traced_memory()[1] / SEGMENTS
     tracemalloc.stop()
     assert found.frequency.size == COUNT
     assert assembled < 15 * NUMBER
-    assert folded < 45 * NUMBER
+    assert condensed < 45 * NUMBER
     assert solved < 2 * SHAPES + 45 * NUMBER

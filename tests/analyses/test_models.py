@@ -126,22 +126,22 @@ def ends(model: str, frequency: float = 900.0, segments: int | None = None, **se
     scene = torsion.parse(text)
     system = torsion.assemble(scene.train, model, frequency=frequency, **settings)
     found = torsion.response(scene, system, speeds=np.linspace(300.0, 1200.0, 7) * math.pi / 30.0)
-    kept = found.torque[found.asked]
-    assert np.all(found.status[found.asked] == Status.OK)
-    told = []
+    kept = found.torque[found.requested]
+    assert np.all(found.status[found.requested] == Status.OK)
+    stated = []
     for name in ("first", "second"):
         own = [k for k, span in enumerate(system.spans) if system.train.parts[span.part].name == name]
         if model == "lumped":  # half a segment's inertia is beyond its last span
             first, last = system.spans[own[0]], system.spans[own[-1]]
             lump = {station: _lump(system, name, station) for station in (first.driving, last.driven)}
-            w2 = (2.0 * math.pi * found.frequency[found.asked]) ** 2
-            angle = found.angle[found.asked]
-            told += [kept[..., own[0]] - w2 * lump[first.driving] * angle[..., first.driving],
+            w2 = (2.0 * math.pi * found.frequency[found.requested]) ** 2
+            angle = found.angle[found.requested]
+            stated += [kept[..., own[0]] - w2 * lump[first.driving] * angle[..., first.driving],
                      kept[..., own[-1]] + w2 * lump[last.driven] * angle[..., last.driven]]  # fmt: skip
         else:
-            told += [kept[..., own[0]], kept[..., own[-1]]]
+            stated += [kept[..., own[0]], kept[..., own[-1]]]
     points = [system.train.part(name).stations[0] for name in ("pump", "screw")]
-    return np.concatenate([np.stack(told, axis=-1), found.angle[found.asked][..., points]], axis=-1)
+    return np.concatenate([np.stack(stated, axis=-1), found.angle[found.requested][..., points]], axis=-1)
 
 
 def _lump(system, name: str, station: int) -> float:
@@ -235,8 +235,8 @@ def test_a_study_without_enough_pieces_is_divided_until_its_modes_are_in_reach()
 
 @pytest.mark.parametrize("model", ["fem", "exact"])
 def test_everything_that_a_study_can_ask_works_in_the_model(model):
-    asked = f"analyses: {{model: {model}, modes: , response: }}\nrules: [iacs-m68]\n"
-    findings = torsion.run(torsion.parse(TRAIN + asked))
+    requested = f"analyses: {{model: {model}, modes: , response: }}\nrules: [iacs-m68]\n"
+    findings = torsion.run(torsion.parse(TRAIN + requested))
     assert findings.get(Response) is not None
     assert findings.get(Synthesis) is not None
     assert findings.need(CriticalSpeeds).crossings
@@ -272,7 +272,7 @@ def test_the_torques_told_are_those_at_the_driving_and_the_driven_end(model, hel
     study = torsion.parse(text + discs[held == "driven"])
     system = torsion.assemble(study.train, model, frequency=2000.0)
     found = torsion.modes(system, 3)
-    assert np.all(system.folded.sign == (1.0 if held == "driving" else -1.0))
+    assert np.all(system.condensed.sign == (1.0 if held == "driving" else -1.0))
     free = study.train.part("free").stations[0]
     square = (2.0 * math.pi * found.frequency) ** 2
     near = system.spans.index(next(span for span in system.spans if free in (span.driving, span.driven)))

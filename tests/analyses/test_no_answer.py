@@ -50,8 +50,8 @@ NO_ANSWER = [  # scene, what has no answer, its words, what the line begins with
 STATED = ("natural_frequencies", "modes", "damped_modes", "joints", "critical_speeds")
 
 
-def scene(text: str, *asked: str) -> Study:
-    return torsion.parse(f"{text}analyses: {{{', '.join(asked)}}}\n")
+def scene(text: str, *requested: str) -> Study:
+    return torsion.parse(f"{text}analyses: {{{', '.join(requested)}}}\n")
 
 
 def stated(findings) -> dict:
@@ -59,9 +59,9 @@ def stated(findings) -> dict:
     return {key: found[key] for key in STATED if key in found}
 
 
-@pytest.mark.parametrize(("text", "asked", "what", "words", "line", "status"), NO_ANSWER)
-def test_analysis_without_an_answer_is_left_out_and_all_others_stay(text, asked, what, words, line, status):
-    study = scene(text, "modes: ", asked)
+@pytest.mark.parametrize(("text", "requested", "what", "words", "line", "status"), NO_ANSWER)
+def test_analysis_without_an_answer_is_left_out_and_all_others_stay(text, requested, what, words, line, status):
+    study = scene(text, "modes: ", requested)
     found = torsion.run(study)
     (one,) = found.plan.unanswered
     assert (one.what, one.is_named, one.is_input) == (what, True, status == 2)
@@ -71,21 +71,21 @@ def test_analysis_without_an_answer_is_left_out_and_all_others_stay(text, asked,
     assert stated(found) == stated(torsion.run(scene(text, "modes: ")))
 
 
-@pytest.mark.parametrize(("text", "asked", "what", "words", "line", "status"), NO_ANSWER)
+@pytest.mark.parametrize(("text", "requested", "what", "words", "line", "status"), NO_ANSWER)
 def test_command_writes_the_report_says_it_last_and_tells_by_its_status(
-    text, asked, what, words, line, status, tmp_path: Path
+    text, requested, what, words, line, status, tmp_path: Path
 ):
     file = tmp_path / "scene.yaml"
-    file.write_text(scene(text, "modes: ", asked).text, encoding="utf-8")
+    file.write_text(scene(text, "modes: ", requested).text, encoding="utf-8")
     done = CliRunner().invoke(app, ["solve", str(file), "-o", str(tmp_path / "out")], env={"COLUMNS": "200"})
     assert done.exit_code == status
     last = done.stderr.strip().splitlines()
     assert last[0] == f"no answer: {what}"
     assert words in last[1]
     assert last[2].strip().startswith(line)
-    told = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
-    assert [one["what"] for one in told["plan"]["unanswered"]] == [what]
-    assert told["modes"]["frequency_Hz"]
+    stated = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
+    assert [one["what"] for one in stated["plan"]["unanswered"]] == [what]
+    assert stated["modes"]["frequency_Hz"]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert f"No answer: {what}" in page
 
@@ -100,8 +100,8 @@ def test_remedy_that_is_offered_gives_the_answer():
 
 
 def test_stability_without_an_answer_leaves_the_map_out_too_and_nothing_else():
-    asked = "stability: {map: {over: angle, from: 1 deg, to: 9 deg, steps: 3}}"
-    found = torsion.run(scene(GEAR, "modes: ", asked))
+    requested = "stability: {map: {over: angle, from: 1 deg, to: 9 deg, steps: 3}}"
+    found = torsion.run(scene(GEAR, "modes: ", requested))
     assert [one.analysis for one in found.plan.unanswered] == ["stability", "stability map"]
     assert found.need(Modes).frequency.size
 

@@ -61,8 +61,8 @@ def test_modes_of_a_system_assembled_without_a_frequency_are_right(model):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_python_and_the_command_give_the_same_frequencies(model):
-    asked = f"\nanalyses: {{model: {model}, modes: {{count: 7}}}}\n"
-    of_command = torsion.run(torsion.parse(STEPPED + asked))
+    requested = f"\nanalyses: {{model: {model}, modes: {{count: 7}}}}\n"
+    of_command = torsion.run(torsion.parse(STEPPED + requested))
     found = torsion.modes(assembled(STEPPED, model), count=7)
     np.testing.assert_array_equal(found.frequency, of_command.need(Modes).frequency)
     assert found.system.segments == of_command.system.segments
@@ -91,7 +91,7 @@ def test_a_shaft_keeps_its_promise_up_to_the_frequency_to_which_it_is_resolved(m
     found = torsion.modes(system, count=number, refine=False).frequency
     wanted = half_wave * np.arange(1, number + 1)
     np.testing.assert_allclose(found, wanted, rtol=MODELS[model] * 1.02)
-    assert abs(found[-1] / wanted[-1] - 1.0) > MODELS[model] / 5.0  # nor is it more than what was asked
+    assert abs(found[-1] / wanted[-1] - 1.0) > MODELS[model] / 5.0  # nor is it more than what was requested
 
 
 def test_discs_springs_and_stated_segments_leave_nothing_to_refine():
@@ -113,7 +113,7 @@ def test_more_modes_than_segments_are_an_error_only_where_they_must_not_be_refin
 
 def test_shafts_that_cannot_be_refined_enough_are_an_error(monkeypatch):
     monkeypatch.setattr(lumped, "MOST", 8)
-    for count in (7, 60):  # resolved too coarsely, and fewer modes than asked
+    for count in (7, 60):  # resolved too coarsely, and fewer modes than requested
         with pytest.raises(torsion.SolveError, match="resolved up to"):
             torsion.modes(assembled(STEPPED, "lumped"), count=count)
 

@@ -165,8 +165,8 @@ def test_power_with_no_way_through_the_train_is_refused_and_not_nothing(build, o
 
 def test_powers_of_motors_that_are_not_the_rated_power_are_told_as_shares(build, operation):
     study, system = build(_two_motors_two_propellers(), operation=operation(50.0, 120.0, rated=RATED))
-    told = steady(study.train, system, study.operation, np.array([100.0])).sharing
-    assert "together (400 kW) say their shares alone: the torque follows from the rated 50 kW" in told
+    stated = steady(study.train, system, study.operation, np.array([100.0])).sharing
+    assert "together (400 kW) say their shares alone: the torque follows from the rated 50 kW" in stated
     line = [Motor(inertia=1, power=50.4e3), Coupling(stiffness=1e4), Propeller(inertia=1)]
     study, system = build(line, operation=operation(50.0, 120.0, rated=RATED))
     assert "kW" not in steady(study.train, system, study.operation, np.array([100.0])).sharing

@@ -77,7 +77,7 @@ def test_a_massless_shaft_is_a_spring_in_every_model():
     lumped = system(text, "lumped")
     for model in ("fem", "exact"):
         found = system(text, model)
-        assert found.folded_bars is None
+        assert found.condensed_shafts is None
         np.testing.assert_array_equal(found.flexibility, lumped.flexibility)
 
 
@@ -165,8 +165,8 @@ def test_scikit_fem_is_imported_for_finite_elements_alone(model, expected):
 
 def test_a_scene_without_shafts_never_imports_scikit_fem_or_meshio():
     scene = "name: a\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 1}, disc: {inertia: 1}]\n"
-    asked = "analyses: {model: fem}\n"
-    assert modules(f"torsion.run(torsion.parse({scene + asked!r}))") == "[]"
+    requested = "analyses: {model: fem}\n"
+    assert modules(f"torsion.run(torsion.parse({scene + requested!r}))") == "[]"
 
 
 @pytest.mark.parametrize("degree", [1, 2, 5])

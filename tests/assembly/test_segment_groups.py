@@ -100,7 +100,7 @@ def test_a_cone_that_is_swept_against_its_drive_is_condensed_from_its_other_end(
     small = condensed(whole, GROUPS)
     groups = small.groups
     assert groups is not None
-    assert (small.folded.sign[groups.last_span > groups.first_span] < 0).all()
+    assert (small.condensed.sign[groups.last_span > groups.first_span] < 0).all()
     found = response(study, small)
     there = response_at(study, whole, found, found.speed).angle[..., groups.stations]
     size = np.abs(there).max(axis=(1, 2), keepdims=True)

@@ -64,7 +64,7 @@ def test_answers_that_fail_are_kept_with_their_reason(sweeps):
 
 
 @pytest.mark.parametrize(
-    ("errors", "told"),
+    ("errors", "stated"),
     [
         ([0.0, 1e-7, 1e-9], "throughout"),
         ([0.0, 1e-7, 1.0], "1 to 10"),
@@ -73,9 +73,9 @@ def test_answers_that_fail_are_kept_with_their_reason(sweeps):
         ([1.0, math.inf, 2e-6], "nowhere"),
     ],
 )
-def test_useful_stretches_of_a_sweep(sweeps, errors, told):
+def test_useful_stretches_of_a_sweep(sweeps, errors, stated):
     points = [sweeps.Point(10.0**k, error) for k, error in enumerate(errors)]
-    assert sweeps.ranges_in_words(points) == told
+    assert sweeps.ranges_in_words(points) == stated
 
 
 def test_reading_tells_the_largest_errors_of_both_sides(sweeps):

@@ -55,10 +55,10 @@ class Allowed(Declared):
 class RimSpeed(Rule):
     settings, needs = Allowed, ("rims",)
 
-    def check(self, evidence, asked):
+    def check(self, evidence, requested):
         fastest = evidence.results["rims"].fastest
-        kept = verdict_of(fastest <= asked.speed, "setting")
-        return (Check("rim-speed", "v_max", "all", "speed of a rim", fastest, asked.speed, "m/s", kept, "setting"),)
+        kept = verdict_of(fastest <= requested.speed, "setting")
+        return (Check("rim-speed", "v_max", "all", "speed of a rim", fastest, requested.speed, "m/s", kept, "setting"),)
 '''
 OUTPUT = '''
 """Toy: the captions of the tables, one a line."""

@@ -206,10 +206,10 @@ def test_without_speeds_the_critical_speeds_are_told_all_the_same() -> None:
 
 
 def test_progress_is_told_of_every_shaft() -> None:
-    told: list[tuple[str, float]] = []
+    stated: list[tuple[str, float]] = []
     study = torsion.parse(SCENE.format(loss=0, first=300, last=3000, before="", tube=TUBE))
-    run(study, progress=lambda what, share: told.append((what, share)))
-    assert ("bending of the shafts", 0.0) in told
+    run(study, progress=lambda what, share: stated.append((what, share)))
+    assert ("bending of the shafts", 0.0) in stated
 
 
 def test_a_nearly_straight_orbit_is_neither_forward_nor_backward() -> None:

@@ -32,7 +32,7 @@ analyses: {modes: {count: 3}}
 
 @pytest.fixture(scope="module")
 def long() -> Findings:
-    """Two shafts, one of more segments than are told."""
+    """Two shafts, one of more segments than are stated."""
     return torsion.run(torsion.parse(SCENE))
 
 
@@ -124,10 +124,10 @@ def test_a_train_of_one_station_and_no_span_has_a_report(inertia):
 
 
 def test_a_train_of_one_station_has_a_response_over_frequency():
-    asked = "{response: {frequencies: {from: 1, to: 20, steps: 20}}}"
+    requested = "{response: {frequencies: {from: 1, to: 20, steps: 20}}}"
     found = torsion.run(
         torsion.parse(
-            f"name: x\ntrain: [disc: {{name: wheel, inertia: 2}}]\nanalyses: {asked}\n"
+            f"name: x\ntrain: [disc: {{name: wheel, inertia: 2}}]\nanalyses: {requested}\n"
             "excitations: [{at: wheel, torque: 10}]\n"
         )
     )

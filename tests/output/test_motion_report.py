@@ -141,8 +141,8 @@ def test_rules_on_the_first_order_are_told_with_the_difference_at_the_worst_poin
     text = first_order_judged(unstable)
     assert worst.element.name in text
     assert "first-order" in text
-    told = [b for b in verdict.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text]
-    assert [one.kind for one in told] == ["note"]
+    stated = [b for b in verdict.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text]
+    assert [one.kind for one in stated] == ["note"]
     assert first_order_judged(unstable.having(periodic=None)) == ""
 
 
@@ -175,9 +175,9 @@ def test_what_was_not_found_is_flagged_and_never_a_number(broken: Findings) -> N
     assert "in part unknown" in values.rows[1][-1]
     figures = [svg(block) for block in blocks if isinstance(block, Figure)]
     assert sum("no periodic motion found" in one for one in figures) == len(figures) - 1
-    told = results(broken)["periodic"]
-    assert told["status"][:2] == ["none", "coarse"]
-    assert told["orders"][0]["torque_Nm"][0][0] == [None, None]
+    stated = results(broken)["periodic"]
+    assert stated["status"][:2] == ["none", "coarse"]
+    assert stated["orders"][0]["torque_Nm"][0][0] == [None, None]
 
 
 def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findings) -> None:
@@ -185,9 +185,9 @@ def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findin
     rows = table(periodic.chapter(several), "at the same speed").rows
     assert [row[1] for row in rows].count("another") == found.speed.size > 0
     assert rows[0][1] == "reported"
-    told, another = (float(row[2]) for row in rows[:2])
+    stated, another = (float(row[2]) for row in rows[:2])
     assert another == pytest.approx(np.abs(found.torque[0]).max(), rel=1e-4)
-    assert abs(told - another) > 0.01 * told
+    assert abs(stated - another) > 0.01 * stated
 
 
 def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Findings, several: Findings) -> None:
@@ -266,9 +266,9 @@ def test_open_and_unknown_ends_are_marked_in_report_terminal_and_json(unstable: 
     assert "+ goes on beyond the speeds requested; ? nothing is known beyond" in " ".join(shown(marked).split())
     assert "960.000000?" in shown(marked)
     assert "from 960 to 990 rpm nothing is known" in " ".join(shown(marked).split())
-    told = results(marked)["stability"]["ranges"][0]
-    assert told["goes_on"] == [True, False]
-    assert told["unknown_to_rad_per_s"] == [None, pytest.approx(990.0 / RPM)]
+    stated = results(marked)["stability"]["ranges"][0]
+    assert stated["goes_on"] == [True, False]
+    assert stated["unknown_to_rad_per_s"] == [None, pytest.approx(990.0 / RPM)]
     assert "goes on" not in shown(known(unstable, rpm_range(1000.0, 1010.0)))
 
 
@@ -276,13 +276,13 @@ def test_stretch_without_a_motion_is_told_once_in_the_conclusion(unstable: Findi
     speed, growth = np.array([900.0, 930.0, 960.0, 1000.0, 1040.0, 1080.0]) / RPM, np.full(6, -1.0)
     growth[[2, 4]] = np.nan
     bare = replace(
-        unstable.need(Stability), speed=speed, growth=growth, unsolved=speed[[2, 4]], asked=np.ones(6, dtype=bool)
+        unstable.need(Stability), speed=speed, growth=growth, unsolved=speed[[2, 4]], requested=np.ones(6, dtype=bool)
     )
     one = rpm_range(910.0, 930.0, unknown=(None, 1000))
-    told = " ".join(shown(known(unstable.having(stability=bare), one)).split())
-    assert told.count("nothing is known. Not for operation.") == 1
-    assert "No periodic motion was found from 1000 to 1080 rpm: nothing is known there." in told
-    assert "found from 930" not in told
+    stated = " ".join(shown(known(unstable.having(stability=bare), one)).split())
+    assert stated.count("nothing is known. Not for operation.") == 1
+    assert "No periodic motion was found from 1000 to 1080 rpm: nothing is known there." in stated
+    assert "found from 930" not in stated
 
 
 def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Findings) -> None:
@@ -290,8 +290,8 @@ def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Fin
     quiet = unstable.having(stability_map=replace(mapped, growth=np.full_like(mapped.growth, -1.0)))
     missed = known(quiet, rpm_range(*(mapped.speed[:2] * RPM + [1.0, -1.0])), rpm_range(*(mapped.speed[1:3] * RPM)))
     blocks = stability.chapter(missed)
-    told = {row[-1] for row in table(blocks, "by value").rows}
-    assert told == {f"stable at the {mapped.speed.size} speeds of the map"}
+    stated = {row[-1] for row in table(blocks, "by value").rows}
+    assert stated == {f"stable at the {mapped.speed.size} speeds of the map"}
     said = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
     assert "1 of the 2 unstable ranges above lies between them" in said
     said = " ".join(block.text for block in stability.chapter(unstable) if isinstance(block, Paragraph))

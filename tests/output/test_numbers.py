@@ -78,7 +78,7 @@ def test_a_range_that_ends_at_a_round_speed_is_not_rounded_by_the_conversion_of_
     ],
 )
 def test_different_values_read_differently(values: list[float], texts: list[str]) -> None:
-    assert numbers.told_apart(values) == texts
+    assert numbers.distinct_texts(values) == texts
 
 
 def test_a_count_has_its_noun_in_the_right_number() -> None:

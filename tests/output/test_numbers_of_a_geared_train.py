@@ -134,9 +134,9 @@ def test_frequencies_shares_and_holzer_tables(found: Findings) -> None:
         assert value(row["Angular"]) == pytest.approx(w[mode], rel=1e-6)
         assert int(row["Nodes"]) == mode + 1
         for what, names, energy in (("kinetic", STATIONS, kinetic), ("elastic", SPANS, elastic)):
-            told = [value(shares[f"{what}: {name}"][f"Mode {mode + 1}"]) for name in names]
+            stated = [value(shares[f"{what}: {name}"][f"Mode {mode + 1}"]) for name in names]
             wanted = 100.0 * energy[:, mode] / energy[:, mode].sum()
-            assert told == pytest.approx(np.where(wanted < 0.5, 0.0, wanted).tolist(), abs=0.051)
+            assert stated == pytest.approx(np.where(wanted < 0.5, 0.0, wanted).tolist(), abs=0.051)
     for mode in (0, 1):
         table = rows_of(found, f"Holzer table of mode {mode + 1}")
         angle = shape[:, mode] / shape[0, mode]

@@ -120,11 +120,11 @@ def test_damped_mode_in_json_and_in_its_table(found: Findings) -> None:
     reduced = J1 * J2 / (J1 + J2)
     ratio = VISCOUS / (2.0 * math.sqrt(STIFFNESS * reduced))
     damped = 10.0 * math.sqrt(1.0 - ratio**2) / (2.0 * math.pi)
-    told = results(found)["damped_modes"]
-    assert told["damping_ratio"] == pytest.approx([ratio], rel=1e-12)
-    assert told["frequency_Hz"] == pytest.approx([damped], rel=1e-12)
-    assert told["speed_rad_per_s"] == 12.0
-    assert told["eigenvalue_per_s"][0] == pytest.approx([-10.0 * ratio, 2.0 * math.pi * damped], rel=1e-12)
+    stated = results(found)["damped_modes"]
+    assert stated["damping_ratio"] == pytest.approx([ratio], rel=1e-12)
+    assert stated["frequency_Hz"] == pytest.approx([damped], rel=1e-12)
+    assert stated["speed_rad_per_s"] == 12.0
+    assert stated["eigenvalue_per_s"][0] == pytest.approx([-10.0 * ratio, 2.0 * math.pi * damped], rel=1e-12)
     (row,) = rows_of(found, "Damped natural frequencies")
     assert value(row["Damping ratio"]) == pytest.approx(100.0 * ratio, rel=1e-3)
     assert value(row["Magnifier 1/(2ζ)"]) == pytest.approx(1.0 / (2.0 * ratio), rel=1e-3)
@@ -133,10 +133,10 @@ def test_damped_mode_in_json_and_in_its_table(found: Findings) -> None:
 
 
 def test_critical_speeds_in_json_and_in_their_table(found: Findings) -> None:
-    told = {line["order"]: line for line in results(found)["critical_speeds"]}
-    assert {order: line["speed_rad_per_s"] for order, line in told.items()} == pytest.approx({"1": 10.0, "2": 5.0})
-    assert [line["is_in_range"] for line in told.values()] == [True, True]
-    assert told["2"]["margin"] == pytest.approx(5.0 / 12.0 - 1.0)
+    stated = {line["order"]: line for line in results(found)["critical_speeds"]}
+    assert {order: line["speed_rad_per_s"] for order, line in stated.items()} == pytest.approx({"1": 10.0, "2": 5.0})
+    assert [line["is_in_range"] for line in stated.values()] == [True, True]
+    assert stated["2"]["margin"] == pytest.approx(5.0 / 12.0 - 1.0)
     rows = {row["Order"]: row for row in rows_of(found, "Critical speeds in the speed range")}
     for order, speed in (("1", 10.0), ("2", 5.0)):
         assert value(rows[order]["Critical speed"]) == pytest.approx(speed * RPM, rel=1e-4)
@@ -146,12 +146,12 @@ def test_critical_speeds_in_json_and_in_their_table(found: Findings) -> None:
 
 
 def test_response_in_json(found: Findings) -> None:
-    told = results(found)["response"]
-    speed = np.array(told["speed_rad_per_s"])
-    assert speed[np.array(told["is_asked"])] == pytest.approx(np.linspace(3.0, 15.0, 25))
-    assert told["station"] == [0, 1]
+    stated = results(found)["response"]
+    speed = np.array(stated["speed_rad_per_s"])
+    assert speed[np.array(stated["is_asked"])] == pytest.approx(np.linspace(3.0, 15.0, 25))
+    assert stated["station"] == [0, 1]
     forces = {"1": (0.0, 2.0), "2": (0.0, np.exp(1j * math.radians(40.0))), None: (0.5, 0.0)}
-    for line in told["lines"]:
+    for line in stated["lines"]:
         order = line["order"]
         w = speed * int(order) if order else np.full_like(speed, 2.0 * math.pi * FIXED)
         angle, torque = answer(w, *forces[order])
@@ -160,7 +160,7 @@ def test_response_in_json(found: Findings) -> None:
         np.testing.assert_allclose(complex_of(line["torque_Nm"])[:, 0], torque, rtol=1e-10)
         assert set(line["status"]) == {"ok"}
         assert max(line["residual"]) < 1e-13
-    assert np.array(told["mean_torque_Nm"])[:, 0] == pytest.approx(10.0 * (speed / 12.0) ** 2)
+    assert np.array(stated["mean_torque_Nm"])[:, 0] == pytest.approx(10.0 * (speed / 12.0) ** 2)
 
 
 def complex_of(pairs: list[Any]) -> np.ndarray:
@@ -173,17 +173,17 @@ def at_speeds(speed: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def test_synthesis_in_json(found: Findings) -> None:
-    told, speed = results(found)["synthesis"], np.array(results(found)["response"]["speed_rad_per_s"])
+    stated, speed = results(found)["synthesis"], np.array(results(found)["response"]["speed_rad_per_s"])
     high, low = together()
     size = [np.abs(torque) for _, _, torque in lines()]
-    assert told["element"] == ["ring"]
-    assert told["common_cycle_turns"] == "1"
+    assert stated["element"] == ["ring"]
+    assert stated["common_cycle_turns"] == "1"
     wanted = {
         "half_range_Nm": (high - low) / 2.0, "peak_Nm": np.maximum(np.abs(mean() + high), np.abs(mean() + low)),
         "rms_Nm": np.sqrt(sum(one**2 for one in size) / 2.0), "bound_Nm": sum(size),
     }  # fmt: skip
     for key, values in wanted.items():
-        np.testing.assert_allclose(told[key][0], at_speeds(speed, values), rtol=2e-5, err_msg=key)
+        np.testing.assert_allclose(stated[key][0], at_speeds(speed, values), rtol=2e-5, err_msg=key)
 
 
 def test_largest_vibratory_torque_by_title(found: Findings) -> None:
@@ -245,13 +245,13 @@ def test_mean_torque_by_title_and_in_json(found: Findings) -> None:
     (row,) = rows_of(found, "Mean torque at")
     wanted = {"Own speed": 12.0 * RPM, "Mean torque": 10.0, "Power": 0.12, "Largest over the range": mean()[-1]}
     assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=1e-4)
-    told = results(found)["mean"]
-    assert np.array(told["torque_Nm"])[0] == pytest.approx(10.0 * (np.array(told["speed_rad_per_s"]) / 12.0) ** 2)
-    np.testing.assert_allclose(np.array(told["applied_Nm"]).sum(axis=0), 0.0, atol=1e-12)
+    stated = results(found)["mean"]
+    assert np.array(stated["torque_Nm"])[0] == pytest.approx(10.0 * (np.array(stated["speed_rad_per_s"]) / 12.0) ** 2)
+    np.testing.assert_allclose(np.array(stated["applied_Nm"]).sum(axis=0), 0.0, atol=1e-12)
 
 
 def test_checks_of_the_coupling_in_json(found: Findings) -> None:
-    told = {check["clause"]: check for check in results(found)["checks"]}
+    stated = {check["clause"]: check for check in results(found)["checks"]}
     high, low = together()
     peak = np.maximum(np.abs(mean() + high), np.abs(mean() + low))
     heat = sum(VISCOUS * np.abs(w * (angle[:, 0] - angle[:, 1])) ** 2 / 2.0 for w, angle, _ in lines())
@@ -259,9 +259,9 @@ def test_checks_of_the_coupling_in_json(found: Findings) -> None:
         "T_KN": (mean(), 30.0, "N m"), "T_KW": ((high - low) / 2.0, 40.0, "N m"), "P_KW": (heat, 50.0, "W"),
         "T_Kmax": (peak, 90.0, "N m"),
     }  # fmt: skip
-    assert set(told) == set(wanted)
+    assert set(stated) == set(wanted)
     for clause, (values, limit, unit) in wanted.items():
-        line = told[clause]
+        line = stated[clause]
         assert line["value"] == pytest.approx(values.max(), rel=1e-4)
         assert line["speed_rad_per_s"] == pytest.approx(SPEED[values.argmax()], rel=1e-3)
         assert (line["limit"], line["unit"], line["verdict"], line["where"]) == (limit, unit, "pass", "ring")

@@ -46,10 +46,10 @@ def test_no_amplitude_is_told_at_a_speed_without_a_reliable_one(undamped: Findin
 
 
 def test_the_largest_torque_is_that_of_the_synthesis_at_its_speed(train: Findings) -> None:
-    told = printed(train).split("Largest vibratory torque")[1].split("rubber")[1].split()[:2]
+    stated = printed(train).split("Largest vibratory torque")[1].split("rubber")[1].split()[:2]
     (span,) = [k for k, span in enumerate(train.system.spans) if span.name == "rubber"]
     half = train.need(Synthesis).half_range[:, span]
-    assert told == [number(float(half.max())), rpm(float(train.need(Response).speed[half.argmax()]))]
+    assert stated == [number(float(half.max())), rpm(float(train.need(Response).speed[half.argmax()]))]
 
 
 def test_progress_is_silent_where_there_is_no_terminal(capsys: object) -> None:

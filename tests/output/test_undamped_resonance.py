@@ -60,9 +60,9 @@ def test_no_table_states_a_largest_amplitude(geared: Findings) -> None:
 
 
 def test_the_text_says_so_over_speed_and_over_frequency(geared: Findings) -> None:
-    told = [one.block.text for one in document(geared).body if isinstance(one.block, Paragraph)]
-    (over_speed,) = [text for text in told if "singular" in text]
-    (over_frequency,) = [text for text in told if "Hz the response has no reliable finite value" in text]
+    stated = [one.block.text for one in document(geared).body if isinstance(one.block, Paragraph)]
+    (over_speed,) = [text for text in stated if "singular" in text]
+    (over_frequency,) = [text for text in stated if "Hz the response has no reliable finite value" in text]
     assert "none as the largest over the range" in over_speed
     assert "nor a largest one of the range" in over_frequency
 

@@ -56,8 +56,8 @@ def table(blocks: Sequence[Block]) -> Table:
 
 
 def test_load_of_an_unloaded_mesh_reverses_everywhere(geared) -> None:
-    told = table(gears.chapter(geared))
-    rows = {row[0]: (row, mark) for row, mark in zip(told.rows, told.marks, strict=True)}
+    stated = table(gears.chapter(geared))
+    rows = {row[0]: (row, mark) for row, mark in zip(stated.rows, stated.marks, strict=True)}
     idle, mark = rows["g wheel 3"]
     assert (idle[3], idle[4], idle[6], mark) == ("0", "∞", "yes, everywhere", "fail")
     assert (rows["g"][0][6], rows["g"][1]) == ("no", "")
@@ -65,8 +65,8 @@ def test_load_of_an_unloaded_mesh_reverses_everywhere(geared) -> None:
 
 def test_load_of_a_mesh_without_any_torque_does_not_reverse() -> None:
     still = GEARED.replace("ripple: [{order: 2, torque: 2 %}]", "ripple: [{order: 2, torque: 0 %}]")
-    told = table(gears.chapter(solved(still.replace("torque: 8 %", "torque: 0 %"))))
-    assert {row[6] for row in told.rows} == {"no"}
+    stated = table(gears.chapter(solved(still.replace("torque: 8 %", "torque: 0 %"))))
+    assert {row[6] for row in stated.rows} == {"no"}
 
 
 def test_holzer_table_names_the_elements_as_the_table_of_elements_does(geared) -> None:
@@ -86,8 +86,8 @@ def test_holzer_table_names_the_elements_as_the_table_of_elements_does(geared) -
 )
 def test_dry_inertia_and_entrained_water_are_told_apart(entrained, words) -> None:
     found = solved(GEARED.replace("entrained: 200,", entrained))
-    told = [block.text for block in mass_elastic.chapter(found) if isinstance(block, Paragraph)]
-    assert words in told
+    stated = [block.text for block in mass_elastic.chapter(found) if isinstance(block, Paragraph)]
+    assert words in stated
 
 
 def test_heat_at_an_undamped_resonance_has_no_value() -> None:

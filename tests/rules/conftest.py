@@ -25,7 +25,7 @@ STEEL_600 = Material(shear_modulus=79.3e9, density=7850.0, tensile_strength=600e
 
 @pytest.fixture
 def study() -> Callable[..., Study]:
-    """A study of components [(kind, fields)], with steel of 600 N/mm2, rated 1000 rpm unless told otherwise."""
+    """A study of components [(kind, fields)], with steel of 600 N/mm2, rated 1000 rpm unless stated otherwise."""
 
     def make(
         parts: Sequence[tuple[str, dict[str, Any]]],
@@ -34,10 +34,10 @@ def study() -> Callable[..., Study]:
         materials: Mapping[str, Material] | None = None,
         **operation: Any,
     ) -> Study:
-        asked = {"speeds": {"from": "100 rpm", "to": "1200 rpm"}, "rated": {"speed": "1000 rpm", "power": "100 kW"}}
+        requested = {"speeds": {"from": "100 rpm", "to": "1200 rpm"}, "rated": {"speed": "1000 rpm", "power": "100 kW"}}
         components = [component(kind).model_validate(body) for kind, body in parts]
         lowered = train(components, materials={"steel": STEEL_600, **(materials or {})})
-        given = {key: value for key, value in {**asked, **operation}.items() if value is not None}
+        given = {key: value for key, value in {**requested, **operation}.items() if value is not None}
         return Study("scene", lowered, operation=Operation.model_validate(given), rules=tuple(rules))
 
     return make

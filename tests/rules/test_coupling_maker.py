@@ -79,8 +79,8 @@ def test_speeds_outside_continuous_use_count_for_the_greatest_torque_alone(study
     limits = {"vibratory_torque": 300.0, "max_torque": 500.0, "heat_limit": 500.0}
     rpm = np.array([300.0, 600.0, 900.0])
     seen = evidence(study(line(**limits)), rpm, half={"rubber": [10, 600, 250]})
-    asked = coupling.CouplingSettings.model_validate({"continuous": {"from": "700 rpm", "to": "900 rpm"}})
-    found = coupling.CouplingMaker().check(seen, asked)
+    requested = coupling.CouplingSettings.model_validate({"continuous": {"from": "700 rpm", "to": "900 rpm"}})
+    found = coupling.CouplingMaker().check(seen, requested)
     assert (the(found, "T_KW").value, the(found, "T_KW").verdict) == (250, "pass")
     assert the(found, "P_KW").speed == pytest.approx(900 * RPM)
     assert (the(found, "T_Kmax").value, the(found, "T_Kmax").verdict) == (600, "fail")
@@ -121,11 +121,11 @@ def test_coupling_without_limits_gives_nothing_but_is_said_to_be_left_out(study,
 
 
 def test_faults_are_told_where_they_stand(study) -> None:
-    asked = coupling.CouplingSettings.model_validate({"continuous": {"from": "50 rpm", "to": "900 rpm"}})
-    rules = [("coupling-maker", asked)]
-    bare = coupling.CouplingMaker().faults(study(line(), rules), asked)
+    requested = coupling.CouplingSettings.model_validate({"continuous": {"from": "50 rpm", "to": "900 rpm"}})
+    rules = [("coupling-maker", requested)]
+    bare = coupling.CouplingMaker().faults(study(line(), rules), requested)
     assert [fault.path for fault in bare] == [("rules", 0)]
-    full = coupling.CouplingMaker().faults(study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None), asked)
+    full = coupling.CouplingMaker().faults(study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None), requested)
     assert [fault.path for fault in full] == [
         ("rules", 0, "coupling-maker", "continuous"),
         ("operation", "rated", "power"),
@@ -135,7 +135,7 @@ def test_faults_are_told_where_they_stand(study) -> None:
         == []
     )
     quiet = [("disc", {"inertia": 1.0}), *line(vibratory_torque=1.0)[1:]]
-    assert [fault.path for fault in coupling.CouplingMaker().faults(study(quiet, rules, speeds=None), asked)] == [
+    assert [fault.path for fault in coupling.CouplingMaker().faults(study(quiet, rules, speeds=None), requested)] == [
         ("operation", "speeds"),
         ("rules", 0),
     ]

@@ -25,16 +25,18 @@ def verdicts(checks):
 
 
 @pytest.mark.parametrize(
-    ("body", "asked", "share"),
+    ("body", "requested", "share"),
     [({}, {}, 0.35), ({"application_factor": 1.25}, {}, 0.25), ({"application_factor": 1.25}, {"limit": 0.5}, 0.5)],
 )
-def test_limit_comes_from_the_setting_else_the_gear_else_the_usual_factor(study, evidence, body, asked, share) -> None:
+def test_limit_comes_from_the_setting_else_the_gear_else_the_usual_factor(
+    study, evidence, body, requested, share
+) -> None:
     seen = evidence(study(line(**body)), RPMS, half={"gearbox": [10, 20, 200, 30]}, mean={"gearbox": MEAN})
-    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings.model_validate(asked)))
+    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings.model_validate(requested)))
     check = found["(K_A - 1) T_rated"]
     assert check.limit == pytest.approx(1000.0 * share, rel=1e-12)
     assert (check.value, check.verdict, check.speed) == (200, "pass", pytest.approx(900 * RPM))
-    assert check.standing == ("setting" if asked else "to be verified")
+    assert check.standing == ("setting" if requested else "to be verified")
     assert found["torque reversal"].standing == "to be verified"
 
 
@@ -55,8 +57,8 @@ def test_torque_reverses_where_vibration_exceeds_the_mean(study, evidence) -> No
     check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))["torque reversal"]
     assert (check.value, check.verdict) == (63, "not kept")
     assert check.limit == pytest.approx(62.5, rel=1e-12)
-    asked = gear.GearHammerSettings.model_validate({"continuous": {"from": "400 rpm", "to": "1100 rpm"}})
-    narrowed = verdicts(gear.GearHammer().check(seen, asked))["torque reversal"]
+    requested = gear.GearHammerSettings.model_validate({"continuous": {"from": "400 rpm", "to": "1100 rpm"}})
+    narrowed = verdicts(gear.GearHammer().check(seen, requested))["torque reversal"]
     assert (narrowed.value, narrowed.verdict, narrowed.speed) == (200, "pass", pytest.approx(500 * RPM))
 
 
@@ -108,16 +110,17 @@ def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
     ],
 )
 def test_rated_torque_and_speeds_must_be_known(study, operation, path) -> None:
-    asked = gear.GearHammerSettings()
-    assert gear.GearHammer().faults(study(line(), [("gear-hammer", asked)]), asked) == []
+    requested = gear.GearHammerSettings()
+    assert gear.GearHammer().faults(study(line(), [("gear-hammer", requested)]), requested) == []
     assert [
-        fault.path for fault in gear.GearHammer().faults(study(line(), [("gear-hammer", asked)], **operation), asked)
+        fault.path
+        for fault in gear.GearHammer().faults(study(line(), [("gear-hammer", requested)], **operation), requested)
     ] == [path]
 
 
 def test_train_without_a_gear_cannot_be_judged(study) -> None:
-    asked = gear.GearHammerSettings()
+    requested = gear.GearHammerSettings()
     parts = [line()[0], ("coupling", {"stiffness": 1.0}), line()[2]]
-    assert [fault.path for fault in gear.GearHammer().faults(study(parts, [("gear-hammer", asked)]), asked)] == [
-        ("rules", 0)
-    ]
+    assert [
+        fault.path for fault in gear.GearHammer().faults(study(parts, [("gear-hammer", requested)]), requested)
+    ] == [("rules", 0)]

@@ -50,8 +50,8 @@ def test_m68_needs_the_speeds_where_its_limits_bend_or_end(study) -> None:
 
 
 def test_speeds_out_of_the_range_are_not_added(study) -> None:
-    asked = gear.GearHammerSettings.model_validate({"continuous": {"from": "200 rpm", "to": "600 rpm"}})
-    scene = study(PARTS, [("gear-hammer", asked)], speeds={"from": "200 rpm", "to": "700 rpm", "steps": 900})
+    requested = gear.GearHammerSettings.model_validate({"continuous": {"from": "200 rpm", "to": "600 rpm"}})
+    scene = study(PARTS, [("gear-hammer", requested)], speeds={"from": "200 rpm", "to": "700 rpm", "steps": 900})
     assert judged_speeds(scene) / RPM == pytest.approx([200, 600])
 
 

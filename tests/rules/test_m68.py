@@ -39,9 +39,9 @@ def clauses(checks, clause):
 def judged(study, evidence):
     """Checks of an intermediate shaft whose stress is a share of tau_C at 96 speeds from 100 to 1050 rpm."""
 
-    def run(share, asked=m68.M68Settings()):  # noqa: B008
+    def run(share, requested=m68.M68Settings()):  # noqa: B008
         rpm = np.linspace(100, 1050, 96)
-        return m68.M68().check(evidence(study(line()), rpm, half={"line": stress(limit(rpm) * share)}), asked)
+        return m68.M68().check(evidence(study(line()), rpm, half={"line": stress(limit(rpm) * share)}), requested)
 
     return run
 
@@ -123,8 +123,8 @@ def test_no_range_is_barred_that_reaches_0_8(judged, peak) -> None:
     assert (check.verdict, check.speed) == ("fail", pytest.approx((100 + 10 * peak) * RPM))
     assert "no barred range is permitted there (lambda >= 0.8): detune" in check.note
     lower, upper = barred_range(100.0 + 10 * peak, RATED)
-    told = re.search(r"would run from (\S+) rpm to (\S+) rpm", check.note)
-    assert [float(end) for end in told.groups()] == pytest.approx([lower, upper], rel=1e-4)
+    stated = re.search(r"would run from (\S+) rpm to (\S+) rpm", check.note)
+    assert [float(end) for end in stated.groups()] == pytest.approx([lower, upper], rel=1e-4)
     assert all(one.barred == () for one in found)
 
 
@@ -198,16 +198,16 @@ def test_smallest_factor_of_the_features_governs(study, evidence, role, features
 def test_dimensions_of_a_slot_replace_its_factor(study, evidence) -> None:
     rpm = np.array([500.0, 1000.0])
     scene = study(line(features=["slot"], bore=0.05))
-    asked = m68.M68Settings.model_validate({"slots": {"line": {"length": "70 mm", "width": "20 mm"}}})
+    requested = m68.M68Settings.model_validate({"slots": {"line": {"length": "70 mm", "width": "20 mm"}}})
     seen = evidence(scene, rpm, half={"line": stress([1, 1])})
-    (check,) = clauses(m68.M68().check(seen, asked), "tau_C")
+    (check,) = clauses(m68.M68().check(seen, requested), "tau_C")
     assert check.limit / clauses(m68.M68().check(seen, m68.M68Settings()), "tau_C")[0].limit == pytest.approx(
         0.39564 / 0.3, rel=2e-5
     )
     assert (check.standing, check.verdict) == ("to be verified", "pass")
     assert clauses(m68.M68().check(seen, m68.M68Settings()), "tau_C")[0].standing == "rule text"
     loud = evidence(scene, rpm, half={"line": stress([1, 100])})
-    verdicts = [clauses(m68.M68().check(loud, one), "tau_C")[0].verdict for one in (asked, m68.M68Settings())]
+    verdicts = [clauses(m68.M68().check(loud, one), "tau_C")[0].verdict for one in (requested, m68.M68Settings())]
     assert verdicts == ["not kept", "fail"]
 
 
@@ -237,12 +237,12 @@ def test_alloy_steel_of_a_tube_shaft_may_be_used_up_to_600_whatever_its_role(stu
     """950 N/mm2, 300 mm, C_K 0.8, C_D 0.64722, lambda 1.05: 30.168 N/mm2, as of a propeller shaft."""
     rpm = np.array([1000.0, 1050.0])
     strong = {"strong": Material(shear_modulus=79e9, density=7850.0, tensile_strength=950e6)}
-    asked = m68.M68Settings(alloy=("line",), drive="electric")
+    requested = m68.M68Settings(alloy=("line",), drive="electric")
     found = {}
     for role in ("intermediate", "propeller"):
         scene = study(line(role, material="strong", features=features, diameter=0.3), materials=strong)
         seen = evidence(scene, rpm, half={"line": stress([0, 27])}, mean={"line": [1e5, 1e5]})
-        found[role] = m68.M68().check(seen, asked)
+        found[role] = m68.M68().check(seen, requested)
     (check,) = clauses(found["intermediate"], "tau_C")
     assert check.limit == pytest.approx(760 / 18 * 0.8 * (0.35 + 0.93 * 300**-0.2) * 1.38, rel=1e-12)
     assert check.limit == pytest.approx(30.168, abs=5e-4)

@@ -1,4 +1,4 @@
-"""Barred ranges from stress over speed, told as its share of tau_C."""
+"""Barred ranges from stress over speed, stated as its share of tau_C."""
 
 import math
 

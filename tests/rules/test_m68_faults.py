@@ -1,4 +1,4 @@
-"""What a file lacks for `iacs-m68`, told where it stands."""
+"""What a file lacks for `iacs-m68`, stated where it stands."""
 
 from torsion.components.material import STEEL, Material
 from torsion.rules import m68
@@ -13,8 +13,8 @@ def line(role="intermediate", **shaft):
     return [("motor", {"inertia": 3.0}), ("shaft", body), SCREW]
 
 
-def messages(scene, asked):
-    return {fault.path: fault.message for fault in m68.M68().faults(scene, asked)}
+def messages(scene, requested):
+    return {fault.path: fault.message for fault in m68.M68().faults(scene, requested)}
 
 
 def test_a_whole_file_has_no_fault(study) -> None:
@@ -41,17 +41,17 @@ def test_rated_speed_and_speeds_that_are_missing_are_told(study) -> None:
 
 
 def test_train_that_nothing_excites_cannot_be_judged(study) -> None:
-    asked = m68.M68Settings()
+    requested = m68.M68Settings()
     quiet = [*line()[:2], ("disc", {"inertia": 1.0})]
-    assert "nothing excites" in messages(study(quiet, [("iacs-m68", asked)]), asked)["rules", 0]
+    assert "nothing excites" in messages(study(quiet, [("iacs-m68", requested)]), requested)["rules", 0]
 
 
 def test_train_without_a_role_cannot_be_judged(study) -> None:
-    asked = m68.M68Settings()
-    assert "role" in messages(study(line(None), [("iacs-m68", asked)]), asked)["rules", 0]
+    requested = m68.M68Settings()
+    assert "role" in messages(study(line(None), [("iacs-m68", requested)]), requested)["rules", 0]
 
 
 def test_settings_name_shafts_that_exist(study) -> None:
-    asked = m68.M68Settings.model_validate({"alloy": ["lime"], "slots": {"line": {"length": 0.07, "width": 0.02}}})
-    found = messages(study(line(), [("iacs-m68", asked)]), asked)
+    requested = m68.M68Settings.model_validate({"alloy": ["lime"], "slots": {"line": {"length": 0.07, "width": 0.02}}})
+    found = messages(study(line(), [("iacs-m68", requested)]), requested)
     assert set(found) == {("rules", 0, "iacs-m68", "alloy", 0), ("rules", 0, "iacs-m68", "slots", "line")}

@@ -107,7 +107,7 @@ def test_bounds_of_the_limits_are_computed_however_few_speeds_are_asked() -> Non
     speeds = few.need(Response).speed / RPM
     for bound in (800, 900, 1000, 1050):
         assert np.min(np.abs(speeds / bound - 1)) < 1e-12
-    assert few.need(Response).asked.sum() == 5
+    assert few.need(Response).requested.sum() == 5
     many = solved(scene("rules: [iacs-m68]\n", steps=801, **RISING))
     one, other = check_of(few, "tau_C"), check_of(many, "tau_C")
     assert (one.speed / RPM, one.verdict) == (pytest.approx(1050), other.verdict)

@@ -24,13 +24,13 @@ TUBE = ("shaft", {"name": "tube", "length": 1.5, "diameter": 0.12, "bore": 0.108
 def judge(study):
     """Checks of parts by clause and place."""
 
-    def checks(parts, asked=None, **operation):
+    def checks(parts, requested=None, **operation):
         scene = study(parts, materials={"steel": STEEL}, **operation)
         found = joints(scene.train, scene.operation)
         bent = lateral(scene.train, scene.operation) if scene.has_supports else None
         lines = RULE.check(
             Results(scene, {"system": assemble(scene.train), "joints": found, "lateral": bent}),
-            asked or JointRuleSettings(),
+            requested or JointRuleSettings(),
         )
         return {(line.clause, line.where): line for line in lines}
 
@@ -73,9 +73,9 @@ def test_accelerations_are_those_of_liu_2023_at_the_highest_speed(judge, angle, 
 
 
 def test_limits_of_acceleration_and_angle_are_the_settings(judge):
-    asked = JointRuleSettings(unevenness=1.0, torsional=9.0, inertial="28 rad/s**2", speed_angle=1700.0)
+    requested = JointRuleSettings(unevenness=1.0, torsional=9.0, inertial="28 rad/s**2", speed_angle=1700.0)
     speeds = {"from": "10 rad/s", "to": "60 rad/s"}
-    verdicts = {key: line.verdict for key, line in judge([joint(5), joint(3)], asked, speeds=speeds).items()}
+    verdicts = {key: line.verdict for key, line in judge([joint(5), joint(3)], requested, speeds=speeds).items()}
     assert verdicts == {
         ("U", "joint-1, joint-2"): "pass", ("torsional", "joint-1, joint-2"): "fail",
         ("inertial", "joint-1"): "pass", ("n b", "joint-1"): "fail", ("n b", "joint-2"): "fail",

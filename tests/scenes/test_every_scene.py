@@ -114,9 +114,9 @@ def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str,
 @every_scene
 def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str, solved) -> None:
     found = solved(scene)
-    asked = {name for name, _ in found.study.rules}
-    asked |= {"stability" for name in found.study.analyses if name in ("stability", "lateral")}
-    assert asked == {check.rule for check in found.need(Checks).lines}
+    requested = {name for name, _ in found.study.rules}
+    requested |= {"stability" for name in found.study.analyses if name in ("stability", "lateral")}
+    assert requested == {check.rule for check in found.need(Checks).lines}
     for check in found.need(Checks).lines:
         assert math.isfinite(check.value)
         assert math.isnan(check.limit) == (check.verdict == "outside")
@@ -166,11 +166,11 @@ def order_two(second_joint: str) -> np.ndarray:
     assert SECOND_JOINT in text
     study = torsion.parse(text.replace(SECOND_JOINT, SECOND_JOINT.replace("{angle: 5 deg}", second_joint)))
     system = torsion.assemble(study.train, frequency=60.0)
-    asked = np.linspace(300.0, 1800.0, 16) * RPM
-    answer = torsion.response(study, system, speeds=asked)
+    requested = np.linspace(300.0, 1800.0, 16) * RPM
+    answer = torsion.response(study, system, speeds=requested)
     line = [one.order for one in answer.lines].index(Fraction(2))
     assert set(answer.lines[line].sources) == {"joint-1", "joint-2"}
-    return answer.torque[answer.asked, line][:, answer.system.flexibility > 0]
+    return answer.torque[answer.requested, line][:, answer.system.flexibility > 0]
 
 
 def test_yokes_in_line_cancel_and_crossed_yokes_add() -> None:

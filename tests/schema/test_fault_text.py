@@ -1,4 +1,4 @@
-"""Faults as they are told: sorted by place, quoted, with a caret."""
+"""Faults as they are stated: sorted by place, quoted, with a caret."""
 
 import pytest
 
@@ -72,8 +72,8 @@ def test_an_empty_line_or_one_behind_the_end_is_not_quoted() -> None:
 
 def test_a_tab_in_the_line_moves_the_caret_as_it_moves_the_text() -> None:
     source = parse_source("a: 'x\ty' # \tz", "f")
-    told = str(input_error([Fault((), "here", line=1, column=7)], source))
-    assert told == "f:1:7: here\n    a: 'x\ty' # \tz\n" + " " * 9 + "\t^"
+    stated = str(input_error([Fault((), "here", line=1, column=7)], source))
+    assert stated == "f:1:7: here\n    a: 'x\ty' # \tz\n" + " " * 9 + "\t^"
 
 
 @pytest.mark.parametrize("column", [1, 60, 61, 62, 121, 200, 290])

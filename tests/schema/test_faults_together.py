@@ -1,4 +1,4 @@
-"""Faults of different kinds that are told in one round, and what a fault must not draw after it."""
+"""Faults of different kinds that are stated in one round, and what a fault must not draw after it."""
 
 import pytest
 
@@ -16,7 +16,7 @@ train:
 """
 
 
-def told(text: str) -> list[tuple[int, str]]:
+def stated(text: str) -> list[tuple[int, str]]:
     """Line and message of every fault."""
     with pytest.raises(InputError) as caught:
         parse(text)
@@ -31,7 +31,7 @@ def of(found: list[tuple[int, str]], *wanted: tuple[int, str]) -> bool:
 
 
 def test_faults_of_excitations_in_key_name_mean_torque_and_table_are_told_together():
-    found = told(
+    found = stated(
         TRAIN
         + """excitations:
   - {at: a, order: 1, torque: [[200 rpm, 5], [900 rpm, 50]]}
@@ -56,56 +56,56 @@ def test_a_faulty_link_or_component_hides_no_unknown_name():
 excitations: [{at: disc-9, order: 1, torque: 5}]
 """
     wanted = (10, "names of two points"), (11, "called 'z'"), (13, "called 'disc-9'")
-    assert of(told(TRAIN + links), *wanted), told(TRAIN + links)
+    assert of(stated(TRAIN + links), *wanted), stated(TRAIN + links)
     faulty = (TRAIN + links).replace("stiffness: 1e4", "stiffness: -1e4").replace("to: 900 rpm", "to: 900 rpm, step: 1")
-    assert of(told(faulty), (2, "unknown key `step`"), (5, "out of range"), *wanted), told(faulty)
+    assert of(stated(faulty), (2, "unknown key `step`"), (5, "out of range"), *wanted), stated(faulty)
 
 
 def test_nothing_is_told_of_names_where_the_kind_of_a_component_is_unknown():
     text = TRAIN.replace("motor: {name: a,", "moter: {") + "excitations: [{at: motor-1, order: 1, torque: 5}]\n"
-    assert of(told(text), (4, "did you mean `motor`")), told(text)
+    assert of(stated(text), (4, "did you mean `motor`")), stated(text)
 
 
 def test_faults_of_one_section_do_not_hide_those_between_others_nor_make_any():
     text = TRAIN + "excitations: [{at: a, order: 1, torque: 5}]\nanalyses: {response: }\nrules: [coupling-maker]\n"
     no_speeds = text.replace("operation: {speeds: {from: 100 rpm, to: 900 rpm, steps: 21}}\n", "")
-    assert [line for line, _ in told(no_speeds)] == [9, 10]
-    assert of(told(no_speeds.replace("response:", "respons:")), (9, "did you mean `response`"))
-    assert of(told(text.replace("operation:", "operatoin:")), (2, "did you mean `operation`"))
+    assert [line for line, _ in stated(no_speeds)] == [9, 10]
+    assert of(stated(no_speeds.replace("response:", "respons:")), (9, "did you mean `response`"))
+    assert of(stated(text.replace("operation:", "operatoin:")), (2, "did you mean `operation`"))
 
 
 def test_a_table_is_judged_at_the_components_own_speed_and_where_it_is_read_alone():
     line = TRAIN + "excitations: [{at: b, order: 3, torque: [[50 rpm, 5], [450 rpm, 50]]}]\n"
     assert parse(line).train.torques
     short = line.replace("50 rpm, 5]", "60 rpm, 5]")
-    assert of(told(short), (9, "covers 60 rpm to 450 rpm, the speeds run from 50 rpm to 450 rpm"))
+    assert of(stated(short), (9, "covers 60 rpm to 450 rpm, the speeds run from 50 rpm to 450 rpm"))
     assert parse(short + "analyses: {modes: }\n").train.torques
     more = short.replace("}]", "}, {at: a, order: 1, torque: 2}]")
     assert parse(more + "analyses: {response: {orders: [1]}}\n").train.torques
-    assert of(told(short + "analyses: {response: {orders: [3/2]}}\n"), (9, "covers 60 rpm"))
+    assert of(stated(short + "analyses: {response: {orders: [3/2]}}\n"), (9, "covers 60 rpm"))
 
 
 def test_a_power_without_a_way_and_a_short_table_of_the_load_are_told_when_the_file_is_read():
     rated = "rated: {speed: 900 rpm, power: 1 kW}"
     alone = f"name: x\noperation: {{{rated}}}\ntrain: [motor: {{name: m, inertia: 1}}]\n"
-    assert of(told(alone), (2, "would enter and leave the train at 'm'"))
+    assert of(stated(alone), (2, "would enter and leave the train at 'm'"))
     text = TRAIN.replace("steps: 21}", "steps: 21}, load: [[100 rpm, 5], [800 rpm, 9]]")
     other = text + "  - coupling: {stiffness: 1}\n  - motor: {name: second, inertia: 1, power: 1 kW}\n"
-    assert of(told(other), (2, "covers 100 rpm to 800 rpm"), (4, "'a' has no power"))
+    assert of(stated(other), (2, "covers 100 rpm to 800 rpm"), (4, "'a' has no power"))
 
 
 def test_a_name_that_is_taken_is_told_with_the_line_that_has_it():
     text = (
         "name: x\ntrain:\n  - disc: {inertia: 1, name: disc-2}\n  - coupling: {stiffness: 1}\n  - disc: {inertia: 1}\n"
     )
-    ((line, message),) = told(text)
+    ((line, message),) = stated(text)
     assert line == 5
     assert "would be 'disc-2', which is taken in line 3, `- disc: {inertia: 1, name: disc-2}`" in message
     given = text.replace("{inertia: 1}", "{name: disc-2, inertia: 1}")
-    assert of(told(given), (5, "the name 'disc-2' is taken in line 3"))
+    assert of(stated(given), (5, "the name 'disc-2' is taken in line 3"))
 
 
 @pytest.mark.parametrize(("value", "words"), [("1,5", "write 1.5"), ("1,5 kg*m**2", "a decimal comma?")])
 def test_a_decimal_comma_within_braces_is_told_as_one(value, words):
-    assert of(told(f"name: x\ntrain:\n  - disc: {{inertia: {value}}}\n"), (3, words))
-    assert "comma" not in told("name: x\ntrain:\n  - disc: {inertia: 1, 5: }\n")[0][1]
+    assert of(stated(f"name: x\ntrain:\n  - disc: {{inertia: {value}}}\n"), (3, words))
+    assert "comma" not in stated("name: x\ntrain:\n  - disc: {inertia: 1, 5: }\n")[0][1]

@@ -52,7 +52,7 @@ def test_every_slip_of_a_file_is_told_at_once_with_the_key_that_lifts_it():
     faults = faults_of(scene())
     found = {carrier: [fault for fault in faults if f"on the {carrier.lower()} says so" in fault.hint]
              for carrier in CARRIERS}  # fmt: skip
-    assert {carrier: len(told) for carrier, told in found.items()} == CARRIERS
+    assert {carrier: len(stated) for carrier, stated in found.items()} == CARRIERS
     assert len(faults) == sum(CARRIERS.values())
     assert len({(fault.line, fault.column) for fault in faults}) == len(faults)
 

@@ -47,20 +47,20 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
     if system.bars is not None:
         message = f"damped modes of the model {system.model} are not built"
         raise SolveError(f"{message}; use the lumped model, the response is right with all of them")
-    folded = system.folded
-    if folded.extra.size:
+    condensed = system.condensed
+    if condensed.extra.size:
         message = "damped modes of a train with closed loops, or grounded behind rigid spans at several points"
         raise SolveError(f"{message}, are not built; request `modes: {{damped: false}}`, the response is right")
-    if folded.tree.size > MOST_STATIONS:
+    if condensed.tree.size > MOST_STATIONS:
         raise SolveError(too_many_stations(system))
     own = ground_damping(system, np.array([speed]), steady)[:, 0]
-    ground = np.zeros(folded.tree.size)
-    ground[folded.node] = own * system.speed_ratio**2
+    ground = np.zeros(condensed.tree.size)
+    ground[condensed.node] = own * system.speed_ratio**2
     start = None
-    if folded.tree.size > LARGEST_FOR_ALL:
+    if condensed.tree.size > LARGEST_FOR_ALL:
         start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
     found = damped_modes(
-        folded.tree, ground_damping=ground, viscous=folded.viscous, loss_factor=folded.loss_factor, start=start
+        condensed.tree, ground_damping=ground, viscous=condensed.viscous, loss_factor=condensed.loss_factor, start=start
     )
     keep = np.argsort(found.eigenvalue.imag, kind="stable")[:count]
     eigenvalue = found.eigenvalue[keep]
@@ -68,7 +68,7 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         eigenvalue.imag / (2.0 * math.pi),
         -eigenvalue.real / np.abs(eigenvalue),
         eigenvalue,
-        found.angle[folded.node][:, keep] * system.speed_ratio[:, None],
+        found.angle[condensed.node][:, keep] * system.speed_ratio[:, None],
         span_torques(system, found.torque[:, keep], np.empty(0, dtype=np.int64), np.empty((0, len(keep)))),
         found.real_root,
         speed,
@@ -87,7 +87,7 @@ def run(work: Work) -> None:
     if system.bars is not None:
         log.without("damped modes", f"they are built for `model: lumped`; the response of {system.model} is damped")
         return
-    if system.folded.extra.size:
+    if system.condensed.extra.size:
         why = "the train has closed loops, or rigid spans hold it at several points"
         log.without("damped modes", f"{why}; its response is damped all the same")
         return
@@ -112,7 +112,7 @@ def run(work: Work) -> None:
 
 def too_many_stations(system: System) -> str:
     """Why the roots would not settle, and what to change; empty where they do."""
-    size = system.folded.tree.size
+    size = system.condensed.tree.size
     if size <= MOST_STATIONS:
         return ""
     most = max(system.segments, key=lambda name: system.segments[name], default="")

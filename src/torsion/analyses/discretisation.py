@@ -101,7 +101,7 @@ def run_assembly(work: Work) -> None:
             system = assembled(work.study, highest)
         step.method = model_words(system)
         step.size = _size(system)
-    _ = system.folded  # raises where the train as a whole is at fault: a loop of rigid links
+    _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     work.put(system=system)
     if system.bars is not None and system.bars.degree:
         work.log.libraries["scikit-fem"] = None

@@ -43,34 +43,34 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     shaft with distributed inertia stands in it as what it is at the frequency of the mode: a spring between two
     inertias at its ends (of the exact model h = L/(G I) sin(mu)/mu, J = rho I L/2 tan(mu/2)/(mu/2), mu = omega L/c).
     """
-    folded = system.folded
-    nodes = _from_root(folded.tree)
-    place = np.full(folded.tree.size, -1, dtype=np.int64)
+    condensed = system.condensed
+    nodes = _from_root(condensed.tree)
+    place = np.full(condensed.tree.size, -1, dtype=np.int64)
     place[nodes] = np.arange(len(nodes))
     span, station = _spans_and_stations(system)
-    keep = folded.tree.parent >= 0
-    keep[folded.tree.parent[keep]] = True
+    keep = condensed.tree.parent >= 0
+    keep[condensed.tree.parent[keep]] = True
     keep |= len(nodes) == 1
     rows = nodes[keep[nodes]]
     place = np.cumsum(keep[nodes])[place] - 1
     ratio = system.speed_ratio[station]
-    angle = np.where(folded.is_held_copy, 0.0, modes.shape[station, mode] / ratio)
+    angle = np.where(condensed.is_held_copy, 0.0, modes.shape[station, mode] / ratio)
     scale = float(angle[rows][np.argmax(np.abs(angle[rows]))])  # the largest where the first stands still
     if abs(angle[rows][0]) > STANDS_STILL * abs(scale):
         scale = float(angle[rows][0])
     omega = 2.0 * math.pi * modes.frequency[mode]
-    torque = np.zeros(folded.tree.size)
+    torque = np.zeros(condensed.tree.size)
     has = span >= 0
-    torque[has] = (modes.torque[:, mode] * system.span_ratio)[span[has]] * folded.sign[span[has]]
-    inertia, flexibility = folded.tree.inertia, folded.tree.flexibility
-    if system.folded_bars is not None:
-        inertia, flexibility = _stiffened(folded.tree, system.folded_bars, omega)
-        node = system.folded_bars.node
-        torque[node] = (angle[folded.tree.parent] - angle)[node] / flexibility[node]
-    own = np.where(folded.tree.held, np.inf, inertia / ratio**2)
-    moving = np.where(folded.tree.held, 0.0, inertia)
+    torque[has] = (modes.torque[:, mode] * system.span_ratio)[span[has]] * condensed.sign[span[has]]
+    inertia, flexibility = condensed.tree.inertia, condensed.tree.flexibility
+    if system.condensed_shafts is not None:
+        inertia, flexibility = _stiffened(condensed.tree, system.condensed_shafts, omega)
+        node = system.condensed_shafts.node
+        torque[node] = (angle[condensed.tree.parent] - angle)[node] / flexibility[node]
+    own = np.where(condensed.tree.held, np.inf, inertia / ratio**2)
+    moving = np.where(condensed.tree.held, 0.0, inertia)
     twist = np.where(np.isfinite(flexibility), flexibility, 0.0) * torque
-    before = np.where(folded.tree.parent >= 0, place[folded.tree.parent], -1)
+    before = np.where(condensed.tree.parent >= 0, place[condensed.tree.parent], -1)
     return HolzerTable(
         float(modes.frequency[mode]), station[rows], before[rows], span[rows], own[rows], inertia[rows],
         (angle / scale)[rows], (omega**2 * moving * angle / scale)[rows], (torque / scale)[rows],
@@ -104,13 +104,13 @@ def _from_root(tree: Tree) -> IntArray:
 
 def _spans_and_stations(system: System) -> tuple[IntArray, IntArray]:
     """(tree stations,) the system's span that leads to each (-1 at a root) and its station."""
-    folded = system.folded
-    span = np.full(folded.tree.size, -1, dtype=np.int64)
-    station = np.zeros(folded.tree.size, dtype=np.int64)
-    in_tree = np.flatnonzero(folded.span >= 0)
-    span[folded.span[in_tree]] = in_tree
-    station[folded.node] = np.arange(len(system.stations))
-    for copy in np.flatnonzero(folded.is_held_copy).tolist():
+    condensed = system.condensed
+    span = np.full(condensed.tree.size, -1, dtype=np.int64)
+    station = np.zeros(condensed.tree.size, dtype=np.int64)
+    in_tree = np.flatnonzero(condensed.span >= 0)
+    span[condensed.span[in_tree]] = in_tree
+    station[condensed.node] = np.arange(len(system.stations))
+    for copy in np.flatnonzero(condensed.is_held_copy).tolist():
         by = int(span[copy])
-        station[copy] = system.driven[by] if folded.sign[by] > 0 else system.driving[by]
+        station[copy] = system.driven[by] if condensed.sign[by] > 0 else system.driving[by]
     return span, station

@@ -54,11 +54,11 @@ def statics(system: System, applied: Shares, reference: int) -> Statics:
         span = walk.span[station]
         if span >= 0:
             turned = flexibility[span] * torque[span] if np.isfinite(flexibility[span]) else 0.0
-            twist[station] = twist[walk.parent[station]] - _outward(system, span, station) * turned
+            twist[station] = twist[walk.parent[station]] - _toward_leaves(system, span, station) * turned
     return Statics(torque, twist)
 
 
-def _outward(system: System, span: int, station: int) -> int:
+def _toward_leaves(system: System, span: int, station: int) -> int:
     """1 where the span's driven end is `station`, else -1."""
     return 1 if system.spans[span].driven == station else -1
 
@@ -110,7 +110,7 @@ def _tree_torques(system: System, walk: _Walk, applied: Shares) -> Shares:
     for station in reversed(walk.order):
         span = walk.span[station]
         if span >= 0:
-            shares[span] = -beyond[station] * _outward(system, span, station)
+            shares[span] = -beyond[station] * _toward_leaves(system, span, station)
             beyond[walk.parent[station]] += beyond[station]
         elif beyond[station] != 0:
             raise SolveError("the mean torque cannot reach the load: drive and load are not joined by any span")
@@ -128,7 +128,7 @@ def _with_loops(
             station = end
             while walk.span[station] >= 0:
                 by = walk.span[station]
-                cycle[row, by] -= way * _outward(system, by, station)
+                cycle[row, by] -= way * _toward_leaves(system, by, station)
                 station = walk.parent[station]
     finite = np.where(np.isfinite(flexibility), flexibility, 0.0)
     around = (cycle * finite) @ cycle.T

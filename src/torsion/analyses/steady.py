@@ -28,7 +28,7 @@ class Flow:
 
     drives: Shared
     loads: Shared
-    told: str
+    stated: str
 
 
 def flow(train: Train, operation: Operation) -> Flow:
@@ -52,8 +52,8 @@ def flow(train: Train, operation: Operation) -> Flow:
         loads, loading = [(end, Fraction(1))], _at_an_end(train, end, "propeller", "motor", end == last)
     elif len(propellers) > 1:
         loading += " in equal parts"
-    told = f"The mean torque enters at {driving} and leaves at {loading}."
-    return Flow(drives, loads, told + _shares_alone(motors, operation))
+    stated = f"The mean torque enters at {driving} and leaves at {loading}."
+    return Flow(drives, loads, stated + _shares_alone(motors, operation))
 
 
 def _last(train: Train) -> int:
@@ -146,7 +146,7 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
         np.outer(one.torque / system.span_ratio, mean),
         np.outer(applied, mean),
         np.outer(one.twist * system.speed_ratio, mean),
-        power.told,
+        power.stated,
     )
 
 

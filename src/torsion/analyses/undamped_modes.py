@@ -61,15 +61,15 @@ def nodes(system: System, shape: FloatArray) -> IntArray:
     A station that stands still takes the sign of its neighbour toward the root: a node at a station counts once.
     A grounded station has no sign: the shape starts there and does not cross it.
     """
-    block, number = max(1, LARGEST_BLOCK // max(system.folded.tree.size, 1)), shape.shape[1]
+    block, number = max(1, LARGEST_BLOCK // max(system.condensed.tree.size, 1)), shape.shape[1]
     counted = [_nodes(system, shape[:, first : first + block]) for first in range(0, number, block)]
     return np.concatenate([np.empty(0, dtype=np.int64), *counted])
 
 
 def _nodes(system: System, shape: FloatArray) -> IntArray:
-    tree, stations = system.folded.tree, np.arange(system.folded.tree.size)[:, None]
+    tree, stations = system.condensed.tree, np.arange(system.condensed.tree.size)[:, None]
     angle = np.zeros((tree.size, shape.shape[1]))
-    angle[system.folded.node] = shape / system.speed_ratio[:, None]
+    angle[system.condensed.node] = shape / system.speed_ratio[:, None]
     size = np.abs(angle)
     sign = np.sign(angle).astype(np.int8)
     sign[size <= STANDS_STILL * size.max(axis=0, initial=0.0)] = 0
@@ -144,7 +144,7 @@ class Modes:
     def elastic(self) -> FloatArray:
         """(spans, modes)."""
         if self.distributed is not None:
-            return shares(self.distributed.elastic[self.system.folded.span])
+            return shares(self.distributed.elastic[self.system.condensed.span])
         return shares(lumped_elastic(self.system, self.torque))
 
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
@@ -191,7 +191,7 @@ def _refined(system: System, count: int, progress: Progress | None) -> Modes:
         system = found.system
         top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
         finer = rediscretised(system, top)
-        if _division(finer) == _division(system):
+        if _discretisation(finer) == _discretisation(system):
             return found if system.bars is None else replace(found, system=finer)
         if system.bars is not None and is_as_fine(system, finer):
             break
@@ -206,7 +206,7 @@ def _with_all(found: Modes, count: int) -> Modes:
     while system.bars is None and found.frequency.size < count and half_waves:
         frequency = max(2.0 * frequency, min(half_waves))
         finer = rediscretised(system, frequency)
-        if _division(finer) != _division(system):
+        if _discretisation(finer) != _discretisation(system):
             system, found = finer, modes_as_discretised(finer, count)
         elif finer.resolved_to < frequency:
             break
@@ -216,7 +216,7 @@ def _with_all(found: Modes, count: int) -> Modes:
 def _in_reach(system: System, highest: float, count: int) -> System:
     """The train discretised for the last of `count` modes, which counts find beforehand, as far as settings allow."""
     for _ in range(REACHING):
-        bars = system.folded_bars
+        bars = system.condensed_shafts
         if bars is None or not math.isfinite(bars.limit):
             break
         from torsion.analyses.bars import above_mode, reach
@@ -226,13 +226,13 @@ def _in_reach(system: System, highest: float, count: int) -> System:
         if known.count >= count:
             return rediscretised(system, max(highest, above_mode(tree, count) / (2.0 * math.pi)))
         finer = rediscretised(system, known.frequency / (2.0 * math.pi))
-        if _division(finer) == _division(system):
+        if _discretisation(finer) == _discretisation(system):
             break
         system = finer
     return system
 
 
-def _division(system: System) -> tuple[dict[str, int], int]:
+def _discretisation(system: System) -> tuple[dict[str, int], int]:
     return system.segments, 0 if system.bars is None else system.bars.degree
 
 
@@ -240,15 +240,15 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.groups is not None:
         return condensed_modes(modes_as_discretised(system.groups.system, count, progress=progress), system)
-    if system.bars is not None and system.folded_bars is not None:
+    if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.bars import referred_modes
 
         found = referred_modes(undamped_tree(system), count)
         outer = found.torque if found.shafts is None else found.shafts.torque_outer
         return _modes(system, found, bar_torques(system, found.torque, outer))
-    closing = closing_spans(system)
-    found = _referred_modes(system, closing, count, progress)
-    return _modes(system, found, span_torques(system, found.torque, closing, found.loop_torque))
+    chords = chord_spans(system)
+    found = _referred_modes(system, chords, count, progress)
+    return _modes(system, found, span_torques(system, found.torque, chords, found.loop_torque))
 
 
 def condensed_modes(whole: Modes, system: System) -> Modes:
@@ -265,18 +265,18 @@ def condensed_modes(whole: Modes, system: System) -> Modes:
     return found
 
 
-def _referred_modes(system: System, closing: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
-    """The modes on the condensed tree, with the chords `closing` of its loops."""
+def _referred_modes(system: System, chords: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
+    """The modes on the condensed tree, with the chords `chords` of its loops."""
     tree = undamped_tree(system)
-    if not closing.size:
+    if not chords.size:
         from torsion.kernels.natural_modes import tree_modes
 
         return tree_modes(tree, count, progress=progress)
     from torsion.kernels.loops.looped_modes import graph_modes
 
-    node = system.folded.node
-    flexibility = (system.flexibility / system.span_ratio**2)[closing]
-    return graph_modes(tree, node[system.driving[closing]], node[system.driven[closing]], flexibility, count)
+    node = system.condensed.node
+    flexibility = (system.flexibility / system.span_ratio**2)[chords]
+    return graph_modes(tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count)
 
 
 def undamped_tree(system: System) -> Tree:
@@ -284,41 +284,41 @@ def undamped_tree(system: System) -> Tree:
 
     These hold nothing without damping.
     """
-    tree = system.folded.tree
+    tree = system.condensed.tree
     slips = np.isinf(tree.flexibility)
-    if system.folded_bars is not None:
-        tree = replace(tree, shafts=system.folded_bars)
+    if system.condensed_shafts is not None:
+        tree = replace(tree, shafts=system.condensed_shafts)
     if not slips.any():
         return tree
     return replace(tree, parent=np.where(slips, -1, tree.parent), flexibility=np.where(slips, 0.0, tree.flexibility))
 
 
-def closing_spans(system: System) -> IntArray:
-    """(closing,) spans with a stiffness that close loops or lie beside another span."""
-    extra = system.folded.extra
+def chord_spans(system: System) -> IntArray:
+    """(chords,) spans with a stiffness that close loops or lie beside another span."""
+    extra = system.condensed.extra
     return extra[np.isfinite(system.flexibility[extra])]
 
 
-def span_torques(system: System, torque: np.ndarray, closing: IntArray, closing_torque: np.ndarray) -> np.ndarray:
+def span_torques(system: System, torque: np.ndarray, chords: IntArray, chord_torque: np.ndarray) -> np.ndarray:
     """(spans, columns) N m at each driving station's speed, from torques (tree stations, columns) on the tree.
 
-    closing_torque: (closing, columns) N m at one speed, positive when the driving side pushes.
+    chord_torque: (chords, columns) N m at one speed, positive when the driving side pushes.
     """
-    folded = system.folded
-    told = _rows(torque, folded.span)
-    scale = folded.sign * system.span_ratio
-    if folded.extra.size:
-        told = told.copy()
-        told[folded.extra] = 0.0
-        told[closing] = closing_torque * folded.sign[closing, None]
-    return told if (scale == 1.0).all() else np.asarray(told / scale[:, None])
+    condensed = system.condensed
+    stated = _rows(torque, condensed.span)
+    scale = condensed.sign * system.span_ratio
+    if condensed.extra.size:
+        stated = stated.copy()
+        stated[condensed.extra] = 0.0
+        stated[chords] = chord_torque * condensed.sign[chords, None]
+    return stated if (scale == 1.0).all() else np.asarray(stated / scale[:, None])
 
 
 def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
     """(spans, columns) N m at each driving station, from torques (tree stations, columns) at both ends of spans."""
-    folded = system.folded
+    condensed = system.condensed
     at_driving = torque_outer.copy()
-    from_parent = folded.span[folded.sign > 0]
+    from_parent = condensed.span[condensed.sign > 0]
     at_driving[from_parent] = torque[from_parent]
     none = np.empty(0, dtype=np.int64)
     return span_torques(system, at_driving, none, np.empty((0, torque.shape[1])))
@@ -327,7 +327,7 @@ def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) ->
 def _modes(system: System, found: "TreeModes", torque: FloatArray) -> Modes:
     """The modes at own speeds."""
     hertz, ratio = 1.0 / (2.0 * math.pi), system.speed_ratio
-    angle = _rows(found.angle, system.folded.node)
+    angle = _rows(found.angle, system.condensed.node)
     shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
     return Modes(
         found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,

@@ -44,8 +44,10 @@ def assemble(
 
 def rediscretised(system: "System", frequency: float) -> "System":
     """The same train in the same model, its shafts discretised for another highest frequency (Hz)."""
-    asked = system.requested
-    return assemble(system.train, system.model, frequency=frequency, degree=asked.degree, elements=asked.elements)
+    requested = system.requested
+    return assemble(
+        system.train, system.model, frequency=frequency, degree=requested.degree, elements=requested.elements
+    )
 
 
 def is_as_fine(system: "System", other: "System") -> bool:

@@ -30,7 +30,7 @@ def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, B
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
     lumped = list(found.inertia)
     spans, pieces, numbers = list[int](), list[Piece](), dict[str, int]()
-    told_at = list[tuple[int, int]]()
+    stated_at = list[tuple[int, int]]()
     for bar in train.bars:
         massless = bar.density == 0
         tells_end = not massless and not (bar.driven in held and len(held) > 1)
@@ -44,13 +44,13 @@ def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, B
             found.add(Span(f"{bar.name}, driven end", bar.part, last, bar.driven), 0.0)
         if not massless:
             spans.extend(between)
-            told_at.extend(pairwise([*ends, bar.driven]))
+            stated_at.extend(pairwise([*ends, bar.driven]))
             pieces.extend(Piece(bar, position, number) for position in range(number))
     lumped += [0.0] * (len(found.stations) - len(lumped))
     if not pieces:
         return found, None, numbers
     order = sorted(range(len(pieces)), key=lambda k: not is_uniform(pieces[k].bar))
-    halves = np.array([told_at[k] for k in order], dtype=np.int64).reshape(-1, 2)
+    halves = np.array([stated_at[k] for k in order], dtype=np.int64).reshape(-1, 2)
     where = np.array([spans[k] for k in order], dtype=np.int64)
     return found, BarSpans(where, np.array(lumped), halves, tuple(pieces[k] for k in order)), numbers
 

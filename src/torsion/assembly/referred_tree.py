@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Folded:
+class CondensedTrain:
     """A tree of the train's stations and spans in one speed."""
 
     tree: Tree
@@ -34,7 +34,7 @@ class Folded:
     is_held_copy: BoolArray  # (tree stations,) a second copy of a fixed station, at the end of one of its spans
 
 
-def fold(system: "System") -> Folded:
+def fold(system: "System") -> CondensedTrain:
     """The tree of a system; raises InputError where rigid spans close a loop or join two fixed stations.
 
     Where rigid spans lead to several fixed stations of one part of the train, each of these is a root of its own, and
@@ -135,7 +135,7 @@ def _rigid_loop(part: Part) -> Fault:
     return Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
 
 
-def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> Folded:
+def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> CondensedTrain:
     """Number the tree from its roots to its leaves."""
     stations = len(system.stations)
     order, number = way.order, len(way.order)
@@ -154,4 +154,4 @@ def _layout(system: "System", flexibility: FloatArray, ends: _Ends, chosen: Bool
     inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
     tree = Tree(np.where(parent >= 0, place[parent], -1), tree_flexibility, inertia, system.held[source])
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
-    return Folded(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
+    return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)

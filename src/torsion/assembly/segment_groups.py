@@ -120,7 +120,7 @@ def condensed(system: System, most: int = MOST_GROUPS) -> System:
     Inertia and flexibility of a group are reported as sums. The whole system stays at hand in `groups.system`.
     """
     groups = segment_groups(system, most)
-    if groups.is_whole or system.bars is not None or system.folded.extra.size:
+    if groups.is_whole or system.bars is not None or system.condensed.extra.size:
         return system
     rows, inside = [], system.own_stations
     for row in system.rows:

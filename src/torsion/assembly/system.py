@@ -10,7 +10,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.distributed_spans import BarSpans
-from torsion.assembly.referred_tree import Folded, fold
+from torsion.assembly.referred_tree import CondensedTrain, fold
 from torsion.assembly.spans import Row, Span
 from torsion.primitives import Damper, Station
 from torsion.train import Train
@@ -112,7 +112,7 @@ class System:
         return np.isinf(self.inertia)
 
     @cached_property
-    def folded(self) -> Folded:
+    def condensed(self) -> CondensedTrain:
         """The train referred to one speed, as a tree (and the spans that close loops)."""
         return fold(self)
 
@@ -124,18 +124,18 @@ class System:
         return self.inertia if self.bars is None else self.bars.lumped
 
     @cached_property
-    def folded_bars(self) -> "Shafts | None":
+    def condensed_shafts(self) -> "Shafts | None":
         """The spans with distributed inertia and the segment groups, on the tree; None where there are none."""
-        groups, bars, folded = self.groups, self.bars, self.folded
+        groups, bars, condensed = self.groups, self.bars, self.condensed
         if groups is not None:
             from torsion.kernels.distributed.span_laws import Shafts
 
             span = np.flatnonzero(groups.last_span > groups.first_span)
             law = groups.chains(span, self.span_ratio[span])
-            return Shafts(folded.span[span], (law.turned(folded.sign[span] < 0),))
+            return Shafts(condensed.span[span], (law.turned(condensed.sign[span] < 0),))
         if bars is None:
             return None
-        return bars.laws(folded.span[bars.span], self.span_ratio[bars.span], folded.sign[bars.span] < 0)
+        return bars.laws(condensed.span[bars.span], self.span_ratio[bars.span], condensed.sign[bars.span] < 0)
 
     @cached_property
     def damps(self) -> bool:

@@ -97,7 +97,7 @@ class Collected:
             np.concatenate([viscous, *map(np.zeros_like, loss)]), np.concatenate([loss_factor, *loss]),
             self.train.dampers, segments, bars, tuple(rows), requested, resolved_to,
         )  # fmt: skip
-        if bars is not None and system.folded.extra.size:
+        if bars is not None and system.condensed.extra.size:
             why = "no closed loops, and no train that rigid spans hold at several points"
             raise SolveError(f"the model {model} takes {why}; use the lumped model")
         return system

@@ -97,7 +97,7 @@ def brackets(tree: Tree, mode: IntArray, *, tolerance: float | None = None) -> t
     left = np.arange(len(mode))
     while len(left):
         before = found[:, left]
-        found[:, left] = _divided(tree, mode[left], before)
+        found[:, left] = _refined(tree, mode[left], before)
         low, high, *_ = found[:, left]
         width = (high - low) / high
         if tolerance is None:
@@ -108,7 +108,7 @@ def brackets(tree: Tree, mode: IntArray, *, tolerance: float | None = None) -> t
     return found[0], found[1]
 
 
-def _divided(tree: Tree, mode: IntArray, found: FloatArray) -> FloatArray:
+def _refined(tree: Tree, mode: IntArray, found: FloatArray) -> FloatArray:
     """Narrower brackets of `mode` (m,): each divided by points in proportion to the modes that share it.
 
     `found` (4, m): bounds rad/s, and the counts at them.

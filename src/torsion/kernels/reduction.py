@@ -72,19 +72,19 @@ def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
 
 
 def reduce_tree(
-    tree: Tree, known: Rigidity, closing: tuple[IntArray, IntArray, FloatArray] | None = None
+    tree: Tree, known: Rigidity, chords: tuple[IntArray, IntArray, FloatArray] | None = None
 ) -> ReducedTrain:
     """The moving inertias of a tree and the springs between them, with the spans that close loops, if any.
 
-    `closing` gives the stations at both ends and the flexibility (loops,) rad/(N m), positive.
+    `chords` gives the stations at both ends and the flexibility (loops,) rad/(N m), positive.
     """
-    if tree.is_plain and closing is None:
+    if tree.is_plain and chords is None:
         inner, outer = tree.parent[1:], known.body[1:]
         return ReducedTrain(tree.inertia, inner, outer, 1.0 / tree.flexibility[1:], np.zeros(tree.size), True)
     number, total = _bodies(tree, known)
     joined = [(p, i, h) for i, (p, h) in enumerate(zip(tree.parents, tree.flexibility.tolist(), strict=True)) if p >= 0]
-    if closing is not None:
-        joined += zip(*(part.tolist() for part in closing), strict=True)
+    if chords is not None:
+        joined += zip(*(part.tolist() for part in chords), strict=True)
     springs, ground = [], [0.0] * len(total)
     for near, far, flexibility in joined:
         one, other = number[near], number[far]
@@ -93,7 +93,7 @@ def reduce_tree(
                 springs.append((one, other, 1.0 / flexibility))
             else:
                 ground[max(one, other)] += 1.0 / flexibility
-    whole = _train(total, springs, ground, closing is None)
+    whole = _train(total, springs, ground, chords is None)
     return whole if min(total, default=1.0) > 0.0 else _without_massless(whole)
 
 

@@ -28,7 +28,7 @@ def number(value: float | None, digits: int = DIGITS) -> str:
     return f"{mantissa}·10{str(power).translate(SUPERSCRIPT)}".replace("-", "−")
 
 
-def told_apart(values: Sequence[float], digits: int = DIGITS) -> list[str]:
+def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:
     """The values with the same number of significant digits: as many as keep different ones from reading alike."""
     for more in range(digits, MOST_DIGITS):
         found = [number(value, more) for value in values]

@@ -39,12 +39,12 @@ def _check_faults(study: Study) -> list[Fault]:
 
 def _joint_faults(study: Study) -> list[Fault]:
     """Joints that the settings of `joints` name, and any joint at all."""
-    asked = study.analyses.get("joints")
-    if asked is None:
+    requested = study.analyses.get("joints")
+    if requested is None:
         return []
     from torsion.analyses.joints.joint_analysis import JointsSettings, settings_faults
 
-    return settings_faults(study.train, asked) if isinstance(asked, JointsSettings) else []
+    return settings_faults(study.train, requested) if isinstance(requested, JointsSettings) else []
 
 
 def _motion_faults(study: Study) -> list[Fault]:
@@ -68,26 +68,26 @@ def _lateral_faults(study: Study) -> list[Fault]:
         return []
     from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral_faults
 
-    asked = study.analyses.get("lateral")
-    return lateral_faults(study.train, asked if isinstance(asked, LateralSettings) else None)
+    requested = study.analyses.get("lateral")
+    return lateral_faults(study.train, requested if isinstance(requested, LateralSettings) else None)
 
 
 def _response_faults(study: Study) -> Iterator[Fault]:
     """A response runs when it or a rule about it is requested or, where no analysis is named, when a torque excites."""
     ruled = "response" in needed(study)
-    asked = study.analyses.get("response")
-    if not ruled and asked is None and (study.analyses or not study.train.torques):
+    requested = study.analyses.get("response")
+    if not ruled and requested is None and (study.analyses or not study.train.torques):
         return
     speeds = study.operation.speeds is not None
-    frequencies = getattr(asked, "frequencies", None) is not None
-    if asked is not None and not speeds and not frequencies:
+    frequencies = getattr(requested, "frequencies", None) is not None
+    if requested is not None and not speeds and not frequencies:
         hint = f"{_SPEEDS}, or `response: {{frequencies: {{from: 1, to: 200}}}}`"
         yield Fault(("analyses", "response"), "a response needs speeds or frequencies", hint)
     if any(torque.table for torque in study.train.torques):
         from torsion.analyses.steady import table_faults
 
         yield from table_faults(study)
-    yield from _speed_faults(study, speeds=speeds or asked is not None or ruled, frequencies=frequencies)
+    yield from _speed_faults(study, speeds=speeds or requested is not None or ruled, frequencies=frequencies)
     if speeds and not study.operation.has_mean_torque:
         yield from _mean_torque_faults(study)
 

@@ -92,7 +92,7 @@ def test_torques_at_driving_ends_are_in_equilibrium_with_what_drives():
         response = torsion.response(study, system, speeds=speed)
         assert found.ends.name[0] == "intermediate shaft"
         line = [one.line.order for one in found.loads].index(2)
-        angle = response.angle[response.asked][:, line, 0]
+        angle = response.angle[response.requested][:, line, 0]
         driven = 50.0 * np.exp(1j * math.radians(20.0)) + 3.0 * (2.0 * speed) ** 2 * angle
         np.testing.assert_allclose(eliminated(found)[line][:, 0], driven, rtol=1e-9)
 

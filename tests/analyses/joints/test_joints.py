@@ -152,7 +152,7 @@ def test_joint_turns_the_other_way_round_the_same(build, dense):
     one, speed = excitations(system)[0], np.array([7.0])
     ground = ground_damping(system, speed, None)
     found = answer(system, 2.0 * speed, sources(system, one, speed, None), ground)
-    assert system.folded.sign[one.errors[0].span] == -1.0
+    assert system.condensed.sign[one.errors[0].span] == -1.0
     angle, torque = dense(
         system, 14.0, np.zeros(len(system.stations)), ground[:, 0], {one.errors[0].span: one.errors[0].amplitude}
     )

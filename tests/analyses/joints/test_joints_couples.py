@@ -24,9 +24,9 @@ ORACLES = json.loads((Path(__file__).parents[2] / "kinematics" / "oracles.json")
 TRIPOD = {"kind": "tripod", "radius": 0.03, "arm": 0.6}
 
 
-def one(joint, **asked):
+def one(joint, **requested):
     """The joint alone."""
-    result = joints(train([joint]), Operation(), JointsSettings(**asked))
+    result = joints(train([joint]), Operation(), JointsSettings(**requested))
     return result.angle, result.joints[0]
 
 
@@ -122,8 +122,8 @@ def test_every_joint_carries_the_mean_torque_of_its_own_shaft():
     known = steady(built, system, operation, np.array([40.0, 100.0]))
     passed = joints(built, operation, steady=known).joints
     assert {joint.name: joint.torque for joint in passed} == pytest.approx(found, rel=1e-14)
-    asked = joints(built, operation, JointsSettings(torque=7.0), known).joints
-    assert [joint.torque for joint in asked] == [7.0, 7.0, 7.0]
+    requested = joints(built, operation, JointsSettings(torque=7.0), known).joints
+    assert [joint.torque for joint in requested] == [7.0, 7.0, 7.0]
 
 
 @pytest.mark.parametrize("keys", [{}, TRIPOD, {"kind": "cv"}])

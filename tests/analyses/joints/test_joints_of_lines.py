@@ -33,8 +33,8 @@ def ma(phase: float) -> list:
     return [Joint(angle="15 deg"), Joint(name="rear", angle="20 deg", plane="10 deg", phase=f"{phase} deg")]
 
 
-def found(components, operation=NONE, **asked):
-    return joints(train(components), operation, JointsSettings(**asked))
+def found(components, operation=NONE, **requested):
+    return joints(train(components), operation, JointsSettings(**requested))
 
 
 @pytest.mark.parametrize(
@@ -219,7 +219,7 @@ def test_line_with_nothing_to_choose_says_so():
 
 
 @pytest.mark.parametrize(
-    ("asked", "path", "words"),
+    ("requested", "path", "words"),
     [
         ({"joint": "joint-2"}, "joint", "nothing is optimised"),
         ({"joint": "joint-9", "optimise": "phase"}, "joint", "no joint is called"),
@@ -228,9 +228,9 @@ def test_line_with_nothing_to_choose_says_so():
         ({"bearings": {"joint-9": 0.2}}, "bearings", "no joint is called"),
     ],
 )
-def test_setting_that_names_no_free_joint_is_refused(asked, path, words):
+def test_setting_that_names_no_free_joint_is_refused(requested, path, words):
     with pytest.raises(InputError, match=words) as caught:
-        found([Joint(angle="5 deg"), Joint(angle="5 deg"), Joint(angle="5 deg", kind="cv")], **asked)
+        found([Joint(angle="5 deg"), Joint(angle="5 deg"), Joint(angle="5 deg", kind="cv")], **requested)
     assert caught.value.faults[0].path[:3] == ("analyses", "joints", path)
 
 

@@ -199,10 +199,10 @@ def test_answer_to_end_couples_is_that_of_the_differential_equation(speed: float
         second = _line(stiff, sign * w, speed, far, LENGTH - x)
         total = [one - other for one, other in zip(first, second, strict=True)]
         parts.append([np.conj(t) if sign < 0 else t for t in total])
-    for told, forward, backward in zip((found.displacement, found.moment), *parts, strict=True):
+    for stated, forward, backward in zip((found.displacement, found.moment), *parts, strict=True):
         y, z = forward + backward, -1j * (forward - backward)
         exact = np.stack([y, z], axis=-1)
-        np.testing.assert_allclose(told[0], exact, rtol=0, atol=1e-11 * np.abs(exact).max())
+        np.testing.assert_allclose(stated[0], exact, rtol=0, atol=1e-11 * np.abs(exact).max())
     assert found.status[0] == Status.OK
 
 
@@ -272,8 +272,10 @@ def test_equal_supports_given_apart_answer_as_equal_ones() -> None:
         for pair in springs
     )
     assert (one.is_isotropic, other.is_isotropic) == (True, False)
-    told = [answer(both, 2, np.array([300.0]), COUPLE[None]) for both in (one, other)]
-    np.testing.assert_allclose(told[1].displacement, told[0].displacement, rtol=0, atol=1e-10 * told[0].orbit.max())
+    stated = [answer(both, 2, np.array([300.0]), COUPLE[None]) for both in (one, other)]
+    np.testing.assert_allclose(
+        stated[1].displacement, stated[0].displacement, rtol=0, atol=1e-10 * stated[0].orbit.max()
+    )
     rows = [whirl(both, np.array([300.0]), 2) for both in (one, other)]
     order = np.argsort(rows[0].frequency[0])
     np.testing.assert_allclose(rows[1].frequency[0], rows[0].frequency[0, order], rtol=1e-9)

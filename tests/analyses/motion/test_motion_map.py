@@ -106,19 +106,19 @@ def test_map_of_a_geared_train_keeps_the_modes_that_its_stability_keeps():
 
 
 def test_map_tells_its_progress_and_needs_a_joint():
-    told: list[float] = []
+    stated: list[float] = []
     stability_map(
-        *long_train(), SPEEDS[:1], "angle", np.radians([5.0]), progress=lambda what, share: told.append(share)
+        *long_train(), SPEEDS[:1], "angle", np.radians([5.0]), progress=lambda what, share: stated.append(share)
     )
-    assert told == [0.0]
+    assert stated == [0.0]
     built = train([Disc(inertia=1.0), Coupling(stiffness=1e4), Disc(inertia=1.0)])
     with pytest.raises(SolveError, match="needs a joint"):
         stability_map(Study("none", built), assemble(built), SPEEDS, "damping", np.array([1.0]))
 
 
 def test_settings_read_ranges_and_refuse_what_cannot_be():
-    asked = StabilitySettings(method="hill", map={"over": "angle", "from": "1 deg", "to": "30 deg", "steps": 3})
-    assert asked.map.values() == pytest.approx(np.radians([1.0, 15.5, 30.0]))
+    requested = StabilitySettings(method="hill", map={"over": "angle", "from": "1 deg", "to": "30 deg", "steps": 3})
+    assert requested.map.values() == pytest.approx(np.radians([1.0, 15.5, 30.0]))
     for wrong in ({"from": "3 deg", "to": "1 deg"}, {"from": "0 deg", "to": "95 deg"}, {"from": 1, "to": "2 deg"}):
         with pytest.raises(ValueError, match=r"`from`|out of range|no unit"):
             MapSettings(over="angle", **wrong)

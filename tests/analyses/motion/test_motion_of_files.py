@@ -186,8 +186,8 @@ NOTHING_TO_VARY = [
 @pytest.mark.parametrize(("over", "change", "words"), NOTHING_TO_VARY)
 def test_map_over_what_the_train_does_not_have_is_refused_where_it_is_asked(over, change, words):
     ends = "from: 1 deg, to: 2 deg" if over == "angle" else "from: 0, to: 2"
-    asked = f"stability: {{map: {{over: {over}, {ends}}}}}"
-    text = TRAIN.format(analyses=asked, angle=20, phase=0, damping=8, first=50, last=80, steps=2)
+    requested = f"stability: {{map: {{over: {over}, {ends}}}}}"
+    text = TRAIN.format(analyses=requested, angle=20, phase=0, damping=8, first=50, last=80, steps=2)
     torsion.parse(text, "six.yaml")
     without = re.sub(*change, text)
     assert without != text
@@ -236,10 +236,10 @@ def test_joints_that_repeat_together_only_after_many_turns_are_left_out_unasked(
     assert words in dict(found.plan.left_out)["exact periodic response"]
 
 
-@pytest.mark.parametrize("asked", ["response: {method: harmonic-balance}", "stability: "])
-def test_joints_that_never_repeat_within_reach_leave_out_what_needs_it_and_nothing_else(asked):
-    text = GEARED.format(teeth="97, 101", analyses=f"modes: , {asked}")
-    found, plain = torsion.run(torsion.parse(text)), torsion.run(torsion.parse(text.replace(f", {asked}", "")))
+@pytest.mark.parametrize("requested", ["response: {method: harmonic-balance}", "stability: "])
+def test_joints_that_never_repeat_within_reach_leave_out_what_needs_it_and_nothing_else(requested):
+    text = GEARED.format(teeth="97, 101", analyses=f"modes: , {requested}")
+    found, plain = torsion.run(torsion.parse(text)), torsion.run(torsion.parse(text.replace(f", {requested}", "")))
     assert found.get(PeriodicResponse) is None
     assert found.get(Stability) is None
     assert found.need(Modes).frequency.tolist() == plain.need(Modes).frequency.tolist()

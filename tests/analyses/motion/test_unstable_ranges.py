@@ -50,7 +50,7 @@ class Gap(Search):
 
 
 def known(speeds: list[float], gap: tuple[float, float] = (np.inf, np.inf)) -> Search:
-    """The swing, asked at some speeds, without a periodic motion between two."""
+    """The swing, requested at some speeds, without a periodic motion between two."""
     whole = growth_search(*swing())
     ask = Gap(whole.at, whole.shapes, whole.reduced, whole.method, {})
     ask.gap = gap

@@ -161,8 +161,8 @@ def test_ring_without_damping_and_stiffness_takes_no_part(build):
     given = {"frequencies": np.array([1.0, 2.0])}
     plain = frequency_response(*build(alone, excitations=excite), **given)
     found = frequency_response(*build(ringed, excitations=excite), **given)
-    rows = np.isin(found.frequency, plain.frequency[plain.asked])
-    assert found.angle[rows][:, :2] == pytest.approx(plain.angle[plain.asked], rel=1e-14)
+    rows = np.isin(found.frequency, plain.frequency[plain.requested])
+    assert found.angle[rows][:, :2] == pytest.approx(plain.angle[plain.requested], rel=1e-14)
     assert not found.angle[:, 2].any()
 
 
@@ -213,7 +213,7 @@ def test_no_peak_falls_between_two_speeds(build, operation, zeta, known):
     found = response(study, system, **given)
     exact = 1.0 / (2 * zeta * math.sqrt(1 - zeta**2))
     assert np.abs(found.torque).max() == pytest.approx(exact, rel=2e-5)
-    assert found.asked.sum() == 4
+    assert found.requested.sum() == 4
     assert len(found.speed) < 50
 
 
@@ -317,7 +317,7 @@ def test_frequency_response_catches_the_peak_of_a_light_mode(build):
     found = frequency_response(study, system, frequencies=np.linspace(1.0, 30.0, 5))
     assert np.abs(found.angle[:, 1]).max() == pytest.approx(1.0, rel=1e-6)
     assert (found.status == Status.OK).all()
-    assert found.asked.sum() == 5
+    assert found.requested.sum() == 5
 
 
 def test_many_resonances_are_bounded_in_number_and_it_is_said(build, operation, monkeypatch):

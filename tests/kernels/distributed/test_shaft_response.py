@@ -48,10 +48,10 @@ def _exact(trains, w: float, eta: float, force: list[complex]):
             ends.append((before, state[1, :]))
     first = -state[1, 1] / state[1, 0]
 
-    def told(rows):
+    def stated(rows):
         return np.array([complex(row[0] * first + row[1]) for row in rows])
 
-    return told(places), told([a for a, _ in ends]), told([b for _, b in ends])
+    return stated(places), stated([a for a, _ in ends]), stated([b for _, b in ends])
 
 
 @pytest.mark.parametrize("eta", [0.0, 0.02])

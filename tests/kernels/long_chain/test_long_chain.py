@@ -91,8 +91,8 @@ def test_rigid_spans_and_massless_stations_are_merged_without_loss(exact_modes, 
         sign = np.sign(modes.angle[lead[mode], mode] * float(angle[lead[mode]]))
         free = tree.flexibility[1:] > 0  # what a rigid span to a fixed station carries is compared below
         moved = np.array([float(t / largest[mode]) for t in torque[1:]])
-        told = sign * modes.torque[1:, mode] / float(largest[mode])
-        np.testing.assert_allclose(told[free], moved[free], atol=1e-13)
+        stated = sign * modes.torque[1:, mode] / float(largest[mode])
+        np.testing.assert_allclose(stated[free], moved[free], atol=1e-13)
         np.testing.assert_allclose(sign * modes.angle[:, mode], [float(a) for a in angle], rtol=1e-11, atol=0)
 
 
@@ -143,9 +143,9 @@ def test_stiff_long_row_is_enclosed_as_the_rigorous_counts_of_the_tree_say():
 
 
 def test_progress_is_told_after_every_mode():
-    told = []
-    tree_modes(_uniform(3000), 5, progress=lambda done, wanted: told.append((done, wanted)))
-    assert told == [(k, 5) for k in range(1, 6)]
+    stated = []
+    tree_modes(_uniform(3000), 5, progress=lambda done, wanted: stated.append((done, wanted)))
+    assert stated == [(k, 5) for k in range(1, 6)]
 
 
 def test_two_equal_halves_on_a_soft_span_are_left_to_the_tree():

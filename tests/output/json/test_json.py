@@ -62,9 +62,9 @@ def test_numbers_come_back_to_the_last_digit(train: Findings) -> None:
 
 
 def test_orders_are_exact_texts(train: Findings) -> None:
-    told = [line["order"] for line in results(train)["response"]["lines"]]
-    assert told == [str(line.order) for line in train.need(Response).lines]
-    assert "80/41" in told
+    stated = [line["order"] for line in results(train)["response"]["lines"]]
+    assert stated == [str(line.order) for line in train.need(Response).lines]
+    assert "80/41" in stated
 
 
 def test_a_line_that_is_not_ok_has_its_word_and_no_number(undamped: Findings) -> None:

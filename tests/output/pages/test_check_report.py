@@ -72,17 +72,17 @@ def test_every_key_is_documented_and_every_documented_key_is_there(good: Finding
 
 
 def test_what_a_model_does_not_have_is_null_in_strict_json(coarse: Findings) -> None:
-    told = json.loads(text(coarse), parse_constant=pytest.fail)["check"]
-    lumped = told["models"][1]
-    assert told["failed"] == ["lumped"]
+    stated = json.loads(text(coarse), parse_constant=pytest.fail)["check"]
+    lumped = stated["models"][1]
+    assert stated["failed"] == ["lumped"]
     assert lumped["frequency_Hz"][4:] == lumped["frequency_error"][4:] == lumped["shape_error"][4:] == [None, None]
     assert lumped["modes_below"] == 4
     assert json.loads(text(coarse, REPORTS["check"].keys))["check"]["models"][1] == lumped
 
 
 def test_numbers_come_back_to_the_last_digit(good: Findings) -> None:
-    told = json.loads(text(good))["check"]
-    for model, back in zip(good.need(Compared).all_models, told["models"], strict=True):
+    stated = json.loads(text(good))["check"]
+    for model, back in zip(good.need(Compared).all_models, stated["models"], strict=True):
         np.testing.assert_array_equal(back["frequency_error"], model.frequency_error)
         np.testing.assert_array_equal(back["torques"]["error"], model.torques.error)
 

@@ -1,4 +1,4 @@
-"""The mode shapes as a file: what is read back, what is refused, and that nothing is loaded unless it is asked."""
+"""The mode shapes as a file: what is read back, what is refused, and that nothing is loaded unless it is requested."""
 
 import subprocess
 import sys
@@ -133,13 +133,13 @@ def test_without_the_option_the_report_has_no_picture_of_it(train: Findings) -> 
     assert "The twisted train" in headings(("vtu",))
 
 
-@pytest.mark.parametrize("asked", [False, True])
-def test_meshio_is_loaded_only_when_asked(asked: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize("requested", [False, True])
+def test_meshio_is_loaded_only_when_asked(requested: bool, tmp_path: Path) -> None:
     file = tmp_path / "scene.yaml"
     file.write_text("name: x\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n")
-    program = LOADED.format(file=str(file), out=str(tmp_path / "out"), vtu=asked)
+    program = LOADED.format(file=str(file), out=str(tmp_path / "out"), vtu=requested)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == str(asked)
+    assert done.stdout.strip() == str(requested)
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,7 @@ def ready(
 ) -> System:
     """A system with its tree and the laws of its shafts, which are made when first used."""
     system = assemble(train, model, frequency=frequency, degree=degree, elements=elements)
-    _ = system.folded, system.folded_bars
+    _ = system.condensed, system.condensed_shafts
     return system
 
 
@@ -119,7 +119,7 @@ def reference(study: Study, highest: float, count: int | None) -> Reference:
 
 
 def _count_up_to(system: System, highest: float) -> int:
-    if highest <= 0.0 or system.folded_bars is None:
+    if highest <= 0.0 or system.condensed_shafts is None:
         return COUNT
     from torsion.analyses.bars import reach
 

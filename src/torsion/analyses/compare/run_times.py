@@ -83,7 +83,7 @@ def study_times(
     `highest`. no_response: why there is no response to compare, '' where there is one. Raises InputError for
     shafts in a train with closed loops, of which there is no exact model, and SolveError.
     """
-    if has_shafts(study.train) and assemble(study.train).folded.extra.size:
+    if has_shafts(study.train) and assemble(study.train).condensed.extra.size:
         raise InputError([loop_fault(("links",))])
     effort = QUICK if quick else FULL
     report = progress or (silent)

@@ -15,7 +15,7 @@ from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.compare.torque_methods import Harmonics, Loaded, Torques, driving_ends, elimination, loaded
 from torsion.analyses.discretisation import assembled, discretisation_words
 from torsion.analyses.response.harmonic_components import Line, excitations
-from torsion.analyses.response.over_speed import asked_orders
+from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
@@ -148,12 +148,12 @@ class Compared:
         return bool(self.failed)
 
 
-def check(study: Study, asked: CheckSettings | None = None, *, progress: Progress | None = None) -> Compared:
+def check(study: Study, requested: CheckSettings | None = None, *, progress: Progress | None = None) -> Compared:
     """Every requested model against the exact one, for the modes and the orders that the study says.
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
-    settings, report = asked or CheckSettings(), progress or (silent)
+    settings, report = requested or CheckSettings(), progress or (silent)
     if not has_shafts(study.train):
         return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
     faults = loop_faults(study, ("links",))
@@ -178,7 +178,7 @@ def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None,
 
     None, 0 and why where no torques can be compared.
     """
-    speeds, orders = study.operation.speeds, asked_orders(study)
+    speeds, orders = study.operation.speeds, requested_orders(study)
     if not excitations(system, orders):
         return None, 0.0, "nothing excites the train at an order or a fixed frequency"
     if speeds is None:

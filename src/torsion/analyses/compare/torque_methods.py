@@ -197,8 +197,8 @@ def dense(given: Loaded) -> Dense:
     system = given.system
     view = matrices(system, ground_damping=np.zeros(len(system.stations)))
     referred = view.basis / system.speed_ratio[:, None]
-    node = np.zeros((system.folded.tree.size, referred.shape[1]))
-    node[system.folded.node] = referred
+    node = np.zeros((system.condensed.tree.size, referred.shape[1]))
+    node[system.condensed.node] = referred
     elastic = (system.flexibility > 0) & np.isfinite(system.flexibility)
     stiffness = np.divide(1.0, system.flexibility, out=np.zeros(len(elastic)), where=elastic)
     return Dense(given, view, node, system.twist(referred), stiffness * (1.0 + 1j * system.loss_factor))
@@ -232,13 +232,13 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
 
 def _imposed(system: System, load: Load) -> ComplexArray:
     """(stations, frequencies) rad referred to one speed: how far joints displace what stands behind them, at rest."""
-    folded, twist = system.folded, load.sources.twist
-    angle = np.zeros((folded.tree.size, len(load.w)), dtype=np.complex128)
+    condensed, twist = system.condensed, load.sources.twist
+    angle = np.zeros((condensed.tree.size, len(load.w)), dtype=np.complex128)
     if twist is not None:
-        for station, parent in enumerate(folded.tree.parents):
+        for station, parent in enumerate(condensed.tree.parents):
             if parent >= 0:
                 angle[station] = angle[parent] + twist[station]
-    return np.asarray(angle[folded.node])
+    return np.asarray(angle[condensed.node])
 
 
 def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArray]:
@@ -257,16 +257,16 @@ def _superposed(given: Loaded, found: Modes, load: Load, still: ComplexArray | N
     """Of one harmonic component, from modes each damped by itself; what couples them is left out."""
     system, w, n, twist = given.system, load.w, 2.0 * np.pi * found.frequency, load.sources.twist
     referred = found.shape / system.speed_ratio[:, None]  # (stations, modes) rad
-    node = np.zeros((system.folded.tree.size, referred.shape[1]))
-    node[system.folded.node] = referred
+    node = np.zeros((system.condensed.tree.size, referred.shape[1]))
+    node[system.condensed.node] = referred
     loss_factor, of_spans = system.loss_factor @ found.elastic, system.viscous @ system.twist(referred) ** 2
     force = load.sources.force.T @ node
     turned = np.zeros_like(force)
     if twist is not None:
-        in_tree = np.flatnonzero(system.folded.span >= 0)
-        factor = (system.folded.sign * system.span_ratio)[in_tree, None]
-        turned = turned - twist[system.folded.span[in_tree]].T @ (factor * found.torque[in_tree])
-    angle = (node[system.folded.node] * system.speed_ratio[:, None]).T
+        in_tree = np.flatnonzero(system.condensed.span >= 0)
+        factor = (system.condensed.sign * system.span_ratio)[in_tree, None]
+        turned = turned - twist[system.condensed.span[in_tree]].T @ (factor * found.torque[in_tree])
+    angle = (node[system.condensed.node] * system.speed_ratio[:, None]).T
     viscous = of_spans + load.ground.T @ (angle.T**2)
     lossy = n**2 * (1.0 + 1j * loss_factor)
     spring = lossy + 1j * np.outer(w, of_spans)  # a twist is resisted elastically and by damping

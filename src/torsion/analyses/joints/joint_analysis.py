@@ -54,7 +54,7 @@ class JointsSettings(Declared):
 
 
 def joints(
-    train: Train, operation: Operation, asked: JointsSettings | None = None, steady: Steady | None = None
+    train: Train, operation: Operation, requested: JointsSettings | None = None, steady: Steady | None = None
 ) -> Joints:
     """All joints of a train over the turns of each line's first shaft; the rest of the train is taken as rigid.
 
@@ -62,7 +62,7 @@ def joints(
     a `torque` that is given stands in its place everywhere. `steady` saves computing the mean torques again.
     Raises InputError where the train has no joint, or a setting names none.
     """
-    wanted = asked or JointsSettings()
+    wanted = requested or JointsSettings()
     every = placed(train)
     if faults := _faults(every, wanted):
         raise InputError(faults)
@@ -80,7 +80,7 @@ def _joint(
     every: Sequence[Placed],
     position: int,
     behind: Behind,
-    asked: JointsSettings,
+    requested: JointsSettings,
     *,
     speed: float | None,
     torque: float | None,
@@ -89,8 +89,8 @@ def _joint(
     pair: tuple[CoupleFound, ...] = ()
     force = 0.0
     if torque is not None:
-        distance = asked.bearings.get(place.name)
-        pair, force = couples_found(place, behind.yoke, torque, asked.carrier, distance)
+        distance = requested.bearings.get(place.name)
+        pair, force = couples_found(place, behind.yoke, torque, requested.carrier, distance)
     return JointFound(
         name=place.name, part=place.part, kind=place.joint.kind,
         angle=place.joint.angle, plane=place.joint.plane, phase=place.joint.phase, yoke=place.joint.yoke,
@@ -111,11 +111,11 @@ def _unevenness(place: Placed) -> float:
 
 
 def _torques(
-    train: Train, operation: Operation, every: Sequence[Placed], asked: JointsSettings, known: Steady | None
+    train: Train, operation: Operation, every: Sequence[Placed], requested: JointsSettings, known: Steady | None
 ) -> tuple[list[float | None], list[str]]:
     """Mean torque in the driving shaft of every joint, N m, and what to say where it is not known."""
-    if asked.torque is not None:
-        return [asked.torque] * len(every), []
+    if requested.torque is not None:
+        return [requested.torque] * len(every), []
     speed = operation.speed
     if not speed or not operation.has_mean_torque:
         return [None] * len(every), ["no torque is known: secondary couples are left out"]
@@ -125,14 +125,14 @@ def _torques(
     return [float(known.torque[place.span, column]) for place in every], []
 
 
-def _optimum(every: Sequence[Placed], path: tuple[int, ...], asked: JointsSettings) -> OptimumFound | None:
-    if asked.optimise is None:
+def _optimum(every: Sequence[Placed], path: tuple[int, ...], requested: JointsSettings) -> OptimumFound | None:
+    if requested.optimise is None:
         return None
-    free = None if asked.joint is None else [k for k, place in enumerate(every) if place.name == asked.joint]
-    return optimum_found(every, path, asked.optimise, free)
+    free = None if requested.joint is None else [k for k, place in enumerate(every) if place.name == requested.joint]
+    return optimum_found(every, path, requested.optimise, free)
 
 
-def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], asked: JointsSettings) -> list[str]:
+def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings) -> list[str]:
     """What a reader must know of the lines."""
     found = []
     for line in lines:
@@ -140,43 +140,43 @@ def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], asked: JointsS
         if has_third_order(every, line.joints):
             found.append(f"{names}: the resulting angle and the optimum are of the cross joints alone; "
                          "speeds include the tripods")  # fmt: skip
-        if asked.optimise and line.optimum is None:
-            found.append(f"{names}: no {asked.optimise} of a cross joint is free to be chosen on this line")
+        if requested.optimise and line.optimum is None:
+            found.append(f"{names}: no {requested.optimise} of a cross joint is free to be chosen on this line")
     return found
 
 
-def settings_faults(train: Train, asked: JointsSettings) -> list[Fault]:
+def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:
     """Faults of the settings against the train."""
-    return _faults(placed(train), asked)
+    return _faults(placed(train), requested)
 
 
-def _faults(every: Sequence[Placed], asked: JointsSettings) -> list[Fault]:
+def _faults(every: Sequence[Placed], requested: JointsSettings) -> list[Fault]:
     if not every:
         return [Fault(PLACE, "the train has no joint", "add one: `- joint: {angle: 5 deg}`")]
     names = [place.name for place in every]
     there = f"joints: {', '.join(names)}"
     faults = [
         Fault((*PLACE, "bearings", name), f"no joint is called '{name}'", there, at_key=True)
-        for name in asked.bearings
+        for name in requested.bearings
         if name not in names
     ]
-    if asked.joint is not None and asked.joint not in names:
-        faults.append(Fault((*PLACE, "joint"), f"no joint is called '{asked.joint}'", there))
-    elif asked.joint is not None:
-        faults += _freedom(every[names.index(asked.joint)], asked)
+    if requested.joint is not None and requested.joint not in names:
+        faults.append(Fault((*PLACE, "joint"), f"no joint is called '{requested.joint}'", there))
+    elif requested.joint is not None:
+        faults += _freedom(every[names.index(requested.joint)], requested)
     return faults
 
 
-def _freedom(place: Placed, asked: JointsSettings) -> list[Fault]:
+def _freedom(place: Placed, requested: JointsSettings) -> list[Fault]:
     """The joint that may be changed must change something."""
     where = (*PLACE, "joint")
-    if asked.optimise is None:
+    if requested.optimise is None:
         message = "`joint` names what may be changed, and nothing is optimised"
         return [Fault(where, message, "add `optimise: phase`")]
     if place.joint.kind != "cross":
         return [Fault(where, f"'{place.name}' is no cross joint; it has nothing to choose", "name a cross joint")]
-    if place.before is None and asked.optimise != "angle":
-        message = f"'{place.name}' is the first of its line; its {asked.optimise} changes nothing"
+    if place.before is None and requested.optimise != "angle":
+        message = f"'{place.name}' is the first of its line; its {requested.optimise} changes nothing"
         return [Fault(where, message, "name a later joint")]
     return []
 

@@ -72,14 +72,14 @@ def extent(pairs: ComplexArray) -> FloatArray:
     return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
 
 
-def speeds_for(asked: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:
+def speeds_for(requested: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:
     """The speeds requested, and more around the resonances between them, which are there themselves."""
-    added = [asked]
+    added = [requested]
     for resonance in resonances:
         steps = ASIDE if resonance.damping_ratio < UNDAMPED else resonance.damping_ratio * np.append(STEPS, 0.0)
         added.append(resonance.speed * (1.0 + steps[np.abs(steps) < 1.0]))
     every: FloatArray = np.unique(np.concatenate(added))
-    inside: FloatArray = every[(every >= asked.min()) & (every <= asked.max())]
+    inside: FloatArray = every[(every >= requested.min()) & (every <= requested.max())]
     return inside
 
 

@@ -108,15 +108,15 @@ class Lateral:
 
 
 def lateral(
-    train: Train, operation: Operation, asked: LateralSettings | None = None, *, progress: Progress | None = None
+    train: Train, operation: Operation, requested: LateralSettings | None = None, *, progress: Progress | None = None
 ) -> Lateral:
     """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
     Raises InputError where no shaft is supported, or a support or a material is at fault; SolveError where the
     requested modes are out of reach.
     """
-    wanted = asked or LateralSettings()
-    if faults := lateral_faults(train, asked):
+    wanted = requested or LateralSettings()
+    if faults := lateral_faults(train, requested):
         raise InputError(faults)
     every, (shafts, _) = placed(train), bending_shafts(train)
     supported = [shaft for shaft in shafts if not shaft.lacks]
@@ -139,39 +139,39 @@ def lateral(
     return Lateral(tuple(found), tuple(remarks), wanted.shear)
 
 
-def lateral_faults(train: Train, asked: LateralSettings | None) -> list[Fault]:
+def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Fault]:
     """Supports and materials at fault; where bending is requested and no shaft is supported, that too."""
     shafts, faults = bending_shafts(train)
     supported = [shaft for shaft in shafts if not shaft.lacks]
     if not faults and not supported:
-        faults += _none_held(train, shafts, asked is not None)
-    if asked is not None and asked.shear:
+        faults += _none_held(train, shafts, requested is not None)
+    if requested is not None and requested.shear:
         faults += [fault for shaft in supported for fault in _shear_faults(train, shaft)]
     return faults
 
 
-def _torques(train: Train, operation: Operation, asked: LateralSettings, every: Sequence[Placed]) -> Torques | None:
+def _torques(train: Train, operation: Operation, requested: LateralSettings, every: Sequence[Placed]) -> Torques | None:
     """(joints, speeds) N m, mean, in the driving shafts of all joints, of reference speeds, rad/s; None if unknown."""
-    if not every or (asked.torque is None and not operation.has_mean_torque):
+    if not every or (requested.torque is None and not operation.has_mean_torque):
         return None
-    if (known := asked.torque) is not None:
+    if (known := requested.torque) is not None:
         return lambda speed: np.full((len(every), len(speed)), known)
     system, spans = assemble(train), [place.span for place in every]
     return lambda speed: np.asarray(mean_torques(train, system, operation, speed).torque[spans])
 
 
 def _found(
-    every: Sequence[Placed], shaft: BendingShaft, asked: LateralSettings, reference: FloatArray | None,
+    every: Sequence[Placed], shaft: BendingShaft, requested: LateralSettings, reference: FloatArray | None,
     torque: Torques | None,
 ) -> ShaftFound:  # fmt: skip
     ratio = float(shaft.ratio)
     own = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
-    both, critical = _divided(shaft, asked, own, excited)
+    both, critical = _refined(shaft, requested, own, excited)
     critical = tuple(replace(crossing, ratio=ratio) for crossing in critical)
     some = slice(0) if own is None else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
-    map_of = None if own is None else replace(whirl(both, own[some], asked.modes), ratio=ratio)
-    rest = _hertz(both.y.frequency, asked.modes), _hertz(both.z.frequency, asked.modes)
+    map_of = None if own is None else replace(whirl(both, own[some], requested.modes), ratio=ratio)
+    rest = _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
     answers: tuple[Answer, ...] = ()
     tilt, remark = None, ""
     if own is not None and reference is not None and shaft.joints and torque is not None:
@@ -179,7 +179,7 @@ def _found(
         tilt, remark = tilting(shaft, every, lambda speeds: torque(speeds)[first], reference, rest)
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
         grid = speeds_for(own, resonances)
-        couple = couples_at(every, shaft, torque(grid / ratio), asked.carrier)
+        couple = couples_at(every, shaft, torque(grid / ratio), requested.carrier)
         answers = tuple(replace(answer(both, order, grid, couple[order]), ratio=ratio) for order in couple)
     system = both.system
     return ShaftFound(
@@ -193,36 +193,36 @@ def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
     return np.asarray(frequency[:modes] / (2.0 * np.pi))
 
 
-def _divided(
-    shaft: BendingShaft, asked: LateralSettings, speed: FloatArray | None, excited: tuple[int, ...]
+def _refined(
+    shaft: BendingShaft, requested: LateralSettings, speed: FloatArray | None, excited: tuple[int, ...]
 ) -> tuple[Planes, tuple[Critical, ...]]:
     """The shaft in as many elements as the highest frequency that is reported of it needs."""
     highest = 0.0 if speed is None else float(speed[-1]) * max((1, *excited))
     elements = 1
     for _ in range(_ROUNDS):
-        system = assemble_lateral(shaft.beam, frequency=highest, shear=asked.shear, elements=elements)
+        system = assemble_lateral(shaft.beam, frequency=highest, shear=requested.shear, elements=elements)
         both = planes(system)
         critical = tuple(
-            crossing for order in (1, *excited) for crossing in criticals(both, order, np.inf)[: 2 * asked.modes]
+            crossing for order in (1, *excited) for crossing in criticals(both, order, np.inf)[: 2 * requested.modes]
         )
         reported_of = [np.array([crossing.frequency for crossing in critical])]
-        reported_of += [_hertz(plane.frequency, asked.modes) for plane in (both.y, both.z)]
-        reported_of += [] if speed is None else [whirl(both, speed[-1:], asked.modes).frequency]
+        reported_of += [_hertz(plane.frequency, requested.modes) for plane in (both.y, both.z)]
+        reported_of += [] if speed is None else [whirl(both, speed[-1:], requested.modes).frequency]
         reached = 2.0 * np.pi * float(max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of))
-        spare = len(system.free) >= _SPARE * asked.modes
+        spare = len(system.free) >= _SPARE * requested.modes
         if spare and reached <= highest:
             return both, critical
         highest, elements = max(highest, 1.01 * reached), elements if spare else 2 * elements
     raise SolveError(f"{shaft.name}: its bending modes need too many elements; give fewer `modes`")
 
 
-def _none_held(train: Train, shafts: Sequence[BendingShaft], is_asked: bool) -> list[Fault]:
+def _none_held(train: Train, shafts: Sequence[BendingShaft], is_requested: bool) -> list[Fault]:
     """At the keys where every shaft lacks something; else where bending is requested, or at the first support."""
     named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
     if named:
         return named
     held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
-    where: Path = PLACE if is_asked or not held else (*held[0], "support")
+    where: Path = PLACE if is_requested or not held else (*held[0], "support")
     if not shafts:
         return [Fault(where, "the train has no shaft, and nothing else bends", at_key=True)]
     reasons = "; ".join(f"{shaft.name}: {shaft.lacks}" for shaft in shafts)

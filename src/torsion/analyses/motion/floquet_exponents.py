@@ -245,7 +245,7 @@ def damped(at: Scene, shapes: Basis) -> Scene:
     return replace(at, layout=viscous(at.layout, shapes))
 
 
-def modes_that_matter(at: Scene, shapes: Basis, fastest: float, asked: int | None = None) -> Basis:
+def modes_that_matter(at: Scene, shapes: Basis, fastest: float, requested: int | None = None) -> Basis:
     """The rigid motions and as many elastic modes as requested.
 
     Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 3 to 12 elastic ones.
@@ -253,5 +253,5 @@ def modes_that_matter(at: Scene, shapes: Basis, fastest: float, asked: int | Non
     elastic = shapes.frequency[shapes.rigid :]
     highest = HIGHEST * float(max(at.layout.orders, default=at.order)) * fastest
     number = int(np.count_nonzero(elastic <= highest))
-    number = min(max(number, FEWEST_MODES), MOST_MODES) if asked is None else asked
+    number = min(max(number, FEWEST_MODES), MOST_MODES) if requested is None else requested
     return reduced(at.layout, shapes, shapes.rigid + min(number, len(elastic)))

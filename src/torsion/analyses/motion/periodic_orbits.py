@@ -313,7 +313,7 @@ def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: 
     power through: torque on either side times the speed there is the same, and the speeds go as `first`.
     Returned is the torque on its driven side.
     """
-    condensed = system.folded
+    condensed = system.condensed
     above = np.full(condensed.tree.size, -1)
     above[condensed.span[condensed.span >= 0]] = np.flatnonzero(condensed.span >= 0)
     station = np.full(condensed.tree.size, -1)

@@ -47,7 +47,7 @@ def number_of_speeds(at: Scene) -> int:
 
 
 def too_long(study: Study, system: System) -> str:
-    """Why the exact response takes too long to be computed unasked; empty where it does not."""
+    """Why the exact response takes too long to be computed unrequested; empty where it does not."""
     at = scene(study, system)
     try:
         harmonics = harmonics_at_least(at)
@@ -132,14 +132,16 @@ def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
 
 def start(study: Study, first_order: Response, number: int) -> FloatArray:
     """(speeds,) rad/s to begin with: of those requested, the rated one, and the highest peaks of the first order."""
-    asked = first_order.speed[first_order.asked]
+    requested = first_order.speed[first_order.requested]
     few = max(2, int(EVERYWHERE * number))
-    spread = asked if len(asked) <= few else asked[np.linspace(0, len(asked) - 1, few).round().astype(int)]
+    spread = (
+        requested if len(requested) <= few else requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
+    )
     size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
     chosen = [first_order.speed[row] for row, _, _ in _peaks(size)]
     highest = np.array(list(dict.fromkeys(float(speed) for speed in chosen))[: int(AT_PEAKS * number)])
     rated = study.operation.rated
-    inside = [] if rated is None or not asked[0] <= rated.speed <= asked[-1] else [rated.speed]
+    inside = [] if rated is None or not requested[0] <= rated.speed <= requested[-1] else [rated.speed]
     return np.unique(np.concatenate([spread, highest, inside]))
 
 

@@ -15,22 +15,22 @@ def run_periodic(work: Work) -> None:
     """The exact periodic response beside the first-order one, where the file or the size of the angles calls for it."""
     system, log, first_order = work.system, work.log, work.get(Response)
     method = getattr(work.study.analyses.get("response"), "method", None)
-    asked = method == "harmonic-balance"
+    requested = method == "harmonic-balance"
     if not exciting_joints(system):
-        if asked:
+        if requested:
             log.without(PERIODIC, "no joint of the train excites: the response over speed is exact as it is")
         return
     if first_order is None or method == "first-order":
-        if asked or first_order is not None:
+        if requested or first_order is not None:
             log.without(PERIODIC, "`method: first-order`" if first_order is not None else "no response over speed")
         return
     from torsion.analyses.motion.periodic_orbits import is_advised
 
-    if not asked and not is_advised(system, first_order.joint_error):
+    if not requested and not is_advised(system, first_order.joint_error):
         log.without(PERIODIC, SMALL)
         return
-    why = "requested" if asked else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
-    _periodic(work, first_order, why, patient=asked)
+    why = "requested" if requested else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
+    _periodic(work, first_order, why, patient=requested)
 
 
 def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> None:
@@ -86,10 +86,10 @@ def run_stability(work: Work) -> None:
     with log.step("stability", "requested") as step:
         found = requested_stability(study, system, settings, speeds.values(), progress=work.progress)
         step.method = _METHODS[settings.method]
-        added = int((~found.asked).sum())
+        added = int((~found.requested).sum())
         modes = found.modes.size
         kept = "all modes" if found.kept is None else f"{found.kept} of {modes} elastic modes"
-        step.size = f"{int(found.asked.sum())} speeds requested, {added} more around zones and boundaries; {kept}"
+        step.size = f"{int(found.requested.sum())} speeds requested, {added} more around zones and boundaries; {kept}"
     if found.unsolved.size:
         number = found.unsolved.size
         log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")

@@ -31,7 +31,7 @@ class Stability:
     """Growth rates over speed; NaN where there is no periodic motion."""
 
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them in and around unstable ranges")
-    asked: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
+    requested: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
     growth: FloatArray = result(
         "1/s", ("speed",), "of the fastest growing small deviation; null where there is no periodic motion"
     )
@@ -80,11 +80,11 @@ def stability(
     """
     report = progress or silent
     search = growth_search(study, system, method=method, modes=modes)
-    asked = np.unique(np.asarray(speeds, dtype=float))
-    for k, speed in enumerate(asked.tolist()):
-        report("stability", 0.6 * k / len(asked))
+    requested = np.unique(np.asarray(speeds, dtype=float))
+    for k, speed in enumerate(requested.tolist()):
+        report("stability", 0.6 * k / len(requested))
         search(speed)
-    _look_between(search, asked, report)
+    _look_between(search, requested, report)
     ranges = unstable_ranges(search, report)
     speed = np.array(sorted(search.known))
     solved = [search.known[one] for one in speed.tolist()]
@@ -97,23 +97,23 @@ def stability(
     unsolved = speed[np.isnan(growth)]
     shapes = search.shapes.frequency[search.shapes.rigid :]
     return Stability(
-        speed, np.isin(speed, asked), growth, frequency, factor, ranges, shapes, method, _check(search, asked),
+        speed, np.isin(speed, requested), growth, frequency, factor, ranges, shapes, method, _check(search, requested),
         unsolved, search.loses,
     )  # fmt: skip
 
 
-def _look_between(search: Search, asked: FloatArray, report: Progress) -> None:
+def _look_between(search: Search, requested: FloatArray, report: Progress) -> None:
     """Search around each combination resonance for zones that fall between the speeds."""
-    if len(asked) < 2:
+    if len(requested) < 2:
         return
     uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
     if uneven == 0.0:
         return
-    seeds = candidates(search.shapes, search.at.layout.orders, float(asked[0]), float(asked[-1]))
+    seeds = candidates(search.shapes, search.at.layout.orders, float(requested[0]), float(requested[-1]))
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
     for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
         report("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
-        low, high = max(seed * (1.0 - around), float(asked[0])), min(seed * (1.0 + around), float(asked[-1]))
+        low, high = max(seed * (1.0 - around), float(requested[0])), min(seed * (1.0 + around), float(requested[-1]))
         inside = [speed for speed in search.known if low <= speed <= high]
         if any(search.is_unstable(speed) for speed in [*inside, seed]):
             continue
@@ -127,11 +127,11 @@ def _look_between(search: Search, asked: FloatArray, report: Progress) -> None:
         )
 
 
-def _check(search: Search, asked: FloatArray) -> float:
+def _check(search: Search, requested: FloatArray) -> float:
     """1/s: largest difference between the growth rates of both methods at a few speeds."""
     other: Method = "monodromy" if search.method == "hill" else "hill"
     worst = np.nan
-    known = [found for speed in asked.tolist() if (found := search(speed)) is not None]
+    known = [found for speed in requested.tolist() if (found := search(speed)) is not None]
     known = known or [found for found in search.known.values() if found is not None]
     for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
         found = known[place]
@@ -144,18 +144,18 @@ def _check(search: Search, asked: FloatArray) -> float:
 
 
 def requested_stability(
-    study: Study, system: System, asked: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
+    study: Study, system: System, requested: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
 ) -> Stability:
     """Stability at reference speeds (speeds,) rad/s, on as many modes as are requested, else those that matter."""
     at = scene(study, system, vibratory=False)
     shapes = basis(at.layout)
-    elastic, modes = len(shapes.frequency) - shapes.rigid, asked.modes
+    elastic, modes = len(shapes.frequency) - shapes.rigid, requested.modes
     if modes is None and at.layout.free > WHOLE:
         fewer = modes_that_matter(at, shapes, float(np.max(speeds)))
         modes = fewer.modes - fewer.rigid
     if modes is not None and modes >= elastic:
         modes = None
-    found = stability(study, system, speeds, method=asked.method, modes=modes, progress=progress)
+    found = stability(study, system, speeds, method=requested.method, modes=modes, progress=progress)
     if modes is None:
         return found
     return replace(found, kept=modes, left_out=_left_out(study, system, found, min(MORE * modes, elastic)))

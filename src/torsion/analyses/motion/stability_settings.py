@@ -62,16 +62,16 @@ def requested_motion_faults(study: Study) -> list[Fault]:
     found: list[Fault] = []
     if getattr(study.analyses.get("response"), "method", None) == "harmonic-balance":
         found += motion_faults(study, ("analyses", "response", "method"))
-    asked = study.analyses.get("stability")
-    if asked is None:
+    requested = study.analyses.get("stability")
+    if requested is None:
         return found
     path: Path = ("analyses", "stability")
     if not study.has_joints:
         hint = "leave it out; the damped modes show what damps"
         found.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
-    if getattr(asked, "speeds", None) is None and study.operation.speeds is None:
+    if getattr(requested, "speeds", None) is None and study.operation.speeds is None:
         found.append(Fault(path, "stability needs speeds", SPEEDS))
-    over = getattr(getattr(asked, "map", None), "over", None)
+    over = getattr(getattr(requested, "map", None), "over", None)
     if over is not None:
         found += _map_faults(study, over, (*path, "map", "over"))
     return [*found, *motion_faults(study, path)]

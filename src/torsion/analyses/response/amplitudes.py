@@ -31,7 +31,7 @@ class Response:
     speed: FloatArray = result(
         "rad/s", ("speed",), "reference speeds, more of them around resonances and where rules judge"
     )
-    asked: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
+    requested: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
     lines: tuple[Line, ...] = result("", ("line",), "harmonic components of the excitation", record="")
     frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
     angle: ComplexArray = result(
@@ -96,7 +96,7 @@ class FrequencyResponse:
     """Complex amplitudes under the torques that act at every frequency, at one operating point."""
 
     frequency: FloatArray = result("Hz", ("frequency",), "ascending, refined around resonances")
-    asked: np.ndarray = result("", ("frequency",), "the frequency is one of those requested", key="is_asked")
+    requested: np.ndarray = result("", ("frequency",), "the frequency is one of those requested", key="is_asked")
     sources: tuple[str, ...] = result("", (), "what excites")
     speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 where none is given")
     angle: ComplexArray = result(

@@ -64,14 +64,14 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
         return found
     if system.groups is not None:
         return condensed_modes(_modes_up_to(system.whole, highest, None), system)
-    folded = system.folded
-    if system.folded_bars is not None:
+    condensed = system.condensed
+    if system.condensed_shafts is not None:
         from torsion.analyses.bars import reach
 
         return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
-    if folded.extra.size or np.isinf(folded.tree.flexibility).any():
+    if condensed.extra.size or np.isinf(condensed.tree.flexibility).any():
         return modes_as_discretised(system, None)
-    below = int(count_below(folded.tree, np.array([highest * (1.0 + 1e-9)]))[0])
+    below = int(count_below(condensed.tree, np.array([highest * (1.0 + 1e-9)]))[0])
     return modes_as_discretised(system, max(below, 1))
 
 
@@ -145,7 +145,7 @@ def with_peaks(
         if missed.size == 0:
             break
         found = merged(found, solve(missed))
-    return replace(found, asked=np.isin(found.points, requested), remark=remark)
+    return replace(found, requested=np.isin(found.points, requested), remark=remark)
 
 
 def apart(known: FloatArray, more: FloatArray) -> FloatArray:

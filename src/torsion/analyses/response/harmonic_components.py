@@ -117,11 +117,11 @@ def sources(system: System, excitation: Excitation, speed: FloatArray, steady: S
     A torque's phase counts from reference angle zero. A joint's error counts from its own driving angle, static
     twist included. A force on a station of speed ratio r acts on the condensed tree as r times itself.
     """
-    folded = system.folded
-    force = np.zeros((folded.tree.size, len(speed)), dtype=np.complex128)
+    condensed = system.condensed
+    force = np.zeros((condensed.tree.size, len(speed)), dtype=np.complex128)
     for torque in excitation.torques:
         ratio = system.speed_ratio[torque.station]
-        force[folded.node[torque.station]] += ratio * amplitude(system, torque, speed, steady)
+        force[condensed.node[torque.station]] += ratio * amplitude(system, torque, speed, steady)
     if not excitation.errors:
         return Sources(force, None)
     twist = np.zeros_like(force)
@@ -129,11 +129,11 @@ def sources(system: System, excitation: Excitation, speed: FloatArray, steady: S
         span = system.spans[error.span]
         turned = joint_error(system, error, speed, steady)
         # a joint is rigid, and a rigid span is always one of the tree
-        twist[folded.span[error.span]] += folded.sign[error.span] * turned / system.speed_ratio[span.driven]
+        twist[condensed.span[error.span]] += condensed.sign[error.span] * turned / system.speed_ratio[span.driven]
         if steady is not None:
             slope = 1j * error.order * turned / float(span.ratio)
             jump = -slope * steady.torque[error.span] * system.speed_ratio[span.driving]
-            force[folded.node[span.driving]] += jump
+            force[condensed.node[span.driving]] += jump
     return Sources(force, twist)
 
 

@@ -71,7 +71,7 @@ def response(
     follows, are not given, or an order is named that nothing excites.
     """
     requested = _requested_speeds(study, speeds)
-    orders = asked_orders(study)
+    orders = requested_orders(study)
     found = excitations(system, None if all_orders else orders)
     highest = max((float(one.line.circular_frequency(requested[-1:])[0]) for one in found), default=0.0)
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
@@ -99,7 +99,7 @@ def response_at(study: Study, system: System, found: Response, speeds: FloatArra
     return _solved(study, system, excitations(system, orders), silent, speeds)
 
 
-def asked_orders(study: Study) -> tuple[Fraction, ...] | None:
+def requested_orders(study: Study) -> tuple[Fraction, ...] | None:
     """The orders that the settings of `response` name, None for all; raises InputError where nothing excites one."""
     orders: Any = getattr(study.analyses.get("response"), "orders", "all")
     if orders == "all":

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
 from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks, joined, part_of
-from torsion.analyses.response.over_speed import asked_orders, response, response_at
+from torsion.analyses.response.over_speed import requested_orders, response, response_at
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import System
@@ -40,8 +40,8 @@ def _found(work: Work) -> Response:
             progress=work.progress,
         )  # fmt: skip
         step.method = "two-sided elimination, every order apart"
-        step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.asked.sum())} requested)"
-        if ruled and asked_orders(study) is not None:
+        step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.requested.sum())} requested)"
+        if ruled and requested_orders(study) is not None:
             step.size += "; all orders, not only those of `orders`: the rules judge them together"
         if found.remark:
             step.size += f"; {found.remark}"

@@ -33,26 +33,28 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
 
     damping: (stations, frequencies) N m s/rad to ground at own speed.
     """
-    folded, tree = system.folded, _tree(system)
+    condensed, tree = system.condensed, _tree(system)
     # chords of loops with a stiffness or a damping
-    closing = folded.extra[np.isfinite(system.flexibility[folded.extra]) | (system.viscous[folded.extra] > 0)]
+    chords = condensed.extra[np.isfinite(system.flexibility[condensed.extra]) | (system.viscous[condensed.extra] > 0)]
     ground = np.zeros((tree.size, len(w)))
-    ground[folded.node] = damping * (system.speed_ratio**2)[:, None]
-    compliance = complex_compliance(tree.flexibility, folded.viscous, folded.loss_factor, w)
+    ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
+    compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
     acting: dict[str, Any] = {"twist": sources.twist, "ground_damping": ground, "compliance": compliance}
-    if system.folded_bars is not None:
-        loss = folded.loss_factor[system.folded_bars.node]
-        found = tree_response(replace(tree, shafts=system.folded_bars), w, sources.force, shaft_loss=loss, **acting)
+    if system.condensed_shafts is not None:
+        loss = condensed.loss_factor[system.condensed_shafts.node]
+        found = tree_response(
+            replace(tree, shafts=system.condensed_shafts), w, sources.force, shaft_loss=loss, **acting
+        )
         torque = bar_torques(system, found.torque, found.torque_outer)
     else:
-        if closing.size:
+        if chords.size:
             from torsion.kernels.loops.looped_response import looped_response
 
-            found = looped_response(tree, _chords(system, closing, w), w, sources.force, **acting)
+            found = looped_response(tree, _chords(system, chords, w), w, sources.force, **acting)
         else:
             found = tree_response(tree, w, sources.force, **acting)
-        torque = span_torques(system, found.torque, closing, found.chord_torque)
-    angle = found.angle[folded.node] * system.speed_ratio[:, None]
+        torque = span_torques(system, found.torque, chords, found.chord_torque)
+    angle = found.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
 
 
@@ -72,20 +74,20 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
 
 def _tree(system: System) -> Tree:
     """The tree without spans that have neither stiffness nor damping."""
-    folded = system.folded
-    loose = np.isinf(folded.tree.flexibility) & (folded.viscous == 0)
+    condensed = system.condensed
+    loose = np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0)
     if not loose.any():
-        return folded.tree
-    parent = np.where(loose, -1, folded.tree.parent)
-    return replace(folded.tree, parent=parent, flexibility=np.where(loose, 0.0, folded.tree.flexibility))
+        return condensed.tree
+    parent = np.where(loose, -1, condensed.tree.parent)
+    return replace(condensed.tree, parent=parent, flexibility=np.where(loose, 0.0, condensed.tree.flexibility))
 
 
-def _chords(system: System, closing: IntArray, w: FloatArray) -> "Chords":
-    """The spans `closing` that close loops."""
+def _chords(system: System, chords: IntArray, w: FloatArray) -> "Chords":
+    """The spans `chords` that close loops."""
     from torsion.kernels.loops.looped_response import Chords
 
-    folded, ratio = system.folded, system.span_ratio[closing]
-    flexibility, viscous = system.flexibility[closing] / ratio**2, system.viscous[closing] * ratio**2
-    compliance = complex_compliance(flexibility, viscous, system.loss_factor[closing], w)
-    ends = folded.node[system.driving[closing]], folded.node[system.driven[closing]]
-    return Chords(*ends, compliance, twist=np.zeros(len(closing)))
+    condensed, ratio = system.condensed, system.span_ratio[chords]
+    flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2
+    compliance = complex_compliance(flexibility, viscous, system.loss_factor[chords], w)
+    ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
+    return Chords(*ends, compliance, twist=np.zeros(len(chords)))

@@ -67,9 +67,9 @@ def _counterclockwise(mesh: Triangles) -> Triangles:
         raise SectionFault(_which("has no area", mesh, small), "remove it or mesh anew")
     if np.all(twice < 0):
         return Triangles(mesh.points, mesh.nodes[:, [0, 2, 1, 5, 4, 3]])
-    folded = np.any(twice < 0, axis=1) & np.any(twice > 0, axis=1)
-    if np.any(folded):
-        raise SectionFault(_which("is turned inside out by a node amid its sides", mesh, folded), "mesh anew")
+    condensed = np.any(twice < 0, axis=1) & np.any(twice > 0, axis=1)
+    if np.any(condensed):
+        raise SectionFault(_which("is turned inside out by a node amid its sides", mesh, condensed), "mesh anew")
     inverted = twice[:, 0] < 0
     if np.any(inverted):
         less = inverted if np.count_nonzero(inverted) * 2 <= len(inverted) else ~inverted

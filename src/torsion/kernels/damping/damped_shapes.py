@@ -95,7 +95,7 @@ def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexA
     return angle, torque
 
 
-def liveliest(tree: Tree, whole: ComplexArray) -> IntArray:
+def most_active(tree: Tree, whole: ComplexArray) -> IntArray:
     """The station of least |Z|/J at each root, (roots,): where the mode is best seen."""
     inertia = np.where(tree.held, 0.0, tree.inertia)[:, None]
     with np.errstate(all="ignore"):

@@ -11,7 +11,7 @@ from torsion.kernels.damping.damped_shapes import (
     both_sides,
     decay,
     independent_shapes,
-    liveliest,
+    most_active,
     newton_step,
     shapes_from,
 )
@@ -133,7 +133,7 @@ def _polished(train: DampedTree, root: ComplexArray) -> tuple[BothSides, Complex
     repeated = gap <= REPEATED * np.abs(root)
     for _ in range(NEWTON_STEPS):
         at = both_sides(train, root, 1.0)
-        pushed = liveliest(train.tree, at.whole)
+        pushed = most_active(train.tree, at.whole)
         angle, torque = shapes_from(train.plan, at, pushed)
         step = newton_step(train, at, root, pushed, angle, torque)
         size = np.abs(step)

@@ -10,7 +10,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
 from torsion.output.elastic_elements import Element
-from torsion.output.numbers import NONE, RPM, Scale, counted, number, order, rpm, scale, told_apart
+from torsion.output.numbers import NONE, RPM, Scale, counted, distinct_texts, number, order, rpm, scale
 from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm, worth_a_figure
 from torsion.output.selection import torques
 
@@ -76,8 +76,8 @@ def _flagged(findings: Findings) -> list[Block]:
         return []
     columns = head("Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why")
     rows, marks = [], []
-    told = told_apart([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
-    for k, speed in zip(bad[:MOST_FLAGGED].tolist(), told, strict=True):
+    stated = distinct_texts([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
+    for k, speed in zip(bad[:MOST_FLAGGED].tolist(), stated, strict=True):
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
         word = WORDS[found.status[k]] + (", unstable" if unstable else "")

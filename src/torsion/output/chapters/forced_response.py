@@ -3,7 +3,7 @@
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.response.over_speed import asked_orders
+from torsion.analyses.response.over_speed import requested_orders
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
@@ -51,7 +51,7 @@ def chapter(findings: Findings) -> list[Block]:
 
 
 def _introduction(findings: Findings, response: Response) -> Paragraph:
-    asked, extra = int(response.asked.sum()), int((~response.asked).sum())
+    requested, extra = int(response.requested.sum()), int((~response.requested).sum())
     made = findings.get(Synthesis)
     cycle, parts = "", "the components of the orders requested" if response.left_out else "all harmonic components"
     if made is not None:
@@ -62,15 +62,15 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
             else " The components have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
     text = (
-        f"{counted(len(response.lines), 'harmonic component')} at {counted(asked, 'speed')} as requested and {extra} "
-        f"more placed around the resonances{' and where the rules judge' if judged(findings) else ''}, so that no "
-        "peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic and "
-        f"damping part together, at the element's own speed.{cycle}"
+        f"{counted(len(response.lines), 'harmonic component')} at {counted(requested, 'speed')} as requested and "
+        f"{extra} more placed around the resonances{' and where the rules judge' if judged(findings) else ''}, so "
+        "that no peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic "
+        f"and damping part together, at the element's own speed.{cycle}"
     )
     if response.left_out:
         names = "; ".join(f"order {order(line.order)} ({', '.join(line.sources)})" for line in response.left_out)
         text += f" Left out of all that follows, as `orders` does not name it: {names}."
-    elif asked_orders(findings.study) is not None:
+    elif requested_orders(findings.study) is not None:
         text += " All orders are reported, not only those that `orders` names, as the rules judge them together."
     return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))
 
@@ -141,10 +141,10 @@ def _angles(findings: Findings, response: Response) -> Table:
             continue
         speed, line = divmod(at, size.shape[1])
         angle = float(size[speed, line])
-        swing = angle * float(response.frequency[speed, line]) * 60.0
+        amplitude = angle * float(response.frequency[speed, line]) * 60.0
         rows.append((
             station.name, degrees(angle), number(angle), _line(response, line), rpm(float(response.speed[speed])),
-            number(swing),
+            number(amplitude),
         ))  # fmt: skip
     return Table(columns, tuple(rows), "Largest angular amplitude of any one order, each at its own speed of rotation")
 

@@ -25,9 +25,9 @@ def holzer_table(findings: Findings, modes: Modes, mode: int) -> list[Block]:
     largest = float(np.abs(table.angle).max())
     scale, first = (largest, "largest") if largest > MOST_TIMES_FIRST else (1.0, "first")
     own = len(findings.system.train.stations)
-    told = np.flatnonzero(table.station < own)
-    sums = _Sums.of(table, told)
-    rows = [_row(findings, table, (row, line), sums, scale) for line, row in enumerate(told.tolist())]
+    stated = np.flatnonzero(table.station < own)
+    sums = _Sums.of(table, stated)
+    rows = [_row(findings, table, (row, line), sums, scale) for line, row in enumerate(stated.tolist())]
     segments = _summed(findings) if own < len(findings.system.stations) else ""
     caption = f"Holzer table of mode {mode + 1}, referred to the reference speed, {first} amplitude 1 rad.{segments}"
     return [Table(COLUMNS, tuple(rows), caption)]

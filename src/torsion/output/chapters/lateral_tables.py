@@ -42,8 +42,8 @@ def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
         "< Shaft -> | Order -> | Mode | Critical speed [rpm] -> rpm | Frequency [Hz] -> Hz | < Whirl -> | "
         "Damping ratio -> | In the range -> in range"
     )
-    told = [(shaft, one) for shaft in found for one in near(shaft, speeds)]
-    rows = [(*_critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in told]
+    stated = [(shaft, one) for shaft in found for one in near(shaft, speeds)]
+    rows = [(*_critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in stated]
     marks = tuple("note" if row[-1] == "yes" else "" for row in rows)
     caption = (
         "Critical bending speeds: orders are per revolution of the shaft (1: unbalance; others: its joints' couples), "
@@ -140,16 +140,16 @@ def answers(found: "tuple[ShaftFound, ...]") -> Table | None:
     """Largest displacement and bending moment of every order; None where no torque is known."""
     from torsion.analyses.lateral.couple_response import extent
 
-    told = [(shaft, one) for shaft in found for one in shaft.answers]
-    if not told:
+    stated = [(shaft, one) for shaft in found for one in shaft.answers]
+    if not stated:
         return None
-    unit = scale("N m", [_top(sound(one, extent(one.moment))) for _, one in told])
+    unit = scale("N m", [_top(sound(one, extent(one.moment))) for _, one in stated])
     columns = head(
         f"< Shaft | Order | Largest displacement [µm] | at [m] | at [rpm] | Largest bending moment [{unit.unit}] | "
         "at [m] | at [rpm] | Speeds without reliable answer"
     )
     rows, marks = [], []
-    for shaft, one in told:
+    for shaft, one in stated:
         bad = int((one.status != Status.OK).sum())
         orbit = _worst(shaft, one, MICRO * sound(one, one.orbit))
         moment = _worst(shaft, one, unit.factor * sound(one, extent(one.moment)))
@@ -166,10 +166,10 @@ def forces(found: "tuple[ShaftFound, ...]") -> Table | None:
     """Largest force of every order on every joint and support; None where no torque is known."""
     from torsion.analyses.lateral.couple_response import extent
 
-    told = [(shaft, one) for shaft in found for one in shaft.answers]
-    if not told:
+    stated = [(shaft, one) for shaft in found for one in shaft.answers]
+    if not stated:
         return None
-    unit = scale("N", [_top(sound(one, extent(one.force))) for _, one in told])
+    unit = scale("N", [_top(sound(one, extent(one.force))) for _, one in stated])
     columns = head(f"< Shaft | < On | At [m] | Order | Largest force [{unit.unit}] | at [rpm]")
     rows = []
     for shaft in found:

@@ -69,7 +69,7 @@ def _inertias(findings: Findings) -> Table:
 
 def _water(findings: Findings) -> list[Block]:
     """What entrained water adds to the propellers, in a sentence each."""
-    told = []
+    stated = []
     for part in findings.study.train.parts:
         if part.propeller is None:
             continue
@@ -77,8 +77,8 @@ def _water(findings: Findings) -> list[Block]:
         water = entrained or 0.0
         share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
         sum_ = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
-        told.append(f"{part.name}: J {sum_ if entrained is not None else 'dry, no entrained water is given'}.")
-    return [Paragraph(" ".join(told))] if told else []
+        stated.append(f"{part.name}: J {sum_ if entrained is not None else 'dry, no entrained water is given'}.")
+    return [Paragraph(" ".join(stated))] if stated else []
 
 
 def _springs(findings: Findings) -> Table:
@@ -115,13 +115,13 @@ def _losses(findings: Findings, element: Element) -> tuple[str, str]:
 
 def _shafts(findings: Findings) -> Table:
     rows = []
-    for asked, bar in zip(findings.study.train.bars, findings.system.train.bars, strict=True):
-        material = findings.study.train.shaft(asked).material
-        modulus, is_round = stress_modulus(bar) * 1e9, asked.section is None
+    for requested, bar in zip(findings.study.train.bars, findings.system.train.bars, strict=True):
+        material = findings.study.train.shaft(requested).material
+        modulus, is_round = stress_modulus(bar) * 1e9, requested.section is None
         rows.append((
-            bar.name, asked.section.file if isinstance(asked.section, SectionMesh) else _diameters(bar.outer),
+            bar.name, requested.section.file if isinstance(requested.section, SectionMesh) else _diameters(bar.outer),
             _diameters(bar.bore) if is_round else NONE, given(bar.length * 1e3), number(modulus),
-            number(_inertia(findings, bar), 6), material, given(asked.shear_modulus / 1e9),
+            number(_inertia(findings, bar), 6), material, given(requested.shear_modulus / 1e9),
             given(bar.density), str(findings.system.segments.get(bar.name, 1)), _source(findings, bar.part),
         ))  # fmt: skip
     columns = head(

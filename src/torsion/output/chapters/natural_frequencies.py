@@ -48,13 +48,13 @@ def _introduction(modes: Modes) -> Paragraph:
     rigid = {0: "The train has no rigid motion", 1: "The train turns freely: one rigid motion of exactly 0 Hz"}
     first = rigid.get(modes.rigid, f"{modes.rigid} rigid motions of exactly 0 Hz")
     count = len(modes.frequency)
-    proof = (
+    enclosed = (
         "Counts of eigenvalues below and above each value (Sturm sequences) prove that exactly the listed mode lies "
         "between the two bounds, and that none was missed."
         if modes.certified
         else "The bounds of these frequencies were not certified by counts."
     )
-    return Paragraph(f"{first}; {count} elastic mode{'' if count == 1 else 's'} of the undamped train. {proof}")
+    return Paragraph(f"{first}; {count} elastic mode{'' if count == 1 else 's'} of the undamped train. {enclosed}")
 
 
 def _frequencies(modes: Modes) -> Table:

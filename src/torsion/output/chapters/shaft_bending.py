@@ -49,8 +49,8 @@ def chapter(findings: Findings) -> list[Block]:
 
 def speed_range(findings: Findings) -> Range:
     """Lowest and highest reference speed of the analysis; None where no speeds are given."""
-    asked = getattr(findings.study.analyses.get("lateral"), "speeds", None)
-    speeds = asked or findings.study.operation.speeds
+    requested = getattr(findings.study.analyses.get("lateral"), "speeds", None)
+    speeds = requested or findings.study.operation.speeds
     return None if speeds is None else (speeds.first, speeds.last)
 
 

@@ -7,7 +7,7 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
 from torsion.output.chapters.unstable_ranges import ABOVE, BELOW, beyond, end, fastest, legend
-from torsion.output.numbers import NONE, RPM, counted, number, rpm, told_apart
+from torsion.output.numbers import NONE, RPM, counted, distinct_texts, number, rpm
 from torsion.output.reported_values import rated_rpm, reference
 from torsion.rules.verdict_line import Checks
 
@@ -57,8 +57,8 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
         )
     damps = "" if found.loses else " Nothing in the train damps: a growth of 0 is the best there is."
     text = (
-        f"{MODEL} {counted(int(found.asked.sum()), 'speed')} of {reference(findings)} as requested, "
-        f"{int((~found.asked).sum())} more in and around zones.{checked}{damps} "
+        f"{MODEL} {counted(int(found.requested.sum()), 'speed')} of {reference(findings)} as requested, "
+        f"{int((~found.requested).sum())} more in and around zones.{checked}{damps} "
         f"Elastic modes with straight joints: {modes} rad/s{' and higher' if found.modes.size > 6 else ''}."
     )
     return Paragraph(text)
@@ -106,8 +106,8 @@ def _ranges(findings: Findings, found: "Stability") -> Table:
 def _unsolved(found: "Stability") -> Table:
     speeds = found.unsolved[:MOST_ROWS].tolist()
     rest = f"; {MOST_ROWS} of {found.unsolved.size}" if found.unsolved.size > MOST_ROWS else ""
-    told = told_apart([speed * RPM for speed in speeds])
-    rows = tuple((speed, "no periodic motion was found: nothing can be said of its stability") for speed in told)
+    stated = distinct_texts([speed * RPM for speed in speeds])
+    rows = tuple((speed, "no periodic motion was found: nothing can be said of its stability") for speed in stated)
     columns = head("Speed [rpm] | < Remark")
     return Table(columns, rows, f"Speeds without an answer{rest}", ("fail",) * len(rows))
 

@@ -24,14 +24,14 @@ NAMES = {"mean couple": "the mean part of the couple feeds the motion", "several
 
 def section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> list[Block]:
     """Nothing where no driven shaft tilts on supports."""
-    told = [(shaft, shaft.tilting) for shaft in shafts if shaft.tilting is not None]
-    if not told:
+    stated = [(shaft, shaft.tilting) for shaft in shafts if shaft.tilting is not None]
+    if not stated:
         return []
-    blocks: list[Block] = [Heading("Parametric stability of the tilt", 2), Paragraph(MODEL), _bodies(told)]
+    blocks: list[Block] = [Heading("Parametric stability of the tilt", 2), Paragraph(MODEL), _bodies(stated)]
     blocks += _verdict(findings)
-    if any(tilting.zones for _, tilting in told):
-        blocks.append(_zones(findings, told))
-    return blocks + [_figure(findings, shaft, tilting, k) for k, (shaft, tilting) in enumerate(told, start=1)]
+    if any(tilting.zones for _, tilting in stated):
+        blocks.append(_zones(findings, stated))
+    return blocks + [_figure(findings, shaft, tilting, k) for k, (shaft, tilting) in enumerate(stated, start=1)]
 
 
 def zone_name(zone: "Zone") -> str:
@@ -39,13 +39,13 @@ def zone_name(zone: "Zone") -> str:
     return NAMES.get(zone.kind, zone.kind)
 
 
-def _bodies(told: "list[tuple[ShaftFound, Tilting]]") -> Table:
+def _bodies(stated: "list[tuple[ShaftFound, Tilting]]") -> Table:
     columns = head(
         "< Shaft | < Driven by | Transverse inertia [kg m²] | Polar inertia [kg m²] | Frequency of the tilt, y [Hz] | "
         "z [Hz] | Decay rate, y [1/s] | z [1/s]"
     )
     rows = []
-    for shaft, tilting in told:
+    for shaft, tilting in stated:
         body = tilting.shaft
         decay = [number(float(rate) / 2.0) for rate in body.decay[::-1]]
         rows.append((
@@ -70,13 +70,13 @@ def _verdict(findings: Findings) -> list[Block]:
     return blocks
 
 
-def _zones(findings: Findings, told: "list[tuple[ShaftFound, Tilting]]") -> Table:
+def _zones(findings: Findings, stated: "list[tuple[ShaftFound, Tilting]]") -> Table:
     speeds = findings.study.operation.speeds
     columns = head(
         "< Shaft | From [rpm] | To [rpm] | < Type | Largest growth [1/s] | At speed [rpm] | < Within the operation"
     )
     rows, marks = [], []
-    for shaft, tilting in told:
+    for shaft, tilting in stated:
         for zone in tilting.zones:
             low, worst, up = (float(w) / tilting.ratio for w in (zone.lower, zone.worst, zone.upper))
             inside = speeds is None or (low < speeds.last and up > speeds.first)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from torsion.output.numbers import RPM, given_rpm, rpm, told_apart
+from torsion.output.numbers import RPM, distinct_texts, given_rpm, rpm
 from torsion.output.reported_values import widened
 
 if TYPE_CHECKING:
@@ -29,13 +29,13 @@ def mark(one: "UnstableRange", side: int) -> str:
 def legend(found: "tuple[UnstableRange, ...]") -> str:
     """What the marks mean that occur: ' (+ goes on beyond the speeds requested)'; '' of boundaries alone."""
     marks = {mark(one, side) for one in found for side in (BELOW, ABOVE)}
-    told = [f"{sign} {text}" for sign, text in LEGEND.items() if sign in marks]
-    return f" ({'; '.join(told)})" if told else ""
+    stated = [f"{sign} {text}" for sign, text in LEGEND.items() if sign in marks]
+    return f" ({'; '.join(stated)})" if stated else ""
 
 
 def fastest(one: "UnstableRange") -> str:
     """The speed of the greatest growth in rpm, in as many digits as set it apart from the ends."""
-    return told_apart([one.first * RPM, one.at * RPM, one.last * RPM])[1]
+    return distinct_texts([one.first * RPM, one.at * RPM, one.last * RPM])[1]
 
 
 def beyond(one: "UnstableRange") -> tuple[str, ...]:
@@ -65,16 +65,16 @@ def unanswered(found: "Stability") -> list[str]:
     ]
 
 
-def words(one: "UnstableRange", asked: tuple[float, float]) -> str:
+def words(one: "UnstableRange", requested: tuple[float, float]) -> str:
     """The range for a restriction of speed: '772.3 to at least 780 rpm, principal of mode 1; from there ...'.
 
     Boundaries are rounded so that the range grows, but not beyond the speeds requested (rad/s).
     """
-    told = list(widened((one.first * RPM, one.last * RPM), (asked[0] * RPM, asked[1] * RPM)))
+    stated = list(widened((one.first * RPM, one.last * RPM), (requested[0] * RPM, requested[1] * RPM)))
     for side, (speed, limit) in enumerate(((one.first, "at most"), (one.last, "at least"))):
         if one.grows_at_end[side]:
-            told[side] = given_rpm(speed)
+            stated[side] = given_rpm(speed)
         if one.unknown[side] is not None:
-            told[side] = f"{limit} {told[side]}"
-    band = f"at {given_rpm(one.first)} rpm" if one.last <= one.first else f"{told[BELOW]} to {told[ABOVE]} rpm"
+            stated[side] = f"{limit} {stated[side]}"
+    band = f"at {given_rpm(one.first)} rpm" if one.last <= one.first else f"{stated[BELOW]} to {stated[ABOVE]} rpm"
     return "; ".join([f"{band}, {one.zone.name}", *beyond(one)])

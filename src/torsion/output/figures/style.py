@@ -108,7 +108,7 @@ def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable 
     inside = np.array(bad, dtype=bool)
     low, high = float(x[0]), float(x[-1])
     least = (high - low) * 2e-3  # so that a single speed can still be seen
-    for start, stop in stretches(bad):
+    for start, stop in intervals(bad):
         left, right = float(x[max(start - 1, 0)]), float(x[min(stop + 1, len(x) - 1)])
         if right - left < least:
             middle = (left + right) / 2
@@ -120,7 +120,7 @@ def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable 
     return inside
 
 
-def stretches(where: np.ndarray) -> list[tuple[int, int]]:
+def intervals(where: np.ndarray) -> list[tuple[int, int]]:
     """First and last index of every run of true values."""
     edges = np.diff(np.concatenate([[0], np.asarray(where, dtype=np.int8), [0]]))
     return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
