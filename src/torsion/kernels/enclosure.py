@@ -35,25 +35,15 @@ def enclose(
     unlikely = ~(half <= widest)
     if unlikely.any():
         half[unlikely] = expected_width(tree, frequency, 0.0)[unlikely]
-    lower, upper, left = frequency * (1.0 - half), frequency * (1.0 + half), np.arange(len(frequency))
-    proven = _are_proven(tree, lower, upper, left + rigid)
-    while not proven.all():
+    (lower, upper), left = np.empty((2, len(frequency))), np.arange(len(frequency))
+    proven = np.zeros(len(frequency), dtype=np.bool_)
+    while len(left):
+        lower[left], upper[left] = frequency[left] * (1.0 - half[left]), frequency[left] * (1.0 + half[left])
+        at_most, at_least = count_bounds(tree, lower[left], upper[left])
+        proven[left] = (at_most <= left + rigid) & (at_least > left + rigid)
         half *= 2.0
         left = np.flatnonzero(~proven & (half <= widest))
-        if not len(left):
-            break
-        low, high = frequency[left] * (1.0 - half[left]), frequency[left] * (1.0 + half[left])
-        good = _are_proven(tree, low, high, left + rigid)
-        done = left[good]
-        lower[done], upper[done], proven[done] = low[good], high[good], True
     return lower, upper, proven
-
-
-def _are_proven(tree: Tree, low: FloatArray, high: FloatArray, mode: IntArray) -> BoolArray:
-    """Whether each `low` (m,) is proven to be below `mode` (m,), and each `high` above it."""
-    at_most, at_least = count_bounds(tree, low, high)
-    proven: BoolArray = (at_most <= mode) & (at_least > mode)
-    return proven
 
 
 def expected_width(tree: Tree, frequency: FloatArray, passed: FloatArray | float) -> FloatArray:

@@ -20,8 +20,7 @@ from torsion.kernels.mode_shapes import (
     shape_sign,
     shapes_at,
 )
-from torsion.kernels.reactions import cut, needs_cutting, with_reactions
-from torsion.kernels.reduction import Rigidity, reduce_tree, rigid_shapes, rigidity
+from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.rerooting import rerooted_at_middle
 from torsion.kernels.tree import Tree
@@ -65,7 +64,7 @@ def tree_modes(
     rigid, wanted = len(known.free_roots), known.elastic if count is None else count
     if tree.shafts is None or not math.isfinite(tree.shafts.limit):
         wanted = min(wanted, known.elastic)
-    solved = cut(tree, known) if needs_cutting(tree.static, known) else tree
+    solved = cut(tree, known)
     rerooted = rerooted_at_middle(solved)
     swept = rerooted.tree
     if wanted == 0:

@@ -11,8 +11,7 @@ from torsion.kernels.lapack import jacobi_svd
 from torsion.kernels.loops.chords import LoopedTrain, around, pairs, stiffest_tree
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.reactions import cut, needs_cutting, with_reactions
-from torsion.kernels.reduction import Rigidity, reduce_tree, rigid_shapes, rigidity
+from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
 from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
 from torsion.kernels.tree import Tree
 from torsion.kernels.two_sides import forced, two_sides
@@ -43,7 +42,7 @@ def graph_modes(
     if not len(train.first):  # the loops go only through fixed stations
         return _given(tree, train, tree_modes(train.tree, count))
     known = rigidity(train.tree)
-    solved = cut(train.tree, known) if needs_cutting(train.tree, known) else train.tree
+    solved = cut(train.tree, known)
     wanted = known.elastic if count is None else min(count, known.elastic)
     if wanted == 0:
         return replace(tree_modes(tree, 0), loop_torque=np.empty((len(first), 0)))
@@ -80,10 +79,8 @@ def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, Floa
     reduced = reduce_tree(train.tree, known, (train.first, train.second, train.flexibility))
     factor = star_mesh_factor(reduced.inertia, conductance(reduced), reduced.ground)[:, : known.elastic]
     left, values, _ = jacobi_svd(factor, "U")
-    total = np.bincount(known.body, train.tree.moving_inertia, minlength=train.tree.size)
-    heads = np.flatnonzero((total > 0.0) & ~known.fixed)
     angle = np.zeros((train.tree.size, len(values)))
-    angle[heads] = left[:, ::-1] / np.sqrt(reduced.inertia)[:, None]
+    angle[reduced.head] = left[:, ::-1] / np.sqrt(reduced.inertia)[:, None]
     return values[::-1], angle[known.body]
 
 
