@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import BoolArray, ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.tree import Tree
 
 Row = NDArray[Any]  # (columns,) real or complex: one value a frequency or a root
@@ -58,22 +58,17 @@ def layout(tree: Tree, compliance: NDArray[Any]) -> Layout:
     rigid = zero if zero.ndim == 1 else zero.all(axis=1)
     if zero.ndim > 1 and bool((zero.any(axis=1) & ~rigid).any()):
         raise ValueError("a span is rigid at some frequencies only; expected rigid at all or at none")
-    _check_held(tree, rigid)
-    parent = tree.parent.tolist()
-    held = tree.held.tolist()
-    prescribed = list(held)
-    for station, inner in enumerate(parent):
-        if inner >= 0 and not held[station]:
-            prescribed[station] = bool(rigid[station]) and prescribed[inner]
-    return Layout(parent, tree.children, held, rigid.tolist(), prescribed)
-
-
-def _check_held(tree: Tree, rigid: BoolArray) -> None:
     leaf = tree.held & (tree.parent >= 0)
     if any(tree.children[station] for station in np.flatnonzero(leaf)):
         raise ValueError("a fixed station has spans on both sides; expected a root or a leaf (split the tree there)")
     if bool((leaf & rigid).any()):
         raise ValueError("a rigid span leads to a fixed leaf; expected that fixed station as the root")
+    held, is_rigid = tree.held.tolist(), rigid.tolist()
+    prescribed = list(held)
+    for station, inner in enumerate(tree.parents):
+        if inner >= 0 and is_rigid[station]:
+            prescribed[station] = prescribed[inner]
+    return Layout(tree.parents, tree.children, held, is_rigid, prescribed)
 
 
 def branches(

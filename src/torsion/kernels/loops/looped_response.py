@@ -34,7 +34,6 @@ def looped_response(
     twist: NDArray[Any] | None = None,
     ground_damping: FloatArray | None = None,
     compliance: NDArray[Any] | None = None,
-    check: bool = True,
 ) -> TreeResponse:
     """Response of tree and chords; arguments as of `tree_response`, torques of chords in addition.
 
@@ -42,10 +41,8 @@ def looped_response(
     under a pair of unit torques in place of each chord. A frequency at which the open train is in
     resonance is marked as singular. Raises ValueError if a chord joins parts that the tree does not join.
     """
-    w = np.asarray(w, dtype=np.float64)
-    force = np.asarray(force)
     sign, pair = around(tree, chords.begin, chords.end), pairs(tree.size, chords.begin, chords.end)
-    given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance, "check": True}
+    given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance}
     opened = [
         tree_response(tree, w, force, twist=twist, **given),
         *(tree_response(tree, w, row, **given) for row in pair),
@@ -59,18 +56,15 @@ def looped_response(
             angles += part.angle * row
             torques += part.torque * row
         loss[~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0)) | np.isnan(loss)] = np.inf
-    result = TreeResponse(angles, torques, np.full(w.size, np.nan), loss if check else np.full(w.size, np.nan), torque)
-    if check:
-        acting = _rows(force) + np.tensordot(pair.T, torque, axes=1)
-        problem = pose(tree, w, ground_damping, compliance)
-        result.residual[:] = np.fmax(residual_of(problem, acting, twist, result), _chord_residual(chords, result))
+        result = TreeResponse(angles, torques, torques, np.empty_like(loss), loss, torque)
+        problem = pose(tree, w, _rows(force) + pair.T @ torque, twist=twist, **given)
+        result.residual[:] = np.fmax(residual_of(problem, result), _chord_residual(chords, result))
     return result
 
 
 def _rows(values: NDArray[Any]) -> NDArray[Any]:
     """Values with an axis for the frequencies."""
-    values = np.asarray(values)
-    return values[:, None] if values.ndim == 1 else values
+    return np.asarray(values).reshape(len(values), -1)
 
 
 def _loop_torques(
@@ -78,29 +72,28 @@ def _loop_torques(
 ) -> tuple[ComplexArray, FloatArray]:
     """Torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve."""
     own = np.broadcast_to(_rows(chords.compliance), (len(sign), opened[0].torque.shape[1]))
-    open_twist = _rows(chords.twist) + np.tensordot(sign, hc * opened[0].torque, axes=1)
+    open_twist = _rows(chords.twist) + sign @ (hc * opened[0].torque)
     if twist is not None:
-        open_twist = open_twist - np.tensordot(sign, _rows(twist), axes=1)
-    matrix = np.stack([-np.tensordot(sign, hc * part.torque, axes=1) for part in opened[1:]], axis=-1)
-    terms = sum(np.tensordot(np.abs(sign), np.abs(hc * part.torque), axes=1) for part in opened[1:]) + np.abs(own)
-    matrix = np.moveaxis(matrix, 1, 0)  # (frequencies, chords, chords)
-    chord = np.arange(len(sign))
+        open_twist = open_twist - sign @ _rows(twist)
+    matrix = np.stack([-(sign @ (hc * part.torque)).T for part in opened[1:]], axis=-1)  # (frequencies, chords, chords)
+    terms = sum(np.abs(sign) @ np.abs(hc * part.torque) for part in opened[1:]) + np.abs(own)
+    chord, one = np.arange(len(sign)), np.eye(len(sign))
     matrix[:, chord, chord] += own.T
     scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
-    scaled[lost] = np.eye(len(sign))
+    scaled[lost] = one
     least = np.linalg.svd(scaled, compute_uv=False)[:, -1]
     lost |= least == 0
-    scaled[lost] = np.eye(len(sign))
+    scaled[lost] = one
     torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(np.complex128)
     torque[:, lost] = np.nan
     return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / least))
 
 
 def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
-    wound = _rows(chords.compliance) * answer.chord_torque
-    begin, end, twist = answer.angle[chords.begin], answer.angle[chords.end], _rows(chords.twist)
-    with np.errstate(all="ignore"):
-        error = np.abs(end - begin + wound - twist) / (np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(twist))
+    """Worst residual (frequencies,) of the equation of any chord, relative to the terms in it."""
+    wound, twist = _rows(chords.compliance) * answer.chord_torque, _rows(chords.twist)
+    begin, end = answer.angle[chords.begin], answer.angle[chords.end]
+    error = np.abs(end - begin + wound - twist) / (np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(twist))
     worst: FloatArray = np.fmax.reduce(error, axis=0, initial=0.0)
     return worst
