@@ -1,5 +1,6 @@
 """Forced response of a tree at many frequencies, with full torques, a residual and an amplification of errors."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -10,12 +11,12 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.residual import equilibrium_residual
 from torsion.kernels.sweeps import EPS, Equations, Layout, layout, solve, values_or_rows
 from torsion.kernels.tree import Tree
 
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once, whose rows stay in the cache
+BLOCK_VALUES = 2**14  # of which the residual is found at once: 256 KiB of each array
 SHORTEST_CHUNK, LONGEST_CHUNK = 1024, 2048  # columns: fewer, and calls cost more than sums; more, and caches overflow
 Part = slice | IntArray
 
@@ -270,3 +271,76 @@ def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
 def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:
     """The columns of `values` that `part` names; values that do not vary along the columns stay as they are."""
     return values if values.ndim == 1 else values[:, part]
+
+
+Terms = tuple[ComplexArray, FloatArray]  # an answer (stations, columns), and its magnitudes
+
+
+@dataclass(frozen=True)
+class _Balance:
+    """Equations, one a station: coefficient times value, plus or minus what `other` is here less there = acting."""
+
+    coefficient: NDArray[Any]  # (stations,) or (stations, columns)
+    value: Terms
+    other: Terms
+    plus: np.ufunc
+    minus: np.ufunc
+    there: Sequence[Sequence[int]]  # stations whose `other` counts
+    acting: Sequence[Any]
+    without: list[bool]  # stations that have no such equation
+
+    def put(self, block: slice, error: ComplexArray, scale: FloatArray) -> None:
+        """What each equation of a block is wrong by, and the sum of the magnitudes in it."""
+        factor = self.coefficient[block]
+        factor = factor[:, None] if factor.ndim == 1 else factor
+        (value, size), (other, other_size) = self.value, self.other
+        np.multiply(factor, value[block], out=error)
+        if factor.shape[1] == 1:
+            np.multiply(np.abs(factor), size[block], out=scale)
+        else:
+            np.abs(error, out=scale)
+        self.plus(error, other[block], out=error)
+        scale += other_size[block]
+        for mine, there in _runs((i, there) for i, near in enumerate(self.there[block]) for there in near):
+            self.minus(error[mine], other[there], out=error[mine])
+            scale[mine] += other_size[there]
+        for line, row in enumerate(self.acting[block]):
+            if row is not None:
+                error[line] -= row
+                scale[line] += np.abs(row)
+
+
+def equilibrium_residual(plan: Layout, given: Equations, angle: ComplexArray, torque: ComplexArray) -> FloatArray:
+    """Worst relative residual, (columns,), over every station that is not fixed and every span.
+
+    Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
+    all zero is satisfied.
+    """
+    size, columns = angle.shape
+    angles, torques, worst = (angle, np.abs(angle)), (torque, np.abs(torque)), np.zeros(columns)
+    inner, roots = [() if parent < 0 else (parent,) for parent in plan.parent], [parent < 0 for parent in plan.parent]
+    stations = _Balance(given.own, angles, torques, np.subtract, np.add, plan.children, given.force, plan.held)
+    spans = _Balance(given.compliance, torques, angles, np.add, np.subtract, inner, given.twist, roots)
+    height = min(size, max(1, BLOCK_VALUES // max(columns, 1)))
+    errors, (scales, sizes) = np.empty((height, columns), dtype=np.complex128), np.empty((2, height, columns))
+    for start in range(0, size, height):
+        block = slice(start, min(start + height, size))
+        error, scale, relative = (part[: block.stop - start] for part in (errors, scales, sizes))
+        for balance in (stations, spans):
+            balance.put(block, error, scale)
+            np.abs(error, out=relative)
+            np.divide(relative, scale, out=relative)
+            relative[balance.without[block]] = 0
+            np.fmax(worst, np.fmax.reduce(relative, axis=0), out=worst)
+    return worst
+
+
+def _runs(pairs: Iterable[tuple[int, int]]) -> list[tuple[slice, slice]]:
+    """Pairs of lines in as few runs of both as they form in the order given; a chain is one run."""
+    found: list[list[int]] = []
+    for here, there in pairs:
+        if found and found[-1][0] + found[-1][2] == here and found[-1][1] + found[-1][2] == there:
+            found[-1][2] += 1
+        else:
+            found.append([here, there, 1])
+    return [(slice(here, here + count), slice(there, there + count)) for here, there, count in found]
