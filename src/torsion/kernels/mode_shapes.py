@@ -127,7 +127,7 @@ def _in_blocks(tree: Tree, frequency: FloatArray) -> Shapes:
 
 def _free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     """The shape at each frequency `w` (m,) rad/s, from the station where the residual |Z| / J is least."""
-    if not tree.is_ready and tree.shafts is None:
+    if not tree.is_ready:
         raise ValueError("shapes_at takes a tree whose stations are numbered layer by layer")
     with np.errstate(all="ignore"):
         sides = sides_of(tree, w)

@@ -56,15 +56,17 @@ def count_below(tree: Tree, frequency: ArrayLike, *, bound: ArrayLike = 0) -> In
     with many digits for all others.
     """
     w = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    swept = tree if tree.is_ready or tree.shafts is not None else by_layers(tree).tree
-    lean = np.zeros(w.shape) + bound
-    return _count(swept, w, lean if lean.any() else None)
+    lean = np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)
+    return _count(tree, w, lean if lean.any() else None)
 
 
 def count_bounds(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
     """A count never less than the exact one at each of `low` (m,) rad/s, and one never more at each of `high` (m,)."""
-    count = count_below(tree, np.concatenate((low, high)), bound=np.repeat((1.0, -1.0), len(low)))
-    return count[: len(low)], count[len(low) :]
+    number = len(low)
+    lean = np.ones(2 * number)
+    lean[number:] = -1.0
+    count = _count(tree, np.concatenate((low, high)), lean)
+    return count[:number], count[number:]
 
 
 def margins(tree: Tree, square: FloatArray) -> tuple[FloatArray | float, float, float]:
@@ -83,6 +85,7 @@ def _count(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
 
     `lean` (m,) is the direction in which every rounding is outweighed.
     """
+    tree = tree if tree.is_ready else by_layers(tree).tree
     block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
     parts = [slice(begin, begin + block) for begin in range(0, max(len(w), 1), block)]
     with np.errstate(divide="ignore", over="ignore", under="ignore"):
