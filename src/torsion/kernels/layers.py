@@ -1,7 +1,8 @@
 """Stations in layers of equal distance from their root, so that one numpy call sweeps a whole layer."""
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from itertools import accumulate
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -118,3 +119,10 @@ def of_the_rest(layer: Layer, above: FloatArray, passed: FloatArray, out: FloatA
         own, rows = passed[family], out[family.start - layer.stations.start : family.stop - layer.stations.start]
         rows[1:] += np.add.accumulate(own[:-1], axis=0)
         rows[:-1] += np.add.accumulate(own[:0:-1], axis=0)[::-1]
+
+
+def of_others(values: Sequence[Any], remainder: Any, add: Callable[[Any, Any], Any] = np.add) -> list[Any]:
+    """For each of the `values` of siblings, the sum of `remainder` and all others, from the left and from the right."""
+    before = list(accumulate([remainder, *values[:-1]], add))
+    after = list(accumulate(values[:0:-1], add))
+    return [*map(add, before, reversed(after)), before[-1]]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.layers import of_others
 from torsion.kernels.tree import Tree
 
 Row = NDArray[Any]  # (columns,) real or complex: one value a frequency or a root
@@ -128,22 +129,6 @@ def guarded_sum(product: Row, guard: bool) -> Row:
     if guard:
         product[product == 0] = EPS
     return product
-
-
-def share(children: Sequence[int], through: Rows, rest: Rows, remainder: Any, add: Any = np.add) -> None:
-    """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
-    if len(children) == 1:
-        rest[children[0]] = remainder
-        return
-    before = remainder
-    for child in children:
-        rest[child] = before
-        before = add(before, through[child])
-    after: Any = None
-    for child in reversed(children):
-        if after is not None:
-            rest[child] = add(rest[child], after)
-        after = through[child] if after is None else add(after, through[child])
 
 
 @dataclass(frozen=True)
@@ -301,15 +286,17 @@ def _share_out(at: Sweep, i: int, stiffness: Row, source: Any) -> None:
 
     stiffness, source: of station i with what lies toward the root.
     """
-    through, children = at.found.stiffness_through, at.plan.children[i]
+    through, pushed, children = at.found.stiffness_through, at.found.source_through, at.plan.children[i]
     loud = [child for child in children if at.loud[child]]
     if loud and len(loud) < len(children):
         for child in children:
             if not at.loud[child]:
                 stiffness = stiffness + through[child]
     if loud:
-        share(loud, through, at.stiffness, stiffness)
-        share(loud, at.found.source_through, at.source, source, total)
+        stiffnesses = of_others([through[child] for child in loud], stiffness)
+        sources = of_others([pushed[child] for child in loud], source, total)
+        for child, zd, fd in zip(loud, stiffnesses, sources, strict=True):
+            at.stiffness[child], at.source[child] = zd, fd
 
 
 def _forget(at: Sweep, i: int) -> None:

@@ -19,7 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.layers import add_children, of_the_rest, sweep_to_roots
+from torsion.kernels.layers import add_children, of_others, of_the_rest, sweep_to_roots
 from torsion.kernels.tree import Tree
 
 Spread = tuple[FloatArray, FloatArray, FloatArray, BoolArray | None]
@@ -137,7 +137,9 @@ def _to_leaves(
         if len(children) == 1:
             add(base[i], back[i], zd[children[0]])
         elif children:
-            _add_siblings(base[i], back[i], children, term, zd)
+            others = of_others([term[child] for child in children], base[i] + back[i])
+            for child, row in zip(children, others, strict=True):
+                zd[child][:] = row
         for child in children:
             through, shaft = y[child], shafts[child]
             reciprocal(zd[child] if shaft < 0 else np.subtract(zd[child], near[shaft], ends[child]), through)
@@ -145,22 +147,6 @@ def _to_leaves(
             reciprocal(through, through)
             if shaft >= 0:
                 np.subtract(through, far[shaft], back[child])
-
-
-def _add_siblings(
-    own: FloatArray, back: FloatArray, children: tuple[int, ...], term: list[FloatArray], out: list[FloatArray]
-) -> None:
-    """Write, for each child, `own` plus `back` plus the terms of its siblings, by sums from the left and the right."""
-    add = np.add
-    before = children[0]
-    add(own, back, out[before])
-    for child in children[1:]:
-        add(out[before], term[before], out[child])
-        before = child
-    after = term[before]
-    for child in children[-2::-1]:
-        add(out[child], after, out[child])
-        after = after + term[child]
 
 
 def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -180,10 +166,10 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
                 multiply(source[i], to_leaves[i], passed[i])
                 add(source[parent], passed[i], source[parent])
         for i, children in enumerate(tree.children):
-            if children:
-                _add_siblings(own[i], back[i], children, passed, rest)
-            for child in children:
-                multiply(rest[child], to_root[child], back[child])
+            others = of_others([passed[child] for child in children], own[i] + back[i]) if children else []
+            for child, row in zip(children, others, strict=True):
+                rest[child][:] = row
+                multiply(row, to_root[child], back[child])
         z, zz, zd, y = sides.branch_end, sides.passed, sides.rest_end, sides.returned
         at_parent, at_station = (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / (z + y)
         span, angle = np.where(np.abs(zd) <= np.abs(z), at_parent, at_station), (f + g) / sides.total

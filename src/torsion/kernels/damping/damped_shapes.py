@@ -7,7 +7,8 @@ from scipy.linalg import qr, solve_triangular
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.damping.first_order_form import DampedTree
-from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum, share
+from torsion.kernels.layers import of_others
+from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum
 from torsion.kernels.tree import Tree
 
 UNRESOLVED = 1e-8  # of the largest column: below it, the shapes of a repeated root are not independent
@@ -46,7 +47,10 @@ def both_sides(train: DampedTree, root: ComplexArray, lossy: float) -> BothSides
             whole[station] = z + through
         else:
             whole[station] = z
-        share(plan.children[station], found.stiffness_through, rest, here)
+        children = plan.children[station]
+        others = of_others([found.stiffness_through[child] for child in children], here) if children else []
+        for child, value in zip(children, others, strict=True):
+            rest[child] = value
     return BothSides(hc, found.stiffness, rest, whole)
 
 
