@@ -1,7 +1,6 @@
 """Stations in layers of equal distance from their root, so that one numpy call sweeps a whole layer."""
 
 from collections.abc import Callable, Sequence
-from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -121,8 +120,17 @@ def of_the_rest(layer: Layer, above: FloatArray, passed: FloatArray, out: FloatA
         rows[:-1] += np.add.accumulate(own[:0:-1], axis=0)[::-1]
 
 
-def of_others(values: Sequence[Any], remainder: Any, add: Callable[[Any, Any], Any] = np.add) -> list[Any]:
-    """For each of the `values` of siblings, the sum of `remainder` and all others, from the left and from the right."""
-    before = list(accumulate([remainder, *values[:-1]], add))
-    after = list(accumulate(values[:0:-1], add))
-    return [*map(add, before, reversed(after)), before[-1]]
+def share(children: Sequence[int], through: list[Any], rest: list[Any], remainder: Any, add: Any = np.add) -> None:
+    """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
+    if len(children) == 1:
+        rest[children[0]] = remainder
+        return
+    before = remainder
+    for child in children:
+        rest[child] = before
+        before = add(before, through[child])
+    after: Any = None
+    for child in reversed(children):
+        if after is not None:
+            rest[child] = add(rest[child], after)
+        after = through[child] if after is None else add(after, through[child])

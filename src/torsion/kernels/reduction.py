@@ -95,8 +95,7 @@ def reduce_tree(
     is_soft = (near >= 0) & (flexibility > 0.0) & (one != other)
     is_between = np.minimum(one, other) >= 0
     spring, tie = is_soft & is_between, is_soft & ~is_between
-    inertia, ground = np.zeros((2, tree.size))
-    np.add.at(inertia, known.body, tree.moving_inertia)
+    inertia, ground = np.asarray(np.bincount(known.body, tree.moving_inertia), dtype=np.float64), np.zeros(len(head))
     np.add.at(ground, np.maximum(one, other)[tie], 1.0 / flexibility[tie])
     whole = ReducedTrain(
         head=head,
@@ -104,7 +103,7 @@ def reduce_tree(
         inner=one[spring],
         outer=other[spring],
         stiffness=1.0 / flexibility[spring],
-        ground=ground[: len(head)],
+        ground=ground,
         acyclic=chords is None,
     )
     return whole if whole.inertia.min(initial=1.0) > 0.0 else _without_massless(whole)

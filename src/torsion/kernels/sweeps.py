@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kernels.layers import of_others
+from torsion.kernels.layers import share
 from torsion.kernels.tree import Tree
 
 Row = NDArray[Any]  # (columns,) real or complex: one value a frequency or a root
@@ -286,17 +286,15 @@ def _share_out(at: Sweep, i: int, stiffness: Row, source: Any) -> None:
 
     stiffness, source: of station i with what lies toward the root.
     """
-    through, pushed, children = at.found.stiffness_through, at.found.source_through, at.plan.children[i]
+    through, children = at.found.stiffness_through, at.plan.children[i]
     loud = [child for child in children if at.loud[child]]
     if loud and len(loud) < len(children):
         for child in children:
             if not at.loud[child]:
                 stiffness = stiffness + through[child]
     if loud:
-        stiffnesses = of_others([through[child] for child in loud], stiffness)
-        sources = of_others([pushed[child] for child in loud], source, total)
-        for child, zd, fd in zip(loud, stiffnesses, sources, strict=True):
-            at.stiffness[child], at.source[child] = zd, fd
+        share(loud, through, at.stiffness, stiffness)
+        share(loud, at.found.source_through, at.source, source, total)
 
 
 def _forget(at: Sweep, i: int) -> None:

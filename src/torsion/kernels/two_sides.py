@@ -19,7 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.layers import add_children, of_others, of_the_rest, sweep_to_roots
+from torsion.kernels.layers import add_children, of_the_rest, share, sweep_to_roots
 from torsion.kernels.tree import Tree
 
 Spread = tuple[FloatArray, FloatArray, FloatArray, BoolArray | None]
@@ -33,13 +33,13 @@ class TwoSides:
     """
 
     branch: FloatArray  # z: of the station and all beyond it, seen at the station
-    branch_end: FloatArray  # the same with the outer end of the span to the parent
-    passed: FloatArray  # the same, seen through the flexibility
-    branch_passed: FloatArray  # zz: with the inner end, all that the span shows at the parent
+    passed: FloatArray  # the same with the outer end of the span to the parent, seen through the flexibility
     rest: FloatArray  # zd: of all the rest, seen at the parent
-    rest_end: FloatArray  # the same with the inner end of the span
-    returned: FloatArray  # the same, seen through the flexibility
-    rest_passed: FloatArray  # y: with the outer end, all that the span shows at the station
+    returned: FloatArray  # the same with the inner end of the span, seen through the flexibility
+    branch_end: FloatArray  # `branch` with the outer end of the span
+    branch_passed: FloatArray  # zz: `passed` with the inner end, all that the span shows at the parent
+    rest_end: FloatArray  # `rest` with the inner end of the span
+    rest_passed: FloatArray  # y: `returned` with the outer end, all that the span shows at the station
 
     @cached_property
     def total(self) -> FloatArray:
@@ -78,75 +78,36 @@ def sides_of(tree: Tree, w: FloatArray) -> Sides | TwoSides:
 
 
 def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
-    """The two sweeps at angular frequencies `w` (m,). Infinite values are meant: a fixed station, a node."""
-    square = w * w
+    """The two sweeps at angular frequencies `w` (m,), station by station."""
+    square, h, near, far = w * w, tree.flexibilities, dict[int, FloatArray](), dict[int, FloatArray]()
     with np.errstate(all="ignore"):
-        own = tree.own_stiffness(square)
-        z, (zz, zd, y) = own.copy(), np.zeros((3, *own.shape))
-        if tree.shafts is None:
-            sides, h, near, far = TwoSides(z, z, zz, zz, zd, zd, y, y), tree.flexibilities, [], []
-        else:
-            flexibility, inner, outer = tree.shafts.at(square)
-            ends = np.zeros((4, *own.shape))
-            sides = TwoSides(z, ends[0], zz, ends[1], zd, ends[2], y, ends[3])
-            h, near, far = tree.flexibilities.copy(), list(inner * square), list(outer * square)
-            for node, row in zip(tree.shafts.node.tolist(), flexibility, strict=True):
-                h[node] = row
-        _to_roots(tree, sides, h, near, far)
-        _to_leaves(tree, sides, own, h, near, far)
+        own = list(tree.own_stiffness(square))
+        z, (zz, zd, y) = own.copy(), ([np.zeros(len(w))] * tree.size for _ in range(3))
+        ends = z_end, zz_end, zd_end, y_end = z, zz, zd, y
         if tree.shafts is not None:
-            springs = tree.springs
-            sides.branch_end[springs], sides.rest_end[springs] = z[springs], zd[springs]
-            sides.branch_passed[springs], sides.rest_passed[springs] = zz[springs], y[springs]
-    return sides
-
-
-def _to_roots(tree: Tree, sides: TwoSides, h: list[FloatArray], near: list[FloatArray], far: list[FloatArray]) -> None:
-    """From the leaves to the roots; `near`, `far`: w^2 times the end inertia of each shaft."""
-    z, zz = list(sides.branch), list(sides.passed)
-    ends, shown = (zz, zz) if tree.shafts is None else (list(sides.branch_end), list(sides.branch_passed))
-    parents, shafts, add, reciprocal = tree.parents, tree.shaft_of, np.add, np.reciprocal
-    for i in range(tree.size - 1, -1, -1):
-        parent, shaft = parents[i], shafts[i]
-        if parent < 0:
-            continue
-        through, there = zz[i], z[parent]
-        reciprocal(z[i] if shaft < 0 else np.subtract(z[i], far[shaft], ends[i]), through)
-        add(through, h[i], through)
-        reciprocal(through, through)
-        add(there, through if shaft < 0 else np.subtract(through, near[shaft], shown[i]), there)
-
-
-def _to_leaves(
-    tree: Tree,
-    sides: TwoSides,
-    own: FloatArray,
-    h: list[FloatArray],
-    near: list[FloatArray],
-    far: list[FloatArray],
-) -> None:
-    """From the roots to the leaves."""
-    zd, y, term = list(sides.rest), list(sides.returned), list(sides.passed)
-    shafts, base, ends, back = tree.shaft_of, list(own), zd, y
-    if tree.shafts is not None:
-        ends, back = list(sides.rest_end), list(y)
-        for node in tree.shafts.node.tolist():
-            term[node], back[node] = sides.branch_passed[node], sides.rest_passed[node]
-    add, reciprocal = np.add, np.reciprocal
-    for i, children in enumerate(tree.children):
-        if len(children) == 1:
-            add(base[i], back[i], zd[children[0]])
-        elif children:
-            others = of_others([term[child] for child in children], base[i] + back[i])
-            for child, row in zip(children, others, strict=True):
-                zd[child][:] = row
-        for child in children:
-            through, shaft = y[child], shafts[child]
-            reciprocal(zd[child] if shaft < 0 else np.subtract(zd[child], near[shaft], ends[child]), through)
-            add(through, h[child], through)
-            reciprocal(through, through)
-            if shaft >= 0:
-                np.subtract(through, far[shaft], back[child])
+            flexibility, inner, outer = tree.shafts.at(square)
+            node, h, ends = tree.shafts.node.tolist(), h.copy(), (z.copy(), zz.copy(), zd.copy(), y.copy())
+            near, far = (dict(zip(node, part * square, strict=True)) for part in (inner, outer))
+            z_end, zz_end, zd_end, y_end = ends
+            for station, row in zip(node, flexibility, strict=True):
+                h[station] = row
+        parents, add, reciprocal = tree.parents, np.add, np.reciprocal
+        for i in range(tree.size - 1, -1, -1):
+            parent = parents[i]
+            z_end[i] = z[i] - far[i] if i in far else z[i]
+            if parent >= 0:
+                zz[i] = reciprocal(add(h[i], reciprocal(z_end[i])))
+                zz_end[i] = zz[i] - near[i] if i in near else zz[i]
+                z[parent] = add(z[parent], zz_end[i])
+        for i, children in enumerate(tree.children):
+            if children:
+                share(children, zz_end, zd, own[i] + y_end[i])
+            for child in children:
+                zd_end[child] = zd[child] - near[child] if child in near else zd[child]
+                y[child] = reciprocal(add(h[child], reciprocal(zd_end[child])))
+                y_end[child] = y[child] - far[child] if child in far else y[child]
+        seen = [np.array(rows) for rows in (z, zz, zd, y)]
+    return TwoSides(*seen, *(seen if tree.shafts is None else (np.array(rows) for rows in ends)))
 
 
 def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -155,21 +116,21 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
     The torque is that in the flexibility of a span, as it acts on the side of the leaves. Each side is a stiffness and
     a source (Norton), and both meet at either end: with ff, zz and fd, zd at the root end (fd zz - ff zd)/(zz + zd).
     """
-    f, (ff, fd, g) = torque.copy(), np.zeros((3, *torque.shape))
-    source, passed, rest, back, own = list(f), list(ff), list(fd), list(g), list(torque)
-    add, multiply, parents = np.add, np.multiply, tree.parents
+    own, source = list(torque), list(torque)
+    passed, rest, back = ([np.zeros(torque.shape[1])] * tree.size for _ in range(3))
     with np.errstate(all="ignore"):
         to_leaves, to_root = list(sides.to_leaves), list(sides.to_root)
         for i in range(tree.size - 1, -1, -1):
-            parent = parents[i]
+            parent = tree.parents[i]
             if parent >= 0:
-                multiply(source[i], to_leaves[i], passed[i])
-                add(source[parent], passed[i], source[parent])
+                passed[i] = source[i] * to_leaves[i]
+                source[parent] = source[parent] + passed[i]
         for i, children in enumerate(tree.children):
-            others = of_others([passed[child] for child in children], own[i] + back[i]) if children else []
-            for child, row in zip(children, others, strict=True):
-                rest[child][:] = row
-                multiply(row, to_root[child], back[child])
+            if children:
+                share(children, passed, rest, own[i] + back[i])
+            for child in children:
+                back[child] = rest[child] * to_root[child]
+        f, ff, fd, g = (np.array(rows) for rows in (source, passed, rest, back))
         z, zz, zd, y = sides.branch_end, sides.passed, sides.rest_end, sides.returned
         at_parent, at_station = (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / (z + y)
         span, angle = np.where(np.abs(zd) <= np.abs(z), at_parent, at_station), (f + g) / sides.total

@@ -7,7 +7,7 @@ from scipy.linalg import qr, solve_triangular
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.damping.first_order_form import DampedTree
-from torsion.kernels.layers import of_others
+from torsion.kernels.layers import share
 from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum
 from torsion.kernels.tree import Tree
 
@@ -47,10 +47,7 @@ def both_sides(train: DampedTree, root: ComplexArray, lossy: float) -> BothSides
             whole[station] = z + through
         else:
             whole[station] = z
-        children = plan.children[station]
-        others = of_others([found.stiffness_through[child] for child in children], here) if children else []
-        for child, value in zip(children, others, strict=True):
-            rest[child] = value
+        share(plan.children[station], found.stiffness_through, rest, here)
     return BothSides(hc, found.stiffness, rest, whole)
 
 
