@@ -272,7 +272,7 @@ def _referred_modes(system: System, chords: IntArray, count: int | None, progres
         from torsion.kernels.natural_modes import tree_modes
 
         return tree_modes(tree, count, progress=progress)
-    from torsion.kernels.loops.looped_modes import graph_modes
+    from torsion.kernels.loops import graph_modes
 
     node = system.condensed.node
     flexibility = (system.flexibility / system.span_ratio**2)[chords]

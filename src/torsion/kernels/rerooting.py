@@ -15,7 +15,7 @@ class Rerooted:
     tree: Tree  # its stations are numbered layer by layer
     station: IntArray  # (stations,) where each station of the given tree is now
     span: IntArray  # (stations,) where each span of the given tree is now
-    sign: FloatArray | None  # (stations, 1) -1 where a span of the given tree now runs the other way; None: nowhere
+    sign: FloatArray  # (stations, 1) -1 where a span of the given tree now runs the other way
 
     def angles(self, angle: FloatArray) -> FloatArray:
         """Angles (stations, m) in the numbering of the given tree."""
@@ -24,8 +24,7 @@ class Rerooted:
     def torques(self, torque: FloatArray) -> FloatArray:
         """Span torques (stations, m) in the numbering and with the signs of the given tree."""
         given = torque.take(self.span, 0)
-        if self.sign is not None:
-            np.multiply(given, self.sign, out=given)
+        given *= self.sign
         return given
 
 
@@ -37,8 +36,7 @@ def rerooted_at_middle(tree: Tree) -> Rerooted:
     shafts, whose shapes are swept station by station.
     """
     if tree.is_swept_by_stations or tree.shafts is not None:
-        none = np.arange(tree.size)
-        return Rerooted(tree, none, none, None)
+        return _as_it_is(tree)
     parents = tree.parents
     path = [] if not parents or parents.count(-1) > 1 else _to_the_middle(parents)
     if len(path) < 2 or (tree.held[0] and parents.count(0) > 1):
@@ -48,21 +46,24 @@ def rerooted_at_middle(tree: Tree) -> Rerooted:
 
 def rerooted_at_end(tree: Tree) -> Rerooted | None:
     """The same train with an end of the row in which its stations lie as the root; None where they are no row."""
-    size, roots = tree.size, np.flatnonzero(tree.parent < 0).tolist()
     if tree.is_chain:
-        return Rerooted(tree, np.arange(size), np.arange(size), None)
-    if len(roots) != 1 or len(tree.children[roots[0]]) > 2 or int(np.bincount(tree.parent + 1)[1:].max()) > 2:
+        return _as_it_is(tree)
+    path = tree.roots[:1]
+    if len(tree.roots) != 1 or len(tree.children[path[0]]) > 2 or tree.most_children > 2:
         return None
-    path = [roots[0]]
     while tree.children[path[-1]]:
         path.append(tree.children[path[-1]][0])
-    row = _rerooted(tree, path if len(tree.children[roots[0]]) == 2 else path[:1])
+    row = _rerooted(tree, path if len(tree.children[path[0]]) == 2 else path[:1])
     return row if row.tree.is_chain else None
 
 
 def by_layers(tree: Tree) -> Rerooted:
     """The same train numbered layer by layer, its roots where they are."""
-    return _renumbered(tree, tree.parents, np.arange(tree.size), None)
+    return _renumbered(tree, tree.parents, np.arange(tree.size), np.ones((tree.size, 1)))
+
+
+def _as_it_is(tree: Tree) -> Rerooted:
+    return Rerooted(tree, np.arange(tree.size), np.arange(tree.size), np.ones((tree.size, 1)))
 
 
 def _rerooted(tree: Tree, path: list[int]) -> Rerooted:
@@ -75,7 +76,7 @@ def _rerooted(tree: Tree, path: list[int]) -> Rerooted:
     return _renumbered(tree, toward, np.array(span), sign)
 
 
-def _renumbered(tree: Tree, toward: list[int], span: IntArray, sign: FloatArray | None) -> Rerooted:
+def _renumbered(tree: Tree, toward: list[int], span: IntArray, sign: FloatArray) -> Rerooted:
     """The train with parents `toward`; each station has the span that was numbered `span` (stations,)."""
     order = _by_layers(toward)
     station, span = _inverse(order), span[order]

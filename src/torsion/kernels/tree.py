@@ -66,7 +66,7 @@ class Tree:
     @property
     def is_ready(self) -> bool:
         """Sweeps can take the stations as they are numbered."""
-        return self.is_swept_by_stations or self.layers is not None
+        return self.is_swept_by_stations or self.shafts is not None or self.layers is not None
 
     @cached_property
     def most_children(self) -> int:

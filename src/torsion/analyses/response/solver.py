@@ -15,7 +15,7 @@ from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
-    from torsion.kernels.loops.looped_response import Chords
+    from torsion.kernels.loops import Chords
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
         torque = bar_torques(system, found.torque, found.torque_outer)
     else:
         if chords.size:
-            from torsion.kernels.loops.looped_response import looped_response
+            from torsion.kernels.loops import looped_response
 
             found = looped_response(tree, _chords(system, chords, w), w, sources.force, **acting)
         else:
@@ -84,7 +84,7 @@ def _tree(system: System) -> Tree:
 
 def _chords(system: System, chords: IntArray, w: FloatArray) -> "Chords":
     """The spans `chords` that close loops."""
-    from torsion.kernels.loops.looped_response import Chords
+    from torsion.kernels.loops import Chords
 
     condensed, ratio = system.condensed, system.span_ratio[chords]
     flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2

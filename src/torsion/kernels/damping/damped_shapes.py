@@ -7,7 +7,8 @@ from scipy.linalg import qr, solve_triangular
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.damping.first_order_form import DampedTree
-from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum, share
+from torsion.kernels.layers import share
+from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum
 from torsion.kernels.tree import Tree
 
 UNRESOLVED = 1e-8  # of the largest column: below it, the shapes of a repeated root are not independent

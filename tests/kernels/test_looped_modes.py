@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.loops.looped_modes import graph_modes
+from torsion.kernels.loops import graph_modes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 

@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.loops.looped_response import Chords, looped_response
+from torsion.kernels.loops import Chords, looped_response
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import Status, status, tree_response
 
