@@ -1,12 +1,13 @@
 """Shapes and torques of damped modes from the dynamic stiffness of both sides, by products along the train."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.kernels.damping.first_order_form import DampedTree
+from torsion.kernels.damping.damped_roots import DampedTree
 from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum, share
 from torsion.kernels.tree import Tree
 
@@ -17,45 +18,34 @@ UNRESOLVED = 1e-8  # of the largest column: below it, the shapes of a repeated r
 class BothSides:
     """Dynamic stiffness at each root; rows over roots, None where infinite."""
 
-    compliance: Rows  # hc, rad/(N m)
+    compliance: ComplexArray  # (stations, roots) hc, rad/(N m)
     branch: Rows  # z, N m/rad: of a station and all beyond it
     rest: Rows  # zd: of all but that branch, at the parent
     whole: ComplexArray  # (stations, roots) Z, N m/rad, of the whole train at a station; infinite where prescribed
 
 
-def both_sides(train: DampedTree, root: ComplexArray, lossy: float) -> BothSides:
+def both_sides(train: DampedTree, root: ComplexArray) -> BothSides:
     """Dynamic stiffness l^2 J + l C + K(1 + i eta) of the train as every station sees it."""
-    plan, size = train.plan, train.plan.size
-    own = [train.ground[i] * root + train.tree.inertia[i] * root * root for i in range(size)]
-    hc = [_compliance(train, root, lossy, i) for i in range(size)]
-    found = branches(plan, own, hc, [0.0] * size, guard=True)
+    plan, size, soft = train.plan, train.plan.size, train.tree.flexibility > 0
+    own = train.ground[:, None] * root + train.tree.inertia[:, None] * root * root
+    hc = np.zeros((size, len(root)), dtype=np.complex128)
+    stiffness = (1 + 1j * train.loss_factor[soft]) / train.tree.flexibility[soft]
+    hc[soft] = 1 / (stiffness[:, None] + train.viscous[soft, None] * root)
+    found = branches(plan, list(own), list(hc), [0.0] * size, guard=True)
     rest: Rows = [None] * size
     whole = np.full((size, len(root)), np.inf, dtype=np.complex128)
     for station in range(size):
         parent, z = plan.parent[station], found.stiffness[station]
         if plan.prescribed[station]:
             continue
-        here = own[station]
+        through: Any = 0.0
         if parent >= 0 and plan.prescribed[parent]:
-            here = here + 1 / hc[station]
-            whole[station] = z + 1 / hc[station]
+            through = 1 / hc[station]
         elif parent >= 0:
-            zd = rest[station]
-            through = zd / guarded_sum(hc[station] * zd, guard=True)
-            here = here + through
-            whole[station] = z + through
-        else:
-            whole[station] = z
-        share(plan.children[station], found.stiffness_through, rest, here)
+            through = rest[station] / guarded_sum(hc[station] * rest[station], guard=True)
+        whole[station] = z + through
+        share(plan.children[station], found.stiffness_through, rest, own[station] + through)
     return BothSides(hc, found.stiffness, rest, whole)
-
-
-def _compliance(train: DampedTree, root: ComplexArray, lossy: float, station: int) -> ComplexArray:
-    h, c = train.tree.flexibility[station], train.viscous[station]
-    if h == 0 or train.tree.parent[station] < 0:
-        return np.zeros(len(root), dtype=np.complex128)
-    hc: ComplexArray = 1 / ((1 + 1j * lossy * train.loss_factor[station]) / h + c * root)
-    return hc
 
 
 def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexArray, ComplexArray]:
@@ -109,7 +99,7 @@ def newton_step(
     train: DampedTree, at: BothSides, root: ComplexArray, pushed: IntArray, shape: ComplexArray, torque: ComplexArray
 ) -> ComplexArray:
     """Correction of each root, -Z/Z', from the shape in which station `pushed` turns by 1."""
-    wound = np.array(at.compliance) * torque
+    wound = at.compliance * torque
     slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(axis=0)
     slope += (train.viscous[:, None] * wound * wound).sum(axis=0)
     step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope
@@ -122,7 +112,7 @@ def independent_shapes(train: DampedTree, root: complex, count: int) -> tuple[Co
     The train is pushed at every station in turn; the best independent answers are kept. None if there are too few.
     """
     tree, size = train.tree, train.plan.size
-    at = both_sides(train, np.full(size, root), 1.0)
+    at = both_sides(train, np.full(size, root))
     angle, torque = shapes_from(train.plan, at, np.arange(size))
     weight = np.sqrt(np.where(tree.held, 0.0, tree.inertia))
     receptance = np.diag(at.whole)
@@ -145,7 +135,7 @@ def decay(
 
     l^2 m + l c + k(1 + i eta) = 0 with m, c, k sums of positive terms gives Re l = -(c + sum k eta |.|^2/Im l)/(2m).
     """
-    wound = np.abs(np.array(at.compliance) * torque) ** 2
+    wound = np.abs(at.compliance * torque) ** 2
     inertia = (train.tree.inertia[:, None] * np.abs(shape) ** 2).sum(axis=0)
     lost = (train.ground[:, None] * np.abs(shape) ** 2).sum(axis=0) + (train.viscous[:, None] * wound).sum(axis=0)
     loss = np.where(train.loss_factor > 0, train.loss_factor, 0.0)

@@ -6,6 +6,7 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
+from torsion.kernels.damping.damped_roots import DampedTree, first_order_eigenvalues, number_of_roots, polish_together
 from torsion.kernels.damping.damped_shapes import (
     BothSides,
     both_sides,
@@ -15,8 +16,7 @@ from torsion.kernels.damping.damped_shapes import (
     newton_step,
     shapes_from,
 )
-from torsion.kernels.damping.first_order_form import DampedTree, first_order_eigenvalues, zero_roots
-from torsion.kernels.damping.simultaneous import doubled, polish_together
+from torsion.kernels.spanning_forest import connected
 from torsion.kernels.sweeps import EPS
 from torsion.kernels.tree import Tree
 
@@ -59,9 +59,9 @@ def damped_modes(
     tree = Tree(tree.parent, flexibility, tree.moving_inertia, tree.held)
     damping = (_per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
     train = DampedTree(tree, *damping)
-    zeros, still = zero_roots(train)
+    zeros, others = number_of_roots(train)
     if start is None:
-        upper, real = _all_roots(train, zeros, still)
+        upper, real = _all_roots(train, zeros, others)
     else:
         upper, real = _roots_from(train, zeros, np.asarray(start, dtype=np.float64))
     return _with_shapes(train, upper, np.sort(real)[::-1])
@@ -74,7 +74,7 @@ def _per_station(tree: Tree, values: FloatArray | None) -> FloatArray:
     return result
 
 
-def _all_roots(train: DampedTree, zeros: int, still: int) -> tuple[ComplexArray, FloatArray]:
+def _all_roots(train: DampedTree, zeros: int, others: int) -> tuple[ComplexArray, FloatArray]:
     movable = int(np.count_nonzero(~np.array(train.plan.prescribed)))
     if movable > LARGEST_FIRST_ORDER:
         raise SolveError(
@@ -82,7 +82,7 @@ def _all_roots(train: DampedTree, zeros: int, still: int) -> tuple[ComplexArray,
             "give undamped frequencies as start"
         )
     rough: ComplexArray = first_order_eigenvalues(train).astype(np.complex128)
-    rough = rough[np.argsort(np.abs(rough))[still:]]
+    rough = rough[np.argsort(np.abs(rough))[len(rough) - others :]]
     root = polish_together(train, rough, zeros, lossy=0.0)
     real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
     upper = (root.imag > 0) & ~real
@@ -114,7 +114,8 @@ def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> Dam
     root = root[np.argsort(np.abs(root), kind="stable")]
     with np.errstate(all="ignore"):
         at, root, angle, torque = _polished(train, root)
-        for group in doubled(root, REPEATED):
+        first = connected(len(root), *np.nonzero(np.abs(root[:, None] - root) <= REPEATED * np.abs(root)))
+        for group in (np.flatnonzero(first == one) for one in np.unique(first)):
             if len(group) > 1:
                 several = independent_shapes(train, complex(root[group].mean()), len(group))
                 if several is not None:
@@ -132,7 +133,7 @@ def _polished(train: DampedTree, root: ComplexArray) -> tuple[BothSides, Complex
     gap = apart.min(axis=1, initial=np.inf)
     repeated = gap <= REPEATED * np.abs(root)
     for _ in range(NEWTON_STEPS):
-        at = both_sides(train, root, 1.0)
+        at = both_sides(train, root)
         pushed = most_active(train.tree, at.whole)
         angle, torque = shapes_from(train.plan, at, pushed)
         step = newton_step(train, at, root, pushed, angle, torque)
