@@ -103,10 +103,10 @@ def _local_inertia(element: CondensedElements) -> FloatArray:
     """Inertia (shafts, 2 + modes, 2 + modes) kg m2 of the ends and the modes inside."""
     number, modes = element.modes.shape
     local = np.zeros((number, 2 + modes, 2 + modes))
-    local[:, 0, 0], local[:, 1, 1] = element.inner - element.across, element.outer - element.across
+    local[:, [0, 1], [0, 1]] = element.ends - element.across[:, None]
     local[:, 0, 1] = local[:, 1, 0] = element.across
-    local[:, 0, 2:] = local[:, 2:, 0] = element.coupling_inner
-    local[:, 1, 2:] = local[:, 2:, 1] = element.coupling_outer
+    local[:, :2, 2:] = element.coupling
+    local[:, 2:, :2] = element.coupling.transpose(0, 2, 1)
     inside = np.arange(2, 2 + modes)
     local[:, inside, inside] = element.modes
     return local
@@ -156,16 +156,16 @@ def _one_mode_elements(shafts: Shafts) -> CondensedElements:
     """
     middle = 0.25 * shafts.limit**2
     at, (_, inner, outer) = shafts.slopes(np.zeros(1)), shafts.at(np.array([middle]))
-    first, last = at.inner_slope[:, 0], at.outer_slope[:, 0]
-    turn = first + last
-    rise = inner[:, 0] - at.inner[:, 0] + (outer[:, 0] - at.outer[:, 0])
+    coupled, ends = np.hstack([at.inner_slope, at.outer_slope]), np.hstack([at.inner, at.outer])
+    turn = coupled.sum(axis=1)
+    rise = inner[:, 0] - ends[:, 0] + (outer[:, 0] - ends[:, 1])
     mode = 1.0 / middle - np.divide(turn, rise, out=np.full(shafts.size, 1.0 / middle), where=rise > 0.0)
     root = np.sqrt(np.maximum(turn, 0.0))
     share = np.divide(1.0, root, out=np.zeros(shafts.size), where=root > 0.0)
-    inside = (np.clip(mode, 0.0, 1.0 / shafts.limit**2), first * share, last * share, root)
+    inside = np.clip(mode, 0.0, 1.0 / shafts.limit**2)[:, None]
     across = -at.flexibility_slope[:, 0] / at.flexibility[:, 0] ** 2
-    ends = (1.0 / at.flexibility[:, 0], across, at.inner[:, 0], at.outer[:, 0])
-    return CondensedElements(*ends, *(values[:, None] for values in inside))
+    coupling = (coupled * share[:, None])[:, :, None]
+    return CondensedElements(1.0 / at.flexibility[:, 0], across, ends, inside, coupling, root[:, None])
 
 
 def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:

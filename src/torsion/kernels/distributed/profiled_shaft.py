@@ -9,14 +9,14 @@ Jo = (1 - D)/(s B), in whose coefficients s is divided out.
 import math
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.arrays import BoolArray, FloatArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating, alternating_slope
+from torsion.arrays import FloatArray
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, alternating, alternating_slope
 
 POINTS = 32  # of Gauss along a piece
 TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first
@@ -64,11 +64,11 @@ def profile_points(points: int = POINTS) -> FloatArray:
 class ProfileShafts(Law):
     """Series in v = s F M, F and M being the whole flexibility and inertia: h = F b(v), J = M e(v)/b(v)."""
 
+    both_ends: ClassVar = ("ends",)
     flexibility: FloatArray  # (shafts,) rad/(N m), F
     inertia: FloatArray  # (shafts,) kg m2, M
     spring: FloatArray  # (shafts, terms) of b
-    inner: FloatArray  # (shafts, terms) of e at the inner end
-    outer: FloatArray  # (shafts, terms) of e at the outer end
+    ends: FloatArray  # (shafts, 2, terms) of e at the inner and the outer end
 
     @cached_property
     def _travel(self) -> FloatArray:
@@ -91,34 +91,31 @@ class ProfileShafts(Law):
         """Angular frequency (rad/s) up to which the law holds; its series have as many terms as the limit needs."""
         return self.limit
 
-    def at(self, square: NDArray[Any]) -> Pi:
-        v = self._travel[:, None] * square
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        v = self._travel[:, None] * s
         spring = alternating(self.spring, v)
         share = self.inertia[:, None] / spring
         spring *= self.flexibility[:, None]
-        return spring, share * alternating(self.inner, v), share * alternating(self.outer, v)
+        return spring, share * alternating(self.ends[:, 0], v), share * alternating(self.ends[:, 1], v)
 
-    def slopes(self, square: FloatArray) -> Slopes:
+    def _slopes(self, s: FloatArray) -> tuple[FloatArray, ...]:
         travel, whole, mass = self._travel[:, None], self.flexibility[:, None], self.inertia[:, None]
-        v = travel * square
+        v = travel * s
         spring, spring_slope = alternating(self.spring, v), alternating_slope(self.spring, v)
-        (inner, inner_slope), (outer, outer_slope) = (
-            (mass * end, mass * travel * ((alternating_slope(series, v) - end * spring_slope) / spring))
-            for series, end in ((series, alternating(series, v) / spring) for series in (self.inner, self.outer))
-        )
-        return Slopes(square, whole * spring, inner, outer, whole * travel * spring_slope, inner_slope, outer_slope)
+        series = self.ends[:, 0], self.ends[:, 1]
+        ends = [alternating(one, v) / spring for one in series]
+        slopes = [
+            mass * travel * ((alternating_slope(one, v) - end * spring_slope) / spring)
+            for one, end in zip(series, ends, strict=True)
+        ]
+        return whole * spring, *(mass * end for end in ends), whole * travel * spring_slope, *slopes
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """Relative error (m,) of the values at s (m,): that of the coefficients times what cancels in the series."""
+        """That of the coefficients times what cancels in the series."""
         v = self._travel.max(initial=0.0) * square
         spring = self.spring[:1] if self.size else np.ones((1, 1))
         growth = alternating(spring, -v[None])[0] / np.maximum(alternating(spring, v[None])[0], UNIT_ROUNDOFF)
         return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF * np.abs(growth))
-
-    def turned(self, which: BoolArray) -> "ProfileShafts":
-        swap = np.asarray(which)[:, None]
-        inner, outer = np.where(swap, self.outer, self.inner), np.where(swap, self.inner, self.outer)
-        return ProfileShafts(self.flexibility, self.inertia, self.spring, inner, outer)
 
 
 def profile_shafts(
@@ -137,7 +134,7 @@ def profile_shafts(
     inner, _ = _series(m, f, weight, from_start)
     outer, _ = _series(m[:, ::-1], f[:, ::-1], weight, from_start)
     _, spring = _series(f, m, weight, from_start)
-    found = ProfileShafts(whole * long, mass * long, spring, inner, outer)
+    found = ProfileShafts(whole * long, mass * long, spring, np.stack([inner, outer], axis=1))
     if found.size and math.isfinite(found.limit):
         last = spring[:, -1] * ((found.limit * found.limit) * found._travel) ** (TERMS - 1)
         worst = int(np.argmax(last))
