@@ -129,9 +129,12 @@ def balance(
 
 
 def _is_small(move: ComplexArray, harmonic: ComplexArray) -> bool:
-    middle = harmonic.shape[1] // 2
-    amplitude = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
-    return bool(np.abs(move).max() <= QUADRATIC * amplitude + ROUNDING * np.abs(harmonic).max())
+    return bool(np.abs(move).max() <= QUADRATIC * _amplitude(harmonic) + ROUNDING * np.abs(harmonic).max())
+
+
+def _amplitude(harmonic: ComplexArray) -> float:
+    """The largest of all harmonics but the means."""
+    return float(np.abs(np.delete(harmonic, harmonic.shape[1] // 2, axis=1)).max(initial=0.0))
 
 
 def _norm(at: Linearised, count: int) -> float:
@@ -164,7 +167,7 @@ def _solve(
     try:
         found = (_dense if total <= DENSE else _sparse)(scaled, force, place, right)
     except (np.linalg.LinAlgError, RuntimeError):
-        raise SolveError("the harmonic balance is singular; the train is in resonance without damping") from None
+        found = np.full(total + loads, np.nan)
     found[total:] *= size
     if not np.isfinite(found).all():
         raise SolveError("the harmonic balance is singular; the train is in resonance without damping")
@@ -214,6 +217,5 @@ def _truncation(at: Linearised, harmonic: ComplexArray, w0: float, count: int) -
     acts = np.abs(at.entries.stiffness).max(axis=1) * np.abs(harmonic).sum(axis=1)[at.entries.column]
     np.add.at(noise, at.entries.row, ROUNDING * acts)
     missed = (np.maximum(np.abs(spectrum) - noise[:, None], 0.0) / floor).max(initial=0.0)
-    middle = harmonic.shape[1] // 2
-    amplitude = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
+    amplitude = _amplitude(harmonic)
     return float(missed / amplitude) if amplitude > 0 else 0.0
