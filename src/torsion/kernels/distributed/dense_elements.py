@@ -47,7 +47,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     if not isinstance(element, CondensedElements):
         raise ValueError("the dense way is for finite elements of one degree; expected one law of elements")
     coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
-    mass = _rows_of_inertia(tree, shafts, coordinates, _root(local))
+    mass = _rows_of_inertia(tree, shafts, coordinates, local)
     y = largest_right_vectors(mass, _number(tree, element, count))
     weight = np.sum((mass @ y) ** 2, axis=0)
     square = np.sum(y * y, axis=0) / weight
@@ -83,7 +83,7 @@ def estimated_frequencies(tree: Tree, count: int) -> FloatArray:
     """
     shafts = _of(tree)
     element = _one_mode_elements(shafts)
-    mass = _rows_of_inertia(tree, shafts, static_bends(tree, shafts, element), _root(_local_inertia(element)))
+    mass = _rows_of_inertia(tree, shafts, static_bends(tree, shafts, element), _local_inertia(element))
     values = np.linalg.svd(mass, compute_uv=False)[: _number(tree, element, count)]
     return np.asarray(1.0 / values[values > _LEAST * values.max(initial=0.0)])
 
@@ -112,24 +112,19 @@ def _local_inertia(element: CondensedElements) -> FloatArray:
     return local
 
 
-def _root(local: FloatArray) -> FloatArray:
-    """R of each inertia (shafts, unknowns, unknowns) R'R."""
+def _rows_of_inertia(tree: Tree, shafts: Shafts, coordinates: Bends, local: FloatArray) -> FloatArray:
+    """C (rows, coordinates), with as many rows for an element as it has unknowns, of its inertia `local` = R'R."""
     try:
-        return np.asarray(np.linalg.cholesky(local).transpose(0, 2, 1))
+        root = np.linalg.cholesky(local).transpose(0, 2, 1)
     except np.linalg.LinAlgError:  # an element without inertia
         values, vectors = np.linalg.eigh(local)
-        return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1))
-
-
-def _rows_of_inertia(tree: Tree, shafts: Shafts, coordinates: Bends, root: FloatArray) -> FloatArray:
-    """C (rows, coordinates), with as many rows for an element as it has unknowns."""
+        root = np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1)
     number, unknowns, _ = root.shape
     rows = root[:, :, :2] @ coordinates.angle[_ends(tree, shafts)]
     row = np.arange(unknowns)[None, :, None]
     rows[np.arange(number)[:, None, None], row, coordinates.inside[:, None, :]] += root[:, :, 2:]
-    inertia = tree.moving_inertia
-    stations = np.flatnonzero(inertia > 0.0)
-    own = np.sqrt(inertia[stations])[:, None] * coordinates.angle[stations]
+    stations = np.flatnonzero(tree.moving_inertia > 0.0)
+    own = np.sqrt(tree.moving_inertia[stations])[:, None] * coordinates.angle[stations]
     return np.concatenate((rows.reshape(number * unknowns, -1), own))
 
 
@@ -207,10 +202,9 @@ def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) 
 def _beyond(tree: Tree) -> BoolArray:
     """(stations, stations) whether a station is at the outer end of a span, or beyond."""
     beyond = np.eye(tree.size, dtype=np.bool_)
-    columns = list(beyond)
     for i in range(tree.size - 1, -1, -1):
         if tree.parents[i] >= 0:
-            np.logical_or(columns[tree.parents[i]], columns[i], columns[tree.parents[i]])
+            beyond[tree.parents[i]] |= beyond[i]
     return beyond.T
 
 
@@ -246,9 +240,7 @@ def largest_right_vectors(matrix: FloatArray, number: int) -> FloatArray:
 
 def _before_gap(square: FloatArray, number: int) -> int:
     """How many of the descending eigenvalues lie before the widest gap at `number` or somewhat beyond; 0: none does."""
-    enough = np.flatnonzero(square[: len(square) - 1] * _SPREAD_OF_SQUARE > square[0])[max(number - 1, 0) :][
-        :_COLUMNS_BEYOND
-    ]
+    enough = np.flatnonzero(square[:-1] * _SPREAD_OF_SQUARE > square[0])[number - 1 :][:_COLUMNS_BEYOND]
     if not number or not len(enough):
         return 0
     ratio = square[enough + 1] / square[enough]
