@@ -117,7 +117,6 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
     held = np.linalg.solve(lower, half.transpose(0, 2, 1))
     modes, vectors = np.linalg.eigh(0.5 * (held + held.transpose(0, 2, 1)))
     shapes = np.linalg.solve(lower.transpose(0, 2, 1), vectors)
-
     both = np.stack([other, bend], axis=1)
     return CondensedElements(
         np.einsum("bi,bij,bj->b", bend, k, bend),

@@ -67,12 +67,9 @@ def _functions(v: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any
     """sin(mu)/mu, tan(mu/2)/(mu/2) and cos(mu) at v = mu^2, from one tangent."""
     half = 0.5 * np.sqrt(v)
     tangent = np.tan(half)
-    still = half == 0
-    if still.any():
-        tangent[still] = half[still] = 1.0
-    ratio = tangent / half
-    if still.any():
-        tangent[still] = 0.0
+    with np.errstate(invalid="ignore"):
+        ratio = tangent / half
+    ratio[half == 0] = 1.0
     np.multiply(tangent, tangent, out=tangent)
     below = 1.0 + tangent
     return ratio / below, ratio, (1.0 - tangent) / below

@@ -62,6 +62,7 @@ class Balance:
         return int(self.harmonic.shape[1] - 1) // 2
 
 
+Entries = tuple[IntArray, IntArray, FloatArray]  # row and column (entries,), and the block of each
 Equations = Callable[[Motion, FloatArray, int], Linearised]  # (motion, loads, harmonics kept)
 
 
@@ -98,7 +99,7 @@ def balance(
     load: first guess of the unknown loads; each goes with one coordinate of `held`, whose mean stays as it starts.
     Raises SolveError where Newton's method finds no solution.
     """
-    count = (start.shape[1] - 1) // 2
+    count = start.shape[1] // 2
     if start.size > MOST_UNKNOWNS:
         raise SolveError(f"a harmonic balance of {start.size} unknowns is too large; the common period is too long")
     times = points_in_time(count)
@@ -156,9 +157,7 @@ def _newton(at: Linearised, held: IntArray, w0: float, count: int) -> tuple[Comp
     return from_real_parts(found[: size * number].reshape(size, number)), found[size * number :]
 
 
-def _solve(
-    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
-) -> FloatArray:
+def _solve(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
     """Solve with the loads as further unknowns and the means at `place` fixed as further equations."""
     total, loads = force.shape
     size = float(np.abs(entries[2]).max())
@@ -174,9 +173,7 @@ def _solve(
     return found
 
 
-def _dense(
-    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
-) -> FloatArray:
+def _dense(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
     total, loads = force.shape
     whole = np.zeros((total + loads, total + loads))
     whole[:total, :total] = assembled(*entries, total // entries[2].shape[-1])
@@ -185,9 +182,7 @@ def _dense(
     return np.asarray(np.linalg.solve(whole, right))
 
 
-def _sparse(
-    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
-) -> FloatArray:
+def _sparse(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
     from scipy import sparse
     from scipy.sparse.linalg import splu
 

@@ -36,10 +36,16 @@ def radau(stages: int = STAGES) -> Collocation:
     root = np.sort(legendre.legroots(one).real)
     slope = legendre.legder(one)
     inner = root[:-1] - legendre.legval(root[:-1], one) / legendre.legval(root[:-1], slope)
-    at = np.append(inner, 1.0)
-    integrals = legendre.legval(at, legendre.legint(np.eye(stages), lbnd=-1))  # of Legendre's polynomials
-    matrix = np.linalg.solve(legendre.legvander(at, stages - 1).T, integrals).T / 2.0
-    return Collocation((at + 1.0) / 2.0, np.asarray(matrix, dtype=np.float64))
+    node = (np.append(inner, 1.0) + 1.0) / 2.0
+    x, weight = legendre.leggauss(stages)
+    at = node[:, None] * (x + 1.0) / 2.0  # (upper limit, point)
+    apart = node[:, None] - node + np.eye(stages)
+    polynomials = np.empty((stages, stages, stages))
+    for k in range(stages):
+        others = np.delete(np.arange(stages), k)
+        polynomials[k] = np.prod((at[..., None] - node[others]) / apart[k, others], axis=-1)
+    matrix = np.einsum("kip,p->ik", polynomials, weight) * node[:, None] / 2.0
+    return Collocation(node, matrix)
 
 
 def steps_for(period: float, highest: float) -> int:
