@@ -11,7 +11,7 @@ Without unknowns inside, 1/h = k + s c and J is constant: linear elements keep f
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, ClassVar
@@ -52,27 +52,13 @@ class CondensedElements(Law):
         return np.concatenate([across, self.coupling * self.coupling_turn[:, None]], axis=1)
 
     def _pi(self, s: NDArray[Any]) -> Pi:
-        return self._from_sums(s, self._summed(s, lambda part, modes: part / (1.0 - part * modes)))
-
-    def _from_sums(self, s: NDArray[Any], rows: NDArray[Any]) -> Pi:
-        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
-        return spring, self.ends[:, :1] + rows[:, 1], self.ends[:, 1:] + rows[:, 2]
-
-    def _summed(self, s: NDArray[Any], answer: Callable[[NDArray[Any], FloatArray], NDArray[Any]]) -> NDArray[Any]:
-        """Sums (shafts, 3, m) over the modes inside of `_weights` times `answer` of s (shafts, m) and the modes."""
-        found = np.empty((self.size, 3, s.shape[1]), dtype=s.dtype)
+        rows = np.empty((self.size, 3, s.shape[1]), dtype=s.dtype)
         block = max(1, _AT_ONCE // max(self.modes.size, 1))
         for begin in range(0, s.shape[1], block):
-            part = slice(begin, begin + block)
-            found[:, :, part] = self._weights @ answer(s[:, None, part], self.modes[:, :, None])
-        return found
-
-    def _slopes(self, s: FloatArray) -> tuple[FloatArray, ...]:
-        plain = self._summed(s, lambda part, modes: part / (1.0 - part * modes))
-        squared = self._summed(s, lambda part, modes: 1.0 / (1.0 - part * modes) ** 2)
-        h, inner, outer = self._from_sums(s, plain)
-        of_stiffness = self.across[:, None] + (plain[:, 0] + s * squared[:, 0])
-        return h, inner, outer, -(h * h) * of_stiffness, squared[:, 1], squared[:, 2]
+            part = s[:, None, begin : begin + block]
+            rows[:, :, begin : begin + block] = self._weights @ (part / (1.0 - part * self.modes[:, :, None]))
+        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
+        return spring, self.ends[:, :1] + rows[:, 1], self.ends[:, 1:] + rows[:, 2]
 
     def rounding(self, square: FloatArray) -> FloatArray:
         nearest = 1.0 - square * self.modes.max(initial=0.0)

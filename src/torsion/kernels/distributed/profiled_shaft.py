@@ -16,7 +16,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import FloatArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, alternating, alternating_slope
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, alternating
 
 POINTS = 32  # of Gauss along a piece
 TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first
@@ -92,18 +92,6 @@ class ProfileShafts(Law):
         share = self.inertia[:, None] / spring
         spring *= self.flexibility[:, None]
         return spring, share * alternating(self.ends[:, 0], v), share * alternating(self.ends[:, 1], v)
-
-    def _slopes(self, s: FloatArray) -> tuple[FloatArray, ...]:
-        travel, whole, mass = self._travel[:, None], self.flexibility[:, None], self.inertia[:, None]
-        v = travel * s
-        spring, spring_slope = alternating(self.spring, v), alternating_slope(self.spring, v)
-        series = self.ends[:, 0], self.ends[:, 1]
-        ends = [alternating(one, v) / spring for one in series]
-        slopes = [
-            mass * travel * ((alternating_slope(one, v) - end * spring_slope) / spring)
-            for one, end in zip(series, ends, strict=True)
-        ]
-        return whole * spring, *(mass * end for end in ends), whole * travel * spring_slope, *slopes
 
     def rounding(self, square: FloatArray) -> FloatArray:
         """That of the coefficients times what cancels in the series."""

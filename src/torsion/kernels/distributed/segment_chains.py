@@ -47,20 +47,6 @@ class SegmentChains(Law):
             h = joined
         return self._from_inside(h, inner, outer)
 
-    def _slopes(self, s: FloatArray) -> tuple[FloatArray, ...]:
-        h = np.repeat(self.flexibility[:, :1], s.shape[1], axis=1)
-        inner, outer, dh, d_inner, d_outer = (np.zeros_like(h) for _ in range(5))
-        for k in range(1, self.flexibility.shape[1]):
-            spring, between = self.flexibility[:, k, None], self.inertia[:, k - 1, None] + outer
-            joined = h + spring - s * between * h * spring
-            d_joined = dh - spring * (between * h + s * (d_outer * h + between * dh))
-            share = between / joined
-            d_share = (d_outer - share * d_joined) / joined
-            inner, d_inner = inner + share * spring, d_inner + d_share * spring
-            outer, d_outer = share * h, d_share * h + share * dh
-            h, dh = joined, d_joined
-        return *self._from_inside(h, inner, outer), *self._from_inside(dh, d_inner, d_outer)
-
     def rounding(self, square: FloatArray) -> FloatArray:
         """What cancels in every h."""
         whole = self.flexibility.sum(axis=1).max(initial=0.0)
