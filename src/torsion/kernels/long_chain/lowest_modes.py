@@ -7,8 +7,7 @@ stations). Brackets are halved only until the quotients converge. (Parlett and D
 """
 
 import math
-from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -18,8 +17,6 @@ from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.long_chain.temple import Chain, quotient
 from torsion.kernels.long_chain.twisted import BidiagonalFactor, Twisted, negative_count, twisted_vector
-
-Progress = Callable[[int, int], None]  # modes done, modes wanted
 
 _BRACKET = 2.0**-6  # relative width of the bracket of a square from which quotients take fewer sweeps than halving
 _SETTLED = 1e-14  # of the width of the bracket: an error of the shift that the shape does not show
@@ -49,26 +46,23 @@ class ChainMode:
 
 @dataclass
 class Counts:
-    """All counts made so far, in ascending order of the square they were made at."""
+    """All counts made so far."""
 
     factor: BidiagonalFactor
-    square: list[float] = field(default_factory=list)
-    count: list[int] = field(default_factory=list)
+    made: list[tuple[float, int]] = field(default_factory=list)  # a square of a frequency, and how many are below it
 
     def at(self, square: float) -> int:
         """Count of squares below `square`."""
-        place = bisect_left(self.square, square)
-        if place < len(self.square) and self.square[place] == square:
-            return self.count[place]
-        count = negative_count(self.factor, square)
-        self.square.insert(place, square)
-        self.count.insert(place, count)
-        return count
+        for known, count in self.made:
+            if known == square:
+                return count
+        self.made.append((square, negative_count(self.factor, square)))
+        return self.made[-1][1]
 
     def bracket(self, mode: int) -> tuple[float, float]:
         """The largest square known with a count of at most `mode`, and the smallest with a greater one."""
-        low = max(square for square, count in zip(self.square, self.count, strict=True) if count <= mode)
-        return low, min(square for square, count in zip(self.square, self.count, strict=True) if count > mode)
+        low = max(square for square, count in self.made if count <= mode)
+        return low, min(square for square, count in self.made if count > mode)
 
     def halve(self, mode: int, width: float, *, alone: bool = False) -> tuple[float, float]:
         """The bracket of `mode` when it is narrower than `width`, relatively, and, if `alone`, holds no other mode."""
@@ -81,20 +75,16 @@ class Counts:
 
     def neighbours(self, mode: int, square: float) -> tuple[float, float]:
         """Squares between `mode` and the one before, and the one after; as far from `square` as is known."""
-        found = []
-        for side, count in ((-1.0, mode), (1.0, mode + 1)):
-            known = self._farthest(count, side)
-            if known is None or abs(known - square) < _APART * square:
+        sides = (mode, -1.0), (mode + 1, 1.0)
+        for count, side in sides:
+            if abs(self._farthest(count, side, square) - square) < _APART * square:
                 self.at(square * (1.0 + side * _PROBE))
-                known = self._farthest(count, side)
-            found.append(square if known is None else known)
-        return found[0], found[1]
+        below, above = (self._farthest(*one, square) for one in sides)
+        return below, above
 
-    def _farthest(self, count: int, side: float) -> float | None:
-        known = [square for square, number in zip(self.square, self.count, strict=True) if number == count]
-        if not known:
-            return None
-        return max(known) if side > 0.0 else min(known)
+    def _farthest(self, count: int, side: float, square: float) -> float:
+        """The smallest (side -1) or largest (side 1) square known with this count; `square` where there is none."""
+        return max((at for at, number in self.made if number == count), key=lambda at: side * at, default=square)
 
 
 def factor_of(chain: Chain) -> BidiagonalFactor:
@@ -113,29 +103,14 @@ def factor_of(chain: Chain) -> BidiagonalFactor:
     return BidiagonalFactor(diagonal, lower, product, square, np.empty(size), np.empty(4 * size))
 
 
-def lowest_modes(
-    chain: Chain, wanted: int, keep: Callable[[int, ChainMode], None], progress: Progress | None = None
-) -> None:
-    """Hand the lowest `wanted` elastic modes, in ascending order, to `keep`, which need not keep all that is in them.
-
-    At least so many modes are required. `progress` is given how many are done.
-    """
-    counts, rigid = Counts(factor_of(chain)), int(chain.is_free)
-    guess = _guessed_squares(chain, wanted)
+def lowest_modes(chain: Chain, wanted: int) -> Iterator[ChainMode]:
+    """The lowest `wanted` elastic modes in ascending order, one at a time; the chain has at least so many."""
+    counts, rigid, guess = Counts(factor_of(chain)), int(chain.is_free), list[float]()
+    if len(chain.inertia) >= _LUMP * _STATIONS_FOR_GUESS * (wanted + 1):
+        guess = [found.frequency**2 for found in lowest_modes(chain.lumped(_LUMP), wanted)]
     _span_all(counts, chain, rigid, rigid + wanted - 1, guess)
     for mode in range(rigid, rigid + wanted):
-        keep(mode - rigid, _mode(chain, counts, mode, guess[mode - rigid] if guess else math.nan))
-        if progress is not None:
-            progress(mode - rigid + 1, wanted)
-
-
-def _guessed_squares(chain: Chain, wanted: int) -> list[float]:
-    """Squares of the lowest frequencies of a coarser chain; none where that would not be coarse."""
-    squares: list[float] = []
-    if len(chain.inertia) >= _LUMP * _STATIONS_FOR_GUESS * (wanted + 1):
-        coarse = chain.lumped(_LUMP)
-        lowest_modes(coarse, wanted, lambda _, found: squares.append(found.frequency**2))
-    return squares
+        yield _mode(chain, counts, mode, guess[mode - rigid] if guess else math.nan)
 
 
 def _span_all(counts: Counts, chain: Chain, first: int, last: int, guess: list[float]) -> None:
@@ -164,9 +139,7 @@ def _mode(chain: Chain, counts: Counts, mode: int, guess: float) -> ChainMode:
         shape = _finite_shape(chain, counts.factor, low + 0.5 * (high - low))
         found = _counted(chain, counts, mode)
     scale = 1.0 / math.sqrt(shape.generalised)
-    np.multiply(shape.angle, scale, out=shape.angle)
-    np.multiply(shape.torque, scale, out=shape.torque)
-    return ChainMode(*found, shape.angle, shape.torque)
+    return ChainMode(*found, shape.angle * scale, shape.torque * scale)
 
 
 @dataclass(frozen=True)
