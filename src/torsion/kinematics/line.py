@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kinematics.cross import Transfer, behind, rapidity, transfer
+from torsion.kinematics.cross import Transfer, behind, transfer
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,25 +33,14 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
-    """Motion of the shaft behind each joint; arrays of shape (joints, *driving.shape)."""
-
-    error: FloatArray  # shaft's angle minus driving angle, rad
-    speed: FloatArray  # rad/s, or a ratio if the driving speed was 1
-    acceleration: FloatArray  # rad/s^2
-    yoke: FloatArray  # rad: this joint's driving yoke from this joint's plane (x of convention P)
-
-
-@dataclass(frozen=True, slots=True)
 class Resultant:
-    """The single joint that turns as the line does; arrays of shape (..., joints) for the line up to each joint.
+    """The single joint that turns as the whole line does; arrays of shape (...).
 
     The shaft behind runs at cosh/sinh of `rapidity`: greatest ratio exp(rapidity), least exp(-rapidity).
     """
 
     rapidity: FloatArray
     phase: FloatArray  # rad, convention P: the greatest speed stands at driving angle -phase (modulo pi)
-    lead: FloatArray  # rad: mean over the driving angle of the shaft's angle minus the driving angle
 
     @property
     def unevenness(self) -> FloatArray:
@@ -93,56 +82,37 @@ def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) ->
     return Line(angles, planes, phases)
 
 
-def motion(driving: ArrayLike, line: Line, speed: ArrayLike = 1.0, acceleration: ArrayLike = 0.0) -> Motion:
-    """Angle, speed and acceleration behind each joint of one line, driven at `speed` and `acceleration`."""
+def motion(driving: ArrayLike, line: Line) -> Transfer:
+    """What one line does to its driving angle up to behind each joint; arrays of shape (joints, *driving.shape)."""
     turned = np.asarray(driving, dtype=float)
-    shape = np.broadcast_shapes(turned.shape, np.shape(speed), np.shape(acceleration))
-    before = Transfer(np.zeros(shape), np.broadcast_to(speed, shape), np.broadcast_to(acceleration, shape))
-    result = np.empty((4, line.angle.size, *shape))
-    for rank, (angle, offset) in enumerate(zip(line.angle, np.cumsum(line.offset), strict=True)):
-        yoke = turned + (before.error + offset)
-        before = behind(before, transfer(yoke, angle))
-        result[:, rank] = before.error, before.ratio, before.curvature, yoke
-    return Motion(*result)
-
-
-def resultants(line: Line) -> Resultant:
-    """The single joint that turns as the line does, up to each joint."""
-    first, second, lead = _products(line)
-    return Resultant(2.0 * np.arcsinh(np.abs(second)), -np.angle(-second * np.conj(first)) / 2.0, lead)
+    found = [Transfer(np.zeros_like(turned), np.ones_like(turned), np.zeros_like(turned))]
+    for angle, offset in zip(line.angle, np.cumsum(line.offset), strict=True):
+        found.append(behind(found[-1], transfer(turned + (found[-1].error + offset), angle)))
+    return Transfer(*np.stack([(one.error, one.ratio, one.curvature) for one in found[1:]], axis=1))
 
 
 def resultant(line: Line) -> Resultant:
-    """The single joint that turns as the whole line does; arrays of shape (...)."""
-    every = resultants(line)
-    return Resultant(every.rapidity[..., -1], every.phase[..., -1], every.lead[..., -1])
+    """The single joint that turns as the whole line does."""
+    first, second = _disk_map(line)
+    return Resultant(2.0 * np.arcsinh(np.abs(second)), -np.angle(-second * np.conj(first)) / 2.0)
 
 
 def residue(line: Line) -> ComplexArray:
     """B of the line's disk map, shape (...): |B| = sinh(rapidity/2), and B = 0 for a line of constant velocity."""
-    return _products(line)[1][..., -1]
+    return _disk_map(line)[1]
 
 
-def _products(line: Line) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-    """A, B of the disk maps (A z + B)/(B* z + A*), |A|^2 - |B|^2 = 1, up to each joint, and their mean lead, rad.
-
-    The lead of a joint is the mean of its error over the line's own driving angle: the value at z = 0, for the error
-    is the imaginary part of a function analytic in the disk.
-    """
-    scale = np.sqrt(np.cos(line.angle))
+def _disk_map(line: Line) -> tuple[ComplexArray, ComplexArray]:
+    """A, B of the line's disk map (A z + B)/(B* z + A*), |A|^2 - |B|^2 = 1; shape (...)."""
+    scale, turn = np.sqrt(np.cos(line.angle)), np.exp(1j * line.offset)
     less, more = np.sin(line.angle / 2.0) ** 2 / scale, np.cos(line.angle / 2.0) ** 2 / scale  # sinh, cosh rapidity/2
-    turn, shift = np.exp(1j * line.offset), np.empty(line.angle.shape)
-    first, second = np.empty(line.angle.shape, dtype=complex), np.empty(line.angle.shape, dtype=complex)
-    ahead: ComplexArray = turn[..., 0]
-    aside: ComplexArray = np.zeros_like(ahead)
+    first = np.ones(line.angle.shape[:-1], dtype=complex)
+    second = np.zeros_like(first)
     for rank in range(line.angle.shape[-1]):
-        if rank:
-            ahead, aside = turn[..., rank] * first[..., rank - 1], turn[..., rank] * second[..., rank - 1]
         small, large = less[..., rank], more[..., rank]
-        shift[..., rank] = np.angle(1.0 - small / large * np.conj(aside) / ahead)
-        first[..., rank] = large * ahead - small * np.conj(aside)
-        second[..., rank] = large * aside - small * np.conj(ahead)
-    return first, second, np.cumsum(shift, axis=-1)
+        ahead, aside = turn[..., rank] * first, turn[..., rank] * second
+        first, second = large * ahead - small * np.conj(aside), large * aside - small * np.conj(ahead)
+    return first, second
 
 
 def classical_angle(line: Line) -> FloatArray:
@@ -150,10 +120,3 @@ def classical_angle(line: Line) -> FloatArray:
     gamma = np.cumsum(line.offset, axis=-1)
     total: FloatArray = np.abs(np.sum(line.angle**2 * np.exp(2j * gamma), axis=-1))
     return np.sqrt(total)
-
-
-def rapidity_bound(line: Line) -> FloatArray:
-    """Least rapidity that phases or planes alone can reach, shape (...): that of the polygon that does not close."""
-    sizes = rapidity(line.angle)
-    excess: FloatArray = 2.0 * sizes.max(axis=-1) - sizes.sum(axis=-1)
-    return np.maximum(0.0, excess)

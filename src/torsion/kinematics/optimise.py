@@ -13,7 +13,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.kinematics.cross import rapidity
-from torsion.kinematics.line import Line, Resultant, rapidity_bound, residue, resultant
+from torsion.kinematics.line import Line, Resultant, residue, resultant
 
 Variable = Literal["phase", "plane", "angle"]
 _STARTS = 8  # spread starts besides the line as it is; polygons bent back on themselves are saddles
@@ -79,8 +79,9 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
         return np.stack([lack(values + quarter) for quarter in np.pi / 2.0 * np.eye(len(free))], axis=1)
 
     bounds = (0.0, _LIMIT) if variable == "angle" else (-np.inf, np.inf)
-    bound = float(np.sinh(rapidity_bound(line) / 2.0)) if variable != "angle" else 0.0
-    rounding = 4.0 * np.finfo(float).eps * line.angle.size * float(np.exp(rapidity(line.angle).sum() / 2.0))
+    sizes = rapidity(line.angle)  # of phases or planes the least is that of the polygon that does not close
+    bound = float(np.sinh(max(0.0, 2.0 * sizes.max() - sizes.sum()) / 2.0)) if variable != "angle" else 0.0
+    rounding = 4.0 * np.finfo(float).eps * line.angle.size * float(np.exp(sizes.sum() / 2.0))
     spread = np.random.default_rng(0).uniform(0.0, np.pi / 2.0, (_STARTS, len(free)))
     found: list[tuple[float, FloatArray]] = []
     for start in (getattr(line, variable)[list(free)], *spread):

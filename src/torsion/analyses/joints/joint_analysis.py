@@ -22,7 +22,7 @@ from torsion.analyses.joints.joint_lines import (
     steepest,
     turning,
 )
-from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound, OptimumFound
+from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound
 from torsion.analyses.steady import Steady
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
@@ -64,30 +64,27 @@ def joints(
     """
     wanted = requested or JointsSettings()
     every = placed(train)
-    if faults := _faults(every, wanted):
+    if faults := settings_faults(train, wanted):
         raise InputError(faults)
     turned = np.linspace(0.0, 2.0 * math.pi * wanted.turns, wanted.steps * wanted.turns + 1)
     speed = operation.speed
     torques, lacking = _torques(train, operation, every, wanted, steady)
     moved = motions(every, turned)
-    found = [_joint(every, k, moved[k], wanted, speed=speed, torque=torque) for k, torque in enumerate(torques)]
-    lines = tuple(line_found(every, path, _optimum(every, path, wanted)) for path in paths(every))
-    remarks = [*([] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]), *lacking]
-    return Joints(turned, tuple(found), lines, (*remarks, *_remarks(every, lines, wanted)))
+    found = [_joint(every, k, moved[k], wanted, speed, torque) for k, torque in enumerate(torques)]
+    lines = tuple(
+        line_found(every, path, wanted.optimise and optimum_found(every, path, wanted.optimise, wanted.joint))
+        for path in paths(every)
+    )
+    remarks = [] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]
+    return Joints(turned, tuple(found), lines, (*remarks, *lacking, *_remarks(every, lines, wanted)))
 
 
 def _joint(
-    every: Sequence[Placed],
-    position: int,
-    behind: Behind,
-    requested: JointsSettings,
-    *,
-    speed: float | None,
+    every: Sequence[Placed], position: int, behind: Behind, requested: JointsSettings, speed: float | None,
     torque: float | None,
-) -> JointFound:
+) -> JointFound:  # fmt: skip
     place, moved = every[position], behind.transfer
-    pair: tuple[CoupleFound, ...] = ()
-    force = 0.0
+    pair, force = tuple[CoupleFound, ...](), 0.0
     if torque is not None:
         distance = requested.bearings.get(place.name)
         pair, force = couples_found(place, behind.yoke, torque, requested.carrier, distance)
@@ -125,13 +122,6 @@ def _torques(
     return [float(known.torque[place.span, column]) for place in every], []
 
 
-def _optimum(every: Sequence[Placed], path: tuple[int, ...], requested: JointsSettings) -> OptimumFound | None:
-    if requested.optimise is None:
-        return None
-    free = None if requested.joint is None else [k for k, place in enumerate(every) if place.name == requested.joint]
-    return optimum_found(every, path, requested.optimise, free)
-
-
 def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings) -> list[str]:
     """What a reader must know of the lines."""
     found = []
@@ -147,10 +137,7 @@ def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], requested: Joi
 
 def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:
     """Faults of the settings against the train."""
-    return _faults(placed(train), requested)
-
-
-def _faults(every: Sequence[Placed], requested: JointsSettings) -> list[Fault]:
+    every = placed(train)
     if not every:
         return [Fault(PLACE, "the train has no joint", "add one: `- joint: {angle: 5 deg}`")]
     names = [place.name for place in every]
