@@ -8,13 +8,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from torsion.analyses.motion.equations_of_motion import linearised, mean_angle, right_hand_side, state
+from torsion.analyses.motion.equations_of_motion import linearised, mean_angle, state
 from torsion.analyses.motion.floquet_exponents import (
     Variation,
     by_hill,
     by_monodromy,
     growth_search,
-    hill_count,
     variation,
 )
 from torsion.analyses.motion.mechanism_loads import operating, scene
@@ -192,7 +191,7 @@ def test_six_station_train_at_twice_its_first_mode_grows_as_published(angle, pha
         assert found == pytest.approx(growth, abs=unit)
 
 
-def test_growth_rate_is_that_of_the_motion_in_time():
+def test_growth_rate_is_that_of_the_motion_in_time(in_time):
     study, system = two_degrees()
     at = scene(study, system)
     shapes = basis(at.layout)
@@ -201,9 +200,7 @@ def test_growth_rate_is_that_of_the_motion_in_time():
     motion = motion_of(there.found.harmonic, there.now.loading.w0, points_in_time(there.found.count))
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
     away = 1e-5 * np.concatenate([found.vector[:, 0], found.speed[:, 0]]).real
-
-    def slope(t: float, y: np.ndarray) -> np.ndarray:
-        return right_hand_side(at.layout, there.now.loading, there.found.load, t, y)
+    slope = in_time(at.layout, there.now.loading, there.found.load)
 
     def after_a_period(state: np.ndarray) -> np.ndarray:
         return solve_ivp(slope, (0.0, found.period), state, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
@@ -272,7 +269,7 @@ def test_hill_and_monodromy_agree_about_the_orbit():
     there = orbit(at, 100.0)
     around = variation(at, there)
     highest = float(shapes.frequency[-1])
-    first, second = by_monodromy(around, highest), by_hill(around, hill_count(around, highest, there.found.count))
+    first, second = by_monodromy(around, highest), by_hill(around, highest, there.found.count)
     assert second.growth == pytest.approx(first.growth, abs=1e-8)
     for one in first.multiplier:
         assert np.abs(second.multiplier - one).min() < 1e-9
@@ -307,4 +304,4 @@ def test_hill_with_more_harmonics_than_the_orbit_has_agrees_with_the_monodromy()
     orbit, expected = ask(56.0)
     around = variation(ask.at, orbit)
     count = around.mass.shape[0] // 2 + 4
-    assert by_hill(around, count).growth == pytest.approx(expected.growth, abs=1e-9)
+    assert by_hill(around, 0.0, count).growth == pytest.approx(expected.growth, abs=1e-9)

@@ -14,7 +14,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Span
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.spanning_forest import connected
+from torsion.kernels.spanning_forest import connected, walk
 
 
 @dataclass(frozen=True)
@@ -158,6 +158,13 @@ class Layout:
         return np.array(groups, dtype=bool).reshape(-1, self.free)
 
 
+def gathered(whole: Layout, onto: FloatArray) -> FloatArray:
+    """(free, ...) on the free coordinates from what acts on the bodies (bodies, ...)."""
+    out = np.zeros((len(whole.root), *onto.shape[1:]))
+    np.add.at(out, whole.coordinate, onto)
+    return out[: whole.free]
+
+
 def layout(system: System) -> Layout:
     """The mechanism of a system; raises SolveError where joints close a loop."""
     rigid = system.flexibility == 0
@@ -203,37 +210,22 @@ def _coordinates(
     system: System, body: IntArray, held: BoolArray, joints: IntArray
 ) -> tuple[IntArray, IntArray, int, tuple[JointStep, ...]]:
     """Coordinate of each body, own body of each coordinate, number of free ones, and the joints in order."""
-    spans = [system.spans[k] for k in joints.tolist()]
-    near: dict[int, list[tuple[int, JointMap, bool]]] = {}
-    for span in spans:
-        a, b, joint = int(body[span.driving]), int(body[span.driven]), joint_map(system, span)
-        near.setdefault(a, []).append((b, joint, True))
-        near.setdefault(b, []).append((a, joint, False))
-    number = len(held)
-    driven = np.zeros(number, dtype=bool)
-    driven[body[[span.driven for span in spans]]] = True
-    starts = [*np.flatnonzero(held).tolist(), *np.flatnonzero(~held & ~driven).tolist(), *range(number)]
-    owner, steps, roots = np.full(number, -1), list[JointStep](), list[int]()
-    for start in starts:
-        if owner[start] >= 0:
-            continue
-        roots.append(start)
-        owner[start] = len(roots) - 1
-        met = [start]
-        for inner in met:
-            for outer, joint, is_forward in near.get(inner, []):
-                if owner[outer] >= 0:
-                    continue
-                owner[outer] = owner[inner]
-                steps.append(JointStep(inner, outer, joint if is_forward else joint.undone()))
-                met.append(outer)
-    if len(steps) < len(spans):
+    number, driving, driven = len(held), body[system.driving[joints]], body[system.driven[joints]]
+    in_front = np.setdiff1d(np.flatnonzero(~held), driven)
+    starts = [*np.flatnonzero(held).tolist(), *in_front.tolist()]
+    way = walk(number, driving, driven, np.ones(len(joints), dtype=bool), starts)
+    root = np.flatnonzero(way.parent < 0)
+    root = np.concatenate([root[~held[root]], root[held[root]]])
+    coordinate, steps = np.zeros(number, dtype=np.int64), list[JointStep]()
+    coordinate[root] = np.arange(len(root))
+    for outer in way.order[way.parent[way.order] >= 0].tolist():
+        inner, above = int(way.parent[outer]), way.above[outer]
+        joint = joint_map(system, system.spans[joints[above]])
+        steps.append(JointStep(inner, outer, joint if driving[above] == inner else joint.undone()))
+        coordinate[outer] = coordinate[inner]
+    if len(steps) < len(joints):
         raise SolveError("joints close a loop, or hold one body from two sides; give one of them an elastic coupling")
-    free_first = np.argsort([held[one] for one in roots], kind="stable")
-    place = np.empty(len(roots), dtype=np.int64)
-    place[free_first] = np.arange(len(roots))
-    root = np.array(roots, dtype=np.int64)[free_first]
-    return place[owner], root, int(np.count_nonzero(~held[root])), tuple(steps)
+    return coordinate, root, int(np.count_nonzero(~held[root])), tuple(steps)
 
 
 def _floating(

@@ -9,15 +9,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import Loading, mean_angle
+from torsion.analyses.motion.equations_of_motion import Loading
 from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond, common_order, layout
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import reference_station, steady_if_known
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.periodic.harmonic_balance import points_in_time
-from torsion.kernels.periodic.hill import harmonics_of
 from torsion.primitives import Torque
 from torsion.study import Study
 
@@ -119,12 +117,6 @@ def _drive(at: Scene, applied: FloatArray) -> tuple[FloatArray, FloatArray, IntA
             steady.append(group[0])
             guess.append(0.0)
     return known, np.array(rows).reshape(-1, number), np.array(steady, dtype=np.int64), np.array(guess)
-
-
-def rigid_motion(at: Scene, now: Operating, count: int) -> ComplexArray:
-    """(free, 2 count + 1) harmonics of the train turning without any elasticity but its static twist, rad."""
-    turned = mean_angle(now.loading, points_in_time(count))
-    return harmonics_of(rigid_deviation(at.layout, now.loading.steady, now.twist[:, None], turned), count)
 
 
 def rigid_deviation(whole: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from torsion.analyses.motion.equations_of_motion import scaled
 from torsion.analyses.motion.floquet_exponents import Search, damped, modes_that_matter
 from torsion.analyses.motion.mechanism import JointMap, JointStep
 from torsion.analyses.motion.mechanism_loads import Scene, scene
@@ -40,11 +41,9 @@ class StabilityMap:
     growth: FloatArray = result("1/s", ("speed", "value"), "null where no periodic motion was found")
     modes: int = result("", (), "elastic modes kept")
     of_modes: int = result("", (), "of so many")
-    amplitude: FloatArray  # (speeds, values) rad: largest vibration of a coordinate, half range
     error: float = result("1/s", (), "largest difference to the whole train at the points checked")
     checked: int = result("", (), "points checked")
     elsewhere: int = result("", (), "points checked at which the whole train settled in another motion")
-    alone: int  # points near resonances that were solved one by one on the unreduced train
 
 
 def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
@@ -54,15 +53,11 @@ def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
         steps = tuple(_bent(step, unevenness(value)) for step in whole.steps)
         return replace(at, layout=replace(whole, steps=steps))
     if over == "damping":
-        dampers = replace(whole.dampers, size=_times(whole.dampers.size, value))
-        hysteretic = _times(whole.hysteretic, value)
-        more = replace(whole, viscous=_times(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
+        dampers = replace(whole.dampers, size=scaled(whole.dampers.size, value))
+        hysteretic = scaled(whole.hysteretic, value)
+        more = replace(whole, viscous=scaled(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
         return replace(at, layout=more, damping=value)  # type: ignore[arg-type]
     return replace(at, mean=value)  # type: ignore[arg-type]
-
-
-def _times(part: FloatArray, value: float | FloatArray) -> FloatArray:
-    return part[:, None] * value if np.ndim(value) else part * value
 
 
 def _bent(step: JointStep, uneven: Any) -> JointStep:
@@ -74,17 +69,10 @@ def _bent(step: JointStep, uneven: Any) -> JointStep:
 
 
 def stability_map(
-    study: Study,
-    system: System,
-    speeds: FloatArray,
-    over: Over,
-    values: FloatArray,
-    *,
-    modes: int | None = None,
-    progress: Progress | None = None,
-) -> StabilityMap:
+    study: Study, system: System, speeds: FloatArray, over: Over, values: FloatArray, *, modes: int | None = None,
+    progress: Progress = silent,
+) -> StabilityMap:  # fmt: skip
     """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
-    report = progress or silent
     at = scene(study, system, vibratory=False)
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")
@@ -99,15 +87,15 @@ def stability_map(
         stack = Stack(lossy, fewer, lambda value: varied(lossy, over, value), some, uneven)
         solution = None
         for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
-            report("stability map", (first + len(some) * k / len(speeds)) / len(values))
+            progress("stability map", (first + len(some) * k / len(speeds)) / len(values))
             solution = solve_stack(stack, speed, solution)
             growth[k, first : first + len(some)] = growths(stack, solution)
             amplitude[k, first : first + len(some)] = solution.amplitude
     whole = _Whole(at, shapes, over, np.asarray(speeds, dtype=float), values)
-    alone = whole.fill(growth, amplitude)
+    whole.fill(growth, amplitude)
     error, checked, elsewhere = whole.check(growth, amplitude)
     counts = fewer.modes - fewer.rigid, len(shapes.frequency) - shapes.rigid
-    return StabilityMap(over, whole.speeds, values, growth, *counts, amplitude, error, checked, elsewhere, alone)
+    return StabilityMap(over, whole.speeds, values, growth, *counts, error, checked, elsewhere)
 
 
 @dataclass(frozen=True)
@@ -124,18 +112,16 @@ class _Whole:
         """Growth (1/s) and amplitude (rad) at a point; NaN where there is no periodic motion."""
         there = varied(self.at, self.over, float(self.values[column]))
         shapes = basis(there.layout) if self.over == "damping" else self.shapes
-        found = Search(damped(there, shapes), shapes, None, "monodromy", {})(float(self.speeds[k]))
+        found = Search(damped(there, shapes), shapes, None)(float(self.speeds[k]))
         if found is None:
             return np.nan, np.nan
         motion = motion_of(found[0].found.harmonic, 1.0, points_in_time(found[0].found.count))
         return found[1].growth, float(half_range(motion.deviation))
 
-    def fill(self, growth: FloatArray, amplitude: FloatArray) -> int:
-        """Solve what is missing point by point; returns how many were found."""
-        missing = np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist()
-        for k, column in missing:
+    def fill(self, growth: FloatArray, amplitude: FloatArray) -> None:
+        """Solve what is missing point by point."""
+        for k, column in np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist():
             growth[k, column], amplitude[k, column] = self(k, column)
-        return sum(bool(np.isfinite(growth[k, column])) for k, column in missing)
 
     def check(self, growth: FloatArray, amplitude: FloatArray) -> tuple[float, int, int]:
         """Largest difference (1/s) at the fastest growing points, those nearest to a boundary, and some spread out.

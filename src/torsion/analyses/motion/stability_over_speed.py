@@ -65,33 +65,24 @@ class Stability:
 
 
 def stability(
-    study: Study,
-    system: System,
-    speeds: FloatArray,
-    *,
-    method: Method = "monodromy",
-    modes: int | None = None,
-    progress: Progress | None = None,
-) -> Stability:
+    study: Study, system: System, speeds: FloatArray, *, method: Method = "monodromy", modes: int | None = None,
+    progress: Progress = silent,
+) -> Stability:  # fmt: skip
     """Growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
 
     Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
     they shift the orbit, not its stability, to first order.
     """
-    report = progress or silent
     search = growth_search(study, system, method=method, modes=modes)
     requested = np.unique(np.asarray(speeds, dtype=float))
     for k, speed in enumerate(requested.tolist()):
-        report("stability", 0.6 * k / len(requested))
+        progress("stability", 0.6 * k / len(requested))
         search(speed)
-    _look_between(search, requested, report)
-    ranges = unstable_ranges(search, report)
+    _look_between(search, requested, progress)
+    ranges = unstable_ranges(search, progress)
     speed = np.array(sorted(search.known))
     solved = [search.known[one] for one in speed.tolist()]
-    growth = np.array([np.nan if one is None else one[1].growth for one in solved])
-    frequency = np.array(
-        [np.nan if one is None or not one[1].exponent.size else one[1].exponent.imag[0] for one in solved]
-    )
+    growth, frequency = np.array([(np.nan, np.nan) if one is None else one[1].fastest for one in solved]).T
     with np.errstate(over="ignore"):
         factor = np.exp(growth * 2.0 * np.pi / speed)
     unsolved = speed[np.isnan(growth)]
@@ -119,8 +110,8 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
             continue
 
         def height(speed: float) -> float:
-            value = indicator(search, speed, None)
-            return np.inf if np.isnan(value) else -value
+            found = search(speed)
+            return np.inf if found is None else -indicator(found[1], loses=search.loses)
 
         minimize_scalar(
             height, bounds=(low, high), method="bounded", options={"xatol": around * seed * 1e-2, "maxiter": 10}
@@ -130,21 +121,20 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
 def _check(search: Search, requested: FloatArray) -> float:
     """1/s: largest difference between the growth rates of both methods at a few speeds."""
     other: Method = "monodromy" if search.method == "hill" else "hill"
-    worst = np.nan
+    apart = list[float]()
     known = [found for speed in requested.tolist() if (found := search(speed)) is not None]
     known = known or [found for found in search.known.values() if found is not None]
     for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
         found = known[place]
         try:
-            apart = abs(search.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
+            apart.append(abs(search.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth))
         except SolveError:
             continue
-        worst = apart if np.isnan(worst) else max(worst, apart)
-    return float(worst)
+    return max(apart, default=np.nan)
 
 
 def requested_stability(
-    study: Study, system: System, requested: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
+    study: Study, system: System, requested: StabilitySettings, speeds: FloatArray, *, progress: Progress = silent
 ) -> Stability:
     """Stability at reference speeds (speeds,) rad/s, on as many modes as are requested, else those that matter."""
     at = scene(study, system, vibratory=False)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import eigh
 
-from torsion.analyses.motion.mechanism import Dampers, Layout
+from torsion.analyses.motion.mechanism import Dampers, Layout, gathered
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 
@@ -85,9 +85,7 @@ def _with_light(some: Basis) -> Basis:
 def basis(whole: Layout) -> Basis:
     """All modes of finite frequency; coordinates without inertia follow the others statically."""
     free = whole.free
-    mass = np.zeros(len(whole.root))
-    np.add.at(mass, whole.coordinate, whole.inertia)
-    mass = mass[:free]
+    mass = gathered(whole, whole.inertia)
     stiffness, lossy = (_assembled(whole, part) for part in (whole.stiffness, whole.hysteretic))
     heavy, light = np.flatnonzero(mass > 0), np.flatnonzero(mass == 0)
     if not heavy.size:
@@ -152,6 +150,4 @@ def at_coordinates(whole: Layout, slope: FloatArray) -> FloatArray:
 
     slope: (bodies, times), that of each body over its coordinate.
     """
-    out = np.zeros((len(whole.root), whole.dampers.onto.shape[1], slope.shape[1]))
-    np.add.at(out, whole.coordinate, at_bodies(whole).T[:, :, None] * slope[:, None])
-    return out[: whole.free].transpose(1, 0, 2)
+    return gathered(whole, at_bodies(whole).T[:, :, None] * slope[:, None]).transpose(1, 0, 2)

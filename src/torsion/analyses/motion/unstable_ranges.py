@@ -195,14 +195,11 @@ def _around(search: Search, seed: float) -> UnstableRange:
         worst = _fastest(search, low.speed, high.speed)
         if all(search.is_unstable(one) for one in list(search.known) if low.inner < one < high.inner):
             break
-    found = search(worst)
-    if found is None:
-        raise SolveError("no periodic motion within an unstable range")
-    multipliers = found[1]
-    energy = modal_energy(multipliers, search.shapes, search.reduced)
+    found = _multipliers(search, worst)
+    energy = modal_energy(found, search.shapes, search.reduced)
     return UnstableRange(
-        low.speed, high.speed, (low.is_open, high.is_open), multipliers.growth, worst,
-        zone(energy, search.shapes, 2.0 * np.pi / multipliers.period), (low.unknown, high.unknown),
+        low.speed, high.speed, (low.is_open, high.is_open), found.growth, worst,
+        zone(energy, search.shapes, 2.0 * np.pi / found.period), (low.unknown, high.unknown),
     )  # fmt: skip
 
 
@@ -223,52 +220,45 @@ def _end(search: Search, seed: float, side: int) -> End:
 
 def _boundary(search: Search, inner: float, outer: float) -> float:
     """The speed (rad/s) between an unstable and a stable one at which the growth begins; raises NoMotion."""
-    if search.loses:
-        if _known(search, outer, search.growth(outer)) >= 0.0:
-            return outer
-        return _root(lambda speed: _known(search, speed, search.growth(speed)), inner, outer)
-    for _ in range(BISECTIONS):
+    if search.loses and _multipliers(search, outer).growth >= 0.0:
+        return outer
+    for _ in range(0 if search.loses else BISECTIONS):
         middle = (inner + outer) / 2.0
-        _known(search, middle, search.growth(middle))
+        _multipliers(search, middle)
         inner, outer = (middle, outer) if search.is_unstable(middle) else (inner, middle)
-    found = search(inner)
-    if found is None:
-        raise SolveError("no periodic motion at the boundary of an unstable range")
-    at = np.exp(1j * np.angle(found[1].multiplier[0]))
+    at = np.exp(1j * np.angle(_multipliers(search, inner).multiplier[0]))
+
+    def height(speed: float) -> float:
+        return indicator(_multipliers(search, speed), at, loses=search.loses)
+
     try:
-        return _root(lambda speed: _known(search, speed, indicator(search, speed, at)), inner, outer)
+        return float(brentq(height, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
     except ValueError:
         return (inner + outer) / 2.0
 
 
-def _root(of: Callable[[float], float], inner: float, outer: float) -> float:
-    return float(brentq(of, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
-
-
-def _known(search: Search, speed: float, value: float) -> float:
-    if search(speed) is None:
+def _multipliers(search: Search, speed: float) -> Multipliers:
+    """Of the motion at a speed (rad/s); raises NoMotion where there is none."""
+    found = search(speed)
+    if found is None:
         raise NoMotion(f"no periodic motion at {speed:.8g} rad/s")
-    return value
+    return found[1]
 
 
-def indicator(search: Search, speed: float, at: complex | None) -> float:
+def indicator(found: Multipliers, at: complex | None = None, *, loses: bool) -> float:
     """Smooth over speed, positive where unstable: growth, or without damping the squared gap of two multipliers.
 
     at: unit complex number near which the two meet; None: wherever they lie closest.
     """
-    found = search(speed)
-    if found is None:
-        return np.nan
-    multipliers = found[1]
-    if search.loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and at is None):
-        return multipliers.growth
-    value = multipliers.multiplier
+    if loses or (found.growth * found.period > UNSTABLE * 1e3 and at is None):
+        return found.growth
+    value = found.multiplier
     if at is None:
         apart = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
         first, second = np.unravel_index(int(np.argmin(apart)), apart.shape)
     else:
         first, second = np.argsort(np.abs(value - at))[:2]
-    gap = np.log(value[first] / value[second]) / (2.0 * multipliers.period)
+    gap = np.log(value[first] / value[second]) / (2.0 * found.period)
     return float((gap * gap).real)
 
 
