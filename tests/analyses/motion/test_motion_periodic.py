@@ -184,9 +184,7 @@ def test_lightly_damped_train_has_several_motions_at_resonance(way, torques, in_
     study, system = six_stations(20, 90, 1.5)
     exact = raised(way, 90, GOVERNED / 2, 1.5)
     assert np.abs(shafts(system, exact, 2)) == pytest.approx(torques, rel=1e-5)
-    assert (
-        departure(study, system, exact, in_time, 1e-11) < 1e-6
-    )  # one multiplies deviations by 2.4 each period
+    assert departure(study, system, exact, in_time, 1e-11) < 1e-6  # one multiplies deviations by 2.4 each period
 
 
 def test_shaft_behind_a_joint_at_constant_speed_follows_the_closed_form():

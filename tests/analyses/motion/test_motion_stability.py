@@ -118,7 +118,7 @@ def test_one_degree_about_its_orbit_has_the_published_boundaries(angle, lower, u
     found = stability(*one_degree(angle), np.linspace(0.9, 1.1, 5), method=method)
     (only,) = found.ranges
     assert (only.first, only.last) == (pytest.approx(lower, rel=1e-10), pytest.approx(upper, rel=1e-10))
-    assert only.zone.name == "principal of mode 1 (2 w1)"
+    assert only.name == "principal of mode 1 (2 w1)"
     assert only.is_open == (False, False)
     assert found.check < 1e-9
 
@@ -139,7 +139,7 @@ def test_two_degrees_about_constant_speed_have_the_published_zones():
 
 def test_two_degrees_about_their_orbit_have_a_principal_and_a_sum_zone_and_no_difference_zone():
     found = [stability(*two_degrees(), np.linspace(*speeds)) for speeds in ((74.0, 86.0, 4), (230.0, 330.0, 6))]
-    kinds = [(one.zone.kind, one.zone.modes, one.zone.rank) for part in found for one in part.ranges]
+    kinds = [(one.kind, one.modes, one.rank) for part in found for one in part.ranges]
     assert ("principal", (1,), 1) in kinds
     assert ("sum", (1, 2), 1) in kinds
     assert not any(kind == "difference" for kind, _, _ in kinds)
@@ -157,7 +157,7 @@ def test_zone_of_a_tripod_lies_between_the_speeds_and_is_as_wide_as_its_error_ma
     strength, zeta = 1.5 * error, damping / 2.0  # its ratio varies by 3 times the error, that of a cross joint by 2 q
     found = stability(study, system, np.array([0.5, 0.75]))
     (only,) = found.ranges
-    assert only.zone.name == "principal of mode 1 (2 w1)"
+    assert only.name == "principal of mode 1 (2 w1)"
     assert (only.last - only.first) / (4.0 / 3.0) == pytest.approx(math.sqrt(strength**2 - zeta**2), rel=1e-3)
     assert only.growth == pytest.approx(strength - zeta, rel=1e-3)
 
@@ -171,7 +171,7 @@ def test_zone_of_a_joint_is_found_between_the_speeds_beside_a_joint_at_another_s
     assert ask.at.layout.orders == (Fraction(4, 3), Fraction(2))
     first = float(ask.shapes.frequency[0])  # met by half of order 2, three times that of the common period
     found = stability(*made(line), np.array([0.97, 1.03]) * first)
-    assert [(one.zone.kind, one.zone.modes, one.zone.rank) for one in found.ranges] == [("principal", (1,), 3)]
+    assert [(one.kind, one.modes, one.rank) for one in found.ranges] == [("principal", (1,), 3)]
 
 
 @pytest.mark.parametrize(

@@ -167,7 +167,7 @@ def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArr
     size, times, free = layout.dampers.size, twist.shape[1], layout.free
     number = len(size)
     missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ now.turning.deviation)
-    pull = (size[:, None, None] * at_coordinates(layout, now.turning.first)).reshape(-1, times)
+    pull = (size[:, None] * at_coordinates(layout, now.turning.first)).reshape(times, -1).T
     damper, coordinate = np.repeat(free + np.arange(number), free), np.tile(np.arange(free), number)
     alone, none = free + np.arange(number), np.zeros((number * free, times))
     here = found.entries
@@ -179,6 +179,16 @@ def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArr
     )  # fmt: skip
     force = np.pad(found.force, ((0, 0), (0, number), (0, 0)))
     return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
+
+
+def damper_matrices(layout: Layout, now: State, shape: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Damping and stiffness of the dampers, (times, free, free), or on shapes (free, shapes) of the coordinates."""
+    twist = at_coordinates(layout, now.turning.first)
+    slope = at_coordinates(layout, now.turning.second * now.rate)
+    if shape is not None:
+        twist, slope = twist @ shape, slope @ shape
+    pull = np.swapaxes(over_time(layout.dampers.size).T[:, :, None] * twist, 1, 2)
+    return pull @ twist, pull @ slope
 
 
 def entries(layout: Layout, loading: Loading, now: State) -> Couplings:

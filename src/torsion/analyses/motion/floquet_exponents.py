@@ -4,12 +4,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import Loading, linearised, mean_angle, state, torque_rates
+from torsion.analyses.motion.equations_of_motion import (
+    Loading,
+    damper_matrices,
+    linearised,
+    mean_angle,
+    state,
+    torque_rates,
+)
 from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
 from torsion.analyses.motion.stability_settings import Method
-from torsion.analyses.motion.straight_modes import Basis, at_coordinates, basis, reduced, viscous
+from torsion.analyses.motion.straight_modes import Basis, basis, reduced, viscous
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -90,10 +97,8 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
     own = np.arange(free)
     stiffness[:, own, own] -= gathered(at.layout, now.turning.first * torque_rates(loading, turned) / now.rate).T
     if at.layout.dampers.size.size:
-        twist = at_coordinates(at.layout, now.turning.first).transpose(2, 0, 1)
-        pull = np.swapaxes(twist * at.layout.dampers.size[:, None], 1, 2)
-        damping = damping + pull @ twist
-        stiffness = stiffness + pull @ at_coordinates(at.layout, now.turning.second * now.rate).transpose(2, 0, 1)
+        damper_damping, damper_stiffness = damper_matrices(at.layout, now)
+        damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
     return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading, motion))
 
 

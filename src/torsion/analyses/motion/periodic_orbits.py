@@ -300,7 +300,8 @@ def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: 
 def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:
     """What else was found at the speeds of some rows of a response, in its orders; None where nothing was.
 
-    A speed stands once for every further motion.
+    A speed stands once for every further motion. They are sought from the rigid motion (None), and from motions a
+    little slower and faster that were found from it.
     """
     speeds, orbits = list[float](), list[Orbit | None]()
     for row in rows:
@@ -308,7 +309,8 @@ def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicRespo
         if here is None:
             continue
         known = [here]
-        for start in _starts(at, found, row):
+        aside = (_reached(at, float(found.speed[row]) * (1.0 + share), None) for share in ASIDE)
+        for start in (None, *(one for one in aside if one is not None)):
             other = _reached(at, float(found.speed[row]), start)
             if other is not None and all(_differ(at, one, other) for one in known):
                 known.append(other)
@@ -317,16 +319,6 @@ def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicRespo
     if not orbits:
         return None
     return response_of(at, orbits, np.array(speeds), ("",) * len(orbits), found.orders)
-
-
-def _starts(at: Scene, found: PeriodicResponse, row: int) -> list[Orbit | None]:
-    """The rigid motion (None), and motions a little slower and faster, found from the rigid one."""
-    starts: list[Orbit | None] = [None]
-    for share in ASIDE:
-        aside = _reached(at, float(found.speed[row]) * (1.0 + share), None)
-        if aside is not None:
-            starts.append(aside)
-    return starts
 
 
 def _reached(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:

@@ -74,7 +74,7 @@ def run_stability(work: Work) -> None:
     """Stability over speed and its map, where they are requested."""
     from torsion.analyses.motion.mechanism_loads import scene
     from torsion.analyses.motion.periodic_orbits import harmonics_at_least
-    from torsion.analyses.motion.stability_over_speed import requested_stability
+    from torsion.analyses.motion.stability_over_speed import stability
 
     study, system, log = work.study, work.system.whole, work.log
     settings = work.settings("stability", StabilitySettings)
@@ -84,7 +84,9 @@ def run_stability(work: Work) -> None:
         return
     harmonics_at_least(scene(study, system, vibratory=False))  # refused before anything is computed
     with log.step("stability", "requested") as step:
-        found = requested_stability(study, system, settings, speeds.values(), progress=work.progress)
+        found = stability(
+            study, system, speeds.values(), method=settings.method, modes=settings.modes, progress=work.progress
+        )
         step.method = _METHODS[settings.method]
         added = int((~found.requested).sum())
         modes = found.modes.size

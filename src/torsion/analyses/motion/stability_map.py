@@ -5,13 +5,12 @@ values of the second quantity are solved side by side at one speed, each started
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from torsion.analyses.motion.equations_of_motion import scaled
 from torsion.analyses.motion.floquet_exponents import Search, damped, modes_that_matter
-from torsion.analyses.motion.mechanism import JointMap, JointStep
+from torsion.analyses.motion.mechanism import JointStep
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.stability_settings import Over
 from torsion.analyses.motion.straight_modes import Basis, basis
@@ -50,22 +49,17 @@ def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
     """The scene with another joint angle (rad), or factor on damping or mean torque; arrays lie along the time."""
     whole = at.layout
     if over == "angle":
-        steps = tuple(_bent(step, unevenness(value)) for step in whole.steps)
-        return replace(at, layout=replace(whole, steps=steps))
+        uneven, steps = unevenness(value), list[JointStep]()
+        for step in whole.steps:  # of cross joints; the inverse of one stays an inverse
+            bent = replace(step.joint, unevenness=np.copysign(uneven, step.joint.unevenness))  # type: ignore[arg-type]
+            steps.append(step if step.joint.series else replace(step, joint=bent))
+        return replace(at, layout=replace(whole, steps=tuple(steps)))
     if over == "damping":
         dampers = replace(whole.dampers, size=scaled(whole.dampers.size, value))
         hysteretic = scaled(whole.hysteretic, value)
         more = replace(whole, viscous=scaled(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
         return replace(at, layout=more, damping=value)  # type: ignore[arg-type]
     return replace(at, mean=value)  # type: ignore[arg-type]
-
-
-def _bent(step: JointStep, uneven: Any) -> JointStep:
-    """A cross joint with another unevenness; the inverse of one stays an inverse."""
-    joint: JointMap = step.joint
-    if joint.series:
-        return step
-    return replace(step, joint=replace(joint, unevenness=np.copysign(1.0, joint.unevenness) * uneven))
 
 
 def stability_map(

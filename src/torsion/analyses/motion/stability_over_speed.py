@@ -1,14 +1,10 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from torsion.analyses.motion.floquet_exponents import Search, growth_search, modes_that_matter
-from torsion.analyses.motion.mechanism_loads import scene
-from torsion.analyses.motion.stability_settings import Method, StabilitySettings
-from torsion.analyses.motion.straight_modes import basis
+from torsion.analyses.motion.stability_settings import Method
 from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
@@ -71,9 +67,17 @@ def stability(
     """Growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
 
     Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
-    they shift the orbit, not its stability, to first order.
+    they shift the orbit, not its stability, to first order. A long train is reduced to the modes that matter, and any
+    train to as many elastic modes as `modes` says, where it has more.
     """
-    search = growth_search(study, system, method=method, modes=modes)
+    search = growth_search(study, system, method=method)
+    elastic = len(search.shapes.frequency) - search.shapes.rigid
+    if modes is None and search.at.layout.free > WHOLE:
+        fewer = modes_that_matter(search.at, search.shapes, float(np.max(speeds)))
+        modes = fewer.modes - fewer.rigid
+    modes = None if modes is None or modes >= elastic else modes
+    if modes is not None:
+        search = growth_search(study, system, method=method, modes=modes)
     requested = np.unique(np.asarray(speeds, dtype=float))
     for k, speed in enumerate(requested.tolist()):
         progress("stability", 0.6 * k / len(requested))
@@ -87,9 +91,10 @@ def stability(
         factor = np.exp(growth * 2.0 * np.pi / speed)
     unsolved = speed[np.isnan(growth)]
     shapes = search.shapes.frequency[search.shapes.rigid :]
+    left_out = 0.0 if modes is None else _left_out(study, system, speed, growth, min(MORE * modes, elastic))
     return Stability(
         speed, np.isin(speed, requested), growth, frequency, factor, ranges, shapes, method, _check(search, requested),
-        unsolved, search.loses,
+        unsolved, search.loses, modes, left_out,
     )  # fmt: skip
 
 
@@ -133,29 +138,11 @@ def _check(search: Search, requested: FloatArray) -> float:
     return max(apart, default=np.nan)
 
 
-def requested_stability(
-    study: Study, system: System, requested: StabilitySettings, speeds: FloatArray, *, progress: Progress = silent
-) -> Stability:
-    """Stability at reference speeds (speeds,) rad/s, on as many modes as are requested, else those that matter."""
-    at = scene(study, system, vibratory=False)
-    shapes = basis(at.layout)
-    elastic, modes = len(shapes.frequency) - shapes.rigid, requested.modes
-    if modes is None and at.layout.free > WHOLE:
-        fewer = modes_that_matter(at, shapes, float(np.max(speeds)))
-        modes = fewer.modes - fewer.rigid
-    if modes is not None and modes >= elastic:
-        modes = None
-    found = stability(study, system, speeds, method=requested.method, modes=modes, progress=progress)
-    if modes is None:
-        return found
-    return replace(found, kept=modes, left_out=_left_out(study, system, found, min(MORE * modes, elastic)))
-
-
-def _left_out(study: Study, system: System, found: Stability, more: int) -> float:
+def _left_out(study: Study, system: System, speed: FloatArray, growth: FloatArray, more: int) -> float:
     """1/s: largest change of the growth rate with more modes, at the fastest growth and at both ends."""
     search = growth_search(study, system, modes=more)
-    known = np.flatnonzero(np.isfinite(found.growth))
+    known = np.flatnonzero(np.isfinite(growth))
     if not known.size:
         return np.nan
-    places = {int(known[0]), int(known[-1]), int(known[np.argmax(found.growth[known])])}
-    return float(np.nanmax([abs(search.growth(float(found.speed[k])) - found.growth[k]) for k in sorted(places)]))
+    places = {int(known[0]), int(known[-1]), int(known[np.argmax(growth[known])])}
+    return float(np.nanmax([abs(search.growth(float(speed[k])) - growth[k]) for k in sorted(places)]))

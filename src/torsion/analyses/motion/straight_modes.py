@@ -146,8 +146,8 @@ def at_bodies(whole: Layout) -> FloatArray:
 
 
 def at_coordinates(whole: Layout, slope: FloatArray) -> FloatArray:
-    """(dampers, free, times): twist of each damper over the free coordinates.
+    """(times, dampers, free): twist of each damper over the free coordinates.
 
     slope: (bodies, times), that of each body over its coordinate.
     """
-    return gathered(whole, at_bodies(whole).T[:, :, None] * slope[:, None]).transpose(1, 0, 2)
+    return gathered(whole, at_bodies(whole).T[:, :, None] * slope[:, None]).transpose(2, 1, 0)

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import Loading, State, entries, over_time, scaled, state
+from torsion.analyses.motion.equations_of_motion import Loading, State, damper_matrices, entries, scaled, state
 from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, operating, rigid_deviation
-from torsion.analyses.motion.straight_modes import Basis, at_bodies
+from torsion.analyses.motion.straight_modes import Basis
 from torsion.arrays import FloatArray
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of
 from torsion.kernels.periodic.hill import from_real_parts, harmonics_of, real_blocks, real_parts, toeplitz
@@ -159,25 +159,12 @@ def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State) -> Per
     mass = (outer[:, :free] @ whole.mass[:free]).reshape(form)
     damping, stiffness = (outer @ whole.damping).reshape(form), (outer @ whole.stiffness).reshape(form)
     if layout.dampers.size.size:
-        damp, stiff = _damped(stack, layout, now)
-        damping, stiffness = damping + damp.reshape(form), stiffness + stiff.reshape(form)
+        damp, stiff = (part.transpose(1, 2, 0).reshape(form) for part in damper_matrices(layout, now, shape))
+        damping, stiffness = damping + damp, stiffness + stiff
     force = np.empty((variants, modes * (2 * stack.count + 1), len(loading.drive)))
     for k, drive in enumerate(loading.drive):
         force[:, :, k] = -_on_modes(stack, layout, now.turning.first * drive[:, None])
     return Periodic(mass, damping, stiffness, force)
-
-
-def _damped(stack: Stack, layout: Layout, now: State) -> tuple[FloatArray, FloatArray]:
-    """Damping and stiffness (modes, modes, variants * times) of the dampers on the modes."""
-    of_body = np.zeros((layout.bodies, stack.reduced.shape.shape[1]))
-    own = layout.coordinate < layout.free
-    of_body[own] = stack.reduced.shape[layout.coordinate[own]]
-    each = at_bodies(layout)[:, None, :] * of_body.T  # (dampers, modes, bodies)
-    twist = np.einsum("dmb,bt->tdm", each, now.turning.first, optimize=True)
-    slope = np.einsum("dmb,bt->tdm", each, now.turning.second * now.rate, optimize=True)
-    size = np.broadcast_to(over_time(layout.dampers.size).T, twist.shape[:2])[:, :, None]
-    pull = np.swapaxes(size * twist, 1, 2)
-    return (pull @ twist).transpose(1, 2, 0), (pull @ slope).transpose(1, 2, 0)
 
 
 def _factored(stack: Stack, loading: Loading, around: Periodic) -> Factors:
