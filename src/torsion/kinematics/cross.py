@@ -30,21 +30,17 @@ class Transfer:
 
 def unevenness(angle: ArrayLike) -> FloatArray:
     """q = tan(angle/2)^2: order-2 amplitude of the transmission error, rad."""
-    half: FloatArray = np.tan(np.asarray(angle, dtype=float) / 2.0)
-    return half * half
+    return np.asarray(np.tan(np.asarray(angle, dtype=float) / 2.0) ** 2)
 
 
 def rapidity(angle: ArrayLike) -> FloatArray:
     """ln(1/cos(angle)), the logarithm of the greatest speed ratio; q = tanh(rapidity/2)."""
-    slope: FloatArray = np.tan(np.asarray(angle, dtype=float))
-    return 0.5 * np.log1p(slope * slope)
+    return np.asarray(0.5 * np.log1p(np.tan(np.asarray(angle, dtype=float)) ** 2))
 
 
 def fluctuation(angle: ArrayLike) -> FloatArray:
     """(greatest - least)/mean driven speed at constant driving speed: 1/cos(angle) - cos(angle)."""
-    bend = np.asarray(angle, dtype=float)
-    result: FloatArray = np.sin(bend) * np.tan(bend)
-    return result
+    return np.asarray(np.sin(angle) * np.tan(angle))
 
 
 def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Transfer:

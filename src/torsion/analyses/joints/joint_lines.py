@@ -12,8 +12,7 @@ from torsion.analyses.joints.joint_results import Extreme, LineFound, OptimumFou
 from torsion.arrays import FloatArray
 from torsion.components.part_records import JointRecord
 from torsion.kinematics.cross import Transfer, behind, greatest_curvature, transfer
-from torsion.kinematics.line import Line, classical_angle, resultant
-from torsion.kinematics.optimise import Variable, index_over, optimise
+from torsion.kinematics.line import Line, Variable, classical_angle, index_over, optimise, resultant
 from torsion.kinematics.tripod import exact_motion
 from torsion.train import Train
 
@@ -128,8 +127,10 @@ _TURN = 1440  # samples of a revolution, in which every extreme of speed or acce
 _WIDEST = math.radians(45.0)  # of a joint's angle in the picture of the index
 
 
-def line_found(joints: Sequence[Placed], path: tuple[int, ...], optimum: OptimumFound | None) -> LineFound:
-    """The joints of one path as one: the resultant of its cross joints, the speeds of all."""
+def line_found(
+    joints: Sequence[Placed], path: tuple[int, ...], variable: Variable | None, free: str | None
+) -> LineFound:
+    """The joints of one path as one: the resultant of its cross joints, the speeds of all, the best `variable`."""
     _, line = crosses(joints, path)
     one = resultant(line)
     at = float(one.greatest_at)
@@ -139,9 +140,9 @@ def line_found(joints: Sequence[Placed], path: tuple[int, ...], optimum: Optimum
     if has_third_order(joints, path):
         greatest, least = _extreme(joints, path, 1.0), _extreme(joints, path, -1.0)
         index = greatest.speed_ratio - least.speed_ratio
-    return LineFound(
-        path, float(one.angle), float(one.phase), float(classical_angle(line)), index, greatest, least, optimum
-    )
+    optimum = variable and optimum_found(joints, path, variable, free)
+    resulting = float(one.angle), float(one.phase), float(classical_angle(line))
+    return LineFound(path, *resulting, index, greatest, least, optimum)
 
 
 def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:

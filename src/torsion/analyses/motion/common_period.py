@@ -56,7 +56,10 @@ def too_long(train: Train, rank: int, most: int, *, vibratory: bool) -> SolveErr
         combinations(sources, 2), key=lambda pair: _needed(pair, ratios, rank), default=(sources[0], sources[0])
     )
     names = f"{first.name} (order {first.order} of its shaft) and {second.name} (order {second.order})"
-    between = [mesh for mesh in train.constraints if _parts(train, mesh, first, second)]
+    between = [
+        mesh for mesh in train.constraints
+        if mesh.ratio != 1 and (first.station in (far := _beyond(train, mesh))) != (second.station in far)
+    ]  # fmt: skip
     if not between:
         return SolveError(f"{names} {length}", "take orders with smaller whole numbers")
     offered = [(near, mesh) for mesh in between if (near := _nearest(train, mesh, sources, rank, most)) is not None]
@@ -93,12 +96,6 @@ def _beyond(train: Train, mesh: Constraint) -> set[int]:
     ends = np.array([(one.driving, one.driven) for one in pieces if one is not mesh], dtype=int).reshape(-1, 2)
     group = connected(len(train.stations), *ends.T)
     return set(np.flatnonzero(group == group[mesh.driven]).tolist())
-
-
-def _parts(train: Train, mesh: Constraint, first: Source, second: Source) -> bool:
-    """A change of speed that lies between two stations."""
-    beyond = _beyond(train, mesh) if mesh.ratio != 1 else set()
-    return (first.station in beyond) != (second.station in beyond)
 
 
 def _nearest(train: Train, mesh: Constraint, sources: list[Source], rank: int, most: int) -> Fraction | None:

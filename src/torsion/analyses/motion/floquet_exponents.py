@@ -1,21 +1,14 @@
 """Floquet exponents of a train about its periodic motion at one speed, by the monodromy matrix or by Hill's matrix."""
 
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import (
-    Loading,
-    damper_matrices,
-    linearised,
-    mean_angle,
-    state,
-    torque_rates,
-)
+from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
 from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
-from torsion.analyses.motion.stability_settings import Method
 from torsion.analyses.motion.straight_modes import Basis, basis, reduced, viscous
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
@@ -32,6 +25,7 @@ BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the stati
 HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
 FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
 UNSTABLE = 1e-7  # growth over one common period: less is rounding
+Method = Literal["hill", "monodromy"]
 MOST_HILL = 2500  # rows of the eigenvalue problem
 
 
@@ -84,25 +78,24 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
     """The variation of the equations about an orbit.
 
     A vibratory torque goes by the angle of its own station: by the clock it would hold the train to a phase. Of a train
-    with loss factors, scene and orbit must be those of the dampers that stand for them (`losses.viscous`):
+    with loss factors, scene and orbit must be those of the dampers that stand for them (`straight_modes.viscous`):
     a loss factor has no meaning for a deviation that grows.
     """
     loading, free = orbit.now.loading, at.layout.free
     times = points_in_time(orbit.found.count)
     motion = motion_of(orbit.found.harmonic, loading.w0, times)
-    around = linearised(at.layout, loading, motion, orbit.found.load, 1)
-    mass, damping, stiffness = around.entries.full(free)
     turned = mean_angle(loading, times)
     now = state(at.layout, loading, motion, orbit.found.load, turned)
+    mass, damping, stiffness = entries(at.layout, loading, now).full(free)
     own = np.arange(free)
     stiffness[:, own, own] -= gathered(at.layout, now.turning.first * torque_rates(loading, turned) / now.rate).T
     if at.layout.dampers.size.size:
         damper_damping, damper_stiffness = damper_matrices(at.layout, now)
         damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
-    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading, motion))
+    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading.speed, motion))
 
 
-def _repeated(layout: Layout, loading: Loading, motion: Motion) -> FloatArray:
+def _repeated(layout: Layout, mean: float, motion: Motion) -> FloatArray:
     """(motions, 2 free, times) what repeats itself unless something holds it: all that turns, turning further.
 
     Where parts are joined by damping alone, so does every one without a joint, turned by a fixed angle.
@@ -111,7 +104,7 @@ def _repeated(layout: Layout, loading: Loading, motion: Motion) -> FloatArray:
     found = list[FloatArray]()
     if layout.floating:
         turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
-        found.append(np.concatenate([turning * (loading.speed + motion.speed), turning * motion.acceleration]))
+        found.append(np.concatenate([turning * (mean + motion.speed), turning * motion.acceleration]))
     for group in layout.loose:
         found.append(np.concatenate([np.repeat(group[:, None], times, axis=1), np.zeros((free, times))]))
     return np.array(found).reshape(-1, 2 * free, times)

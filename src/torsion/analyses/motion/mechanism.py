@@ -141,11 +141,6 @@ class Layout:
         return len(self.inertia)
 
     @property
-    def order(self) -> Fraction:
-        """Of the common period of all joints, per turn of the reference station; 0 without joints."""
-        return common_order(list(self.orders))
-
-    @property
     def loose(self) -> BoolArray:
         """(groups, free) members of the floating groups that no joint is in and that others drive by damping alone.
 
@@ -190,11 +185,12 @@ def layout(system: System) -> Layout:
     elastic = np.isfinite(system.flexibility[springs])
     stiffness[elastic] = ratio2[elastic] / system.flexibility[springs][elastic]
     driving, driven = body[system.driving[springs]], body[system.driven[springs]]
+    group = connected(len(root), coordinate[driving[elastic]], coordinate[driven[elastic]])
+    floating = [np.flatnonzero(group[:free] == one).tolist() for one in np.setdiff1d(group[:free], group[free:])]
     return Layout(
         body, inertia, coordinate, root, free, steps, springs, driving, driven, stiffness,
         system.viscous[springs] * ratio2, stiffness * system.loss_factor[springs],
-        Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
-        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), tuple(sorted(orders)),
+        Dampers(np.zeros((len(springs), 0)), np.zeros(0)), tuple(tuple(one) for one in floating), tuple(sorted(orders)),
     )  # fmt: skip
 
 
@@ -226,13 +222,3 @@ def _coordinates(
     if len(steps) < len(joints):
         raise SolveError("joints close a loop, or hold one body from two sides; give one of them an elastic coupling")
     return coordinate, root, int(np.count_nonzero(~held[root])), tuple(steps)
-
-
-def _floating(
-    coordinate: IntArray, free: int, driving: IntArray, driven: IntArray, number: int
-) -> tuple[tuple[int, ...], ...]:
-    """Groups of free coordinates that elastic springs join, without those joined to a prescribed one."""
-    group = connected(number, coordinate[driving], coordinate[driven])
-    held = set(group[free:].tolist())
-    names = [one for one in np.unique(group[:free]).tolist() if one not in held]
-    return tuple(tuple(np.flatnonzero(group[:free] == one).tolist()) for one in names)

@@ -47,8 +47,8 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
         if one.line.order is not None and vibratory
         for torque in one.torques
     ]
-    orders = [order for order, _ in found] + ([whole.order] if whole.order else [])
-    return Scene(study, system, whole, common_order(orders) or Fraction(1), tuple(found))
+    order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
+    return Scene(study, system, whole, order, tuple(found))
 
 
 @dataclass(frozen=True)

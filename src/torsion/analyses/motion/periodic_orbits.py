@@ -33,8 +33,6 @@ FEWEST, MOST = 6, 400  # harmonics of the common period
 GROWTH = 1.4  # of the number of harmonics from one trial to the next
 KEPT = 1e-14  # of the largest amplitude: orders that stay smaller at every speed are rounding
 SUBDIVISIONS = 6  # halvings of a step of speed before a solution is given up
-LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
-LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
 GROWS = 1e-5  # over one common period: less may be the error of few modes
 SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be required to carry
 ASIDE = (-0.02, 0.02)  # of the speed: from so far away a motion is carried to it
@@ -119,17 +117,6 @@ class PeriodicResponse:
             return np.zeros(len(self.speed), dtype=bool)
         periods = np.array([np.nan if one is None else one.now.loading.period for one in self.orbits])
         return np.asarray(np.nan_to_num(self.growth * periods) > GROWS)
-
-
-def is_advised(system: System, first_order: FloatArray | None = None) -> bool:
-    """Whether the exact response is the default: a joint beyond 10 deg, or a first-order estimate of error beyond 1 %.
-
-    first_order: the estimates (speeds, lines) of a first-order response, where there is one.
-    """
-    joints = (system.train.parts[span.part].joint for span in system.spans if span.error)
-    if any(joint is not None and joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
-        return True
-    return first_order is not None and bool(np.nanmax(first_order, initial=0.0) > LARGE_ERROR)
 
 
 def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:

@@ -105,8 +105,8 @@ def worth_another_look(found: PeriodicResponse, most: int) -> list[int]:
 def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
     """(speeds,) 1/s of small deviations from each periodic motion, on the lowest modes; NaN where there is none.
 
-    With loss factors it is that of the motion beside it that dampers in their place make (`losses.viscous`): of any
-    other motion the free turning, which neither grows nor dies out, would seem to do either.
+    With loss factors it is that of the motion beside it that dampers in their place make (`straight_modes.viscous`):
+    of any other motion the free turning, which neither grows nor dies out, would seem to do either.
     """
     shapes = basis(at.layout)
     fewer = modes_that_matter(at, shapes, float(found.speed[-1]))
@@ -133,8 +133,7 @@ def start(study: Study, first_order: Response, number: int) -> FloatArray:
         requested if len(requested) <= few else requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
     )
     size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
-    chosen = [first_order.speed[row] for row, _, _ in _peaks(size)]
-    highest = np.array(list(dict.fromkeys(float(speed) for speed in chosen))[: int(AT_PEAKS * number)])
+    highest = first_order.speed[list(dict.fromkeys(row for row, _, _ in _peaks(size)))[: int(AT_PEAKS * number)]]
     rated = study.operation.rated
     inside = [] if rated is None or not requested[0] <= rated.speed <= requested[-1] else [rated.speed]
     return np.unique(np.concatenate([spread, highest, inside]))

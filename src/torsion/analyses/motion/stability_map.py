@@ -5,6 +5,7 @@ values of the second quantity are solved side by side at one speed, each started
 """
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from torsion.analyses.motion.equations_of_motion import scaled
 from torsion.analyses.motion.floquet_exponents import Search, damped, modes_that_matter
 from torsion.analyses.motion.mechanism import JointStep
 from torsion.analyses.motion.mechanism_loads import Scene, scene
-from torsion.analyses.motion.stability_settings import Over
+from torsion.analyses.motion.periodic_orbits import harmonics_at_least
 from torsion.analyses.motion.straight_modes import Basis, basis
 from torsion.analyses.motion.variant_stack import Stack, growths, half_range, solve_stack
 from torsion.arrays import FloatArray
@@ -24,6 +25,7 @@ from torsion.kinematics.cross import unevenness
 from torsion.results import reported, result
 from torsion.study import Study
 
+Over = Literal["angle", "damping", "torque"]
 SIDE_BY_SIDE = 25  # values solved at a time, to stay within the caches
 SAME_MOTION = 0.02  # relative: periodic motions that differ by more are not the same
 CHECKED = 9  # points at which the unreduced train is computed too
@@ -70,6 +72,7 @@ def stability_map(
     at = scene(study, system, vibratory=False)
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")
+    harmonics_at_least(at)  # raises SolveError before anything is computed
     shapes = basis(at.layout)
     fewer = modes_that_matter(at, shapes, float(np.max(speeds)), modes)
     lossy = damped(at, fewer)
@@ -86,7 +89,8 @@ def stability_map(
             growth[k, first : first + len(some)] = growths(stack, solution)
             amplitude[k, first : first + len(some)] = solution.amplitude
     whole = _Whole(at, shapes, over, np.asarray(speeds, dtype=float), values)
-    whole.fill(growth, amplitude)
+    for k, column in np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist():
+        growth[k, column], amplitude[k, column] = whole(k, column)
     error, checked, elsewhere = whole.check(growth, amplitude)
     counts = fewer.modes - fewer.rigid, len(shapes.frequency) - shapes.rigid
     return StabilityMap(over, whole.speeds, values, growth, *counts, error, checked, elsewhere)
@@ -111,11 +115,6 @@ class _Whole:
             return np.nan, np.nan
         motion = motion_of(found[0].found.harmonic, 1.0, points_in_time(found[0].found.count))
         return found[1].growth, float(half_range(motion.deviation))
-
-    def fill(self, growth: FloatArray, amplitude: FloatArray) -> None:
-        """Solve what is missing point by point."""
-        for k, column in np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist():
-            growth[k, column], amplitude[k, column] = self(k, column)
 
     def check(self, growth: FloatArray, amplitude: FloatArray) -> tuple[float, int, int]:
         """Largest difference (1/s) at the fastest growing points, those nearest to a boundary, and some spread out.

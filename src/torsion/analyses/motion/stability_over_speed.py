@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from torsion.analyses.motion.floquet_exponents import Search, growth_search, modes_that_matter
-from torsion.analyses.motion.stability_settings import Method
+from torsion.analyses.motion.floquet_exponents import Method, Search, growth_search, modes_that_matter
+from torsion.analyses.motion.periodic_orbits import harmonics_at_least
 from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
@@ -71,11 +71,12 @@ def stability(
     train to as many elastic modes as `modes` says, where it has more.
     """
     search = growth_search(study, system, method=method)
-    elastic = len(search.shapes.frequency) - search.shapes.rigid
+    harmonics_at_least(search.at)  # raises SolveError before anything is computed
+    elastic = search.shapes.frequency[search.shapes.rigid :]
     if modes is None and search.at.layout.free > WHOLE:
         fewer = modes_that_matter(search.at, search.shapes, float(np.max(speeds)))
         modes = fewer.modes - fewer.rigid
-    modes = None if modes is None or modes >= elastic else modes
+    modes = None if modes is None or modes >= len(elastic) else modes
     if modes is not None:
         search = growth_search(study, system, method=method, modes=modes)
     requested = np.unique(np.asarray(speeds, dtype=float))
@@ -89,21 +90,17 @@ def stability(
     growth, frequency = np.array([(np.nan, np.nan) if one is None else one[1].fastest for one in solved]).T
     with np.errstate(over="ignore"):
         factor = np.exp(growth * 2.0 * np.pi / speed)
-    unsolved = speed[np.isnan(growth)]
-    shapes = search.shapes.frequency[search.shapes.rigid :]
-    left_out = 0.0 if modes is None else _left_out(study, system, speed, growth, min(MORE * modes, elastic))
+    left_out = 0.0 if modes is None else _left_out(study, system, speed, growth, min(MORE * modes, len(elastic)))
     return Stability(
-        speed, np.isin(speed, requested), growth, frequency, factor, ranges, shapes, method, _check(search, requested),
-        unsolved, search.loses, modes, left_out,
+        speed, np.isin(speed, requested), growth, frequency, factor, ranges, elastic, method, _check(search, requested),
+        speed[np.isnan(growth)], search.loses, modes, left_out,
     )  # fmt: skip
 
 
 def _look_between(search: Search, requested: FloatArray, report: Progress) -> None:
     """Search around each combination resonance for zones that fall between the speeds."""
-    if len(requested) < 2:
-        return
     uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
-    if uneven == 0.0:
+    if uneven == 0.0 or len(requested) < 2:
         return
     seeds = candidates(search.shapes, search.at.layout.orders, float(requested[0]), float(requested[-1]))
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2

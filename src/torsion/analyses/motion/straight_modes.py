@@ -93,9 +93,8 @@ def basis(whole: Layout) -> Basis:
     follow = np.zeros((free, len(heavy)))
     follow[heavy, np.arange(len(heavy))] = 1.0
     if light.size:
-        follow[light] = -np.linalg.lstsq(stiffness[np.ix_(light, light)], stiffness[np.ix_(light, heavy)], rcond=None)[
-            0
-        ]
+        pull = stiffness[np.ix_(light, heavy)]
+        follow[light] = -np.linalg.lstsq(stiffness[np.ix_(light, light)], pull, rcond=None)[0]
     root = np.sqrt(mass[heavy])
     square, vector = eigh((follow.T @ stiffness @ follow) / np.outer(root, root))
     frequency = np.sqrt(np.maximum(square, 0.0))
@@ -130,9 +129,8 @@ def viscous(whole: Layout, shapes: Basis) -> Layout:
     twist = shape[whole.coordinate[whole.driving]] - shape[whole.coordinate[whole.driven]]
     value, vector = eigh(shapes.loss[np.ix_(elastic, elastic)])
     acts = value > NOTHING * value[-1]
-    onto = (whole.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ (
-        vector[:, acts] * np.sqrt(value[acts])
-    )
+    share = vector[:, acts] * np.sqrt(value[acts])
+    onto = (whole.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ share
     length = np.linalg.norm(onto, axis=0)
     return replace(whole, hysteretic=np.zeros_like(whole.hysteretic), dampers=Dampers(onto / length, length**2))
 

@@ -152,17 +152,13 @@ def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ..
     out = list[UnstableRange]()
     while True:
         known = sorted(search.known)
-        apart = (one for one in known if search.is_unstable(one) and not any(_holds(there, one) for there in out))
+        met = [(one.first * (1.0 - 10.0 * WITHIN), one.last * (1.0 + 10.0 * WITHIN)) for one in out]
+        apart = (one for one in known if search.is_unstable(one) and not any(low <= one <= high for low, high in met))
         seed = next(apart, None)
         if seed is None:
             return tuple(sorted(out, key=lambda one: one.first))
         report("boundaries", 0.8 + 0.2 * known.index(seed) / len(known))
         out.append(_around(search, seed))
-
-
-def _holds(there: UnstableRange, speed: float) -> bool:
-    """A speed lies within, to ten times the accuracy of the boundaries."""
-    return there.first * (1.0 - 10.0 * WITHIN) <= speed <= there.last * (1.0 + 10.0 * WITHIN)
 
 
 def _around(search: Search, seed: float) -> UnstableRange:

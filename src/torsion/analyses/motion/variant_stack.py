@@ -8,7 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import Loading, State, damper_matrices, entries, scaled, state
+from torsion.analyses.motion.equations_of_motion import (
+    Loading,
+    State,
+    damper_matrices,
+    entries,
+    mean_angle,
+    scaled,
+    state,
+)
 from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, operating, rigid_deviation
 from torsion.analyses.motion.straight_modes import Basis
@@ -87,7 +95,7 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     there = stack.vary(np.repeat(stack.values, stack.times))
     damping, torque = scaled(plain.loading.damping, there.damping), scaled(plain.loading.torque, there.mean)
     loading = replace(plain.loading, damping=damping, torque=torque)
-    turned = np.tile(2.0 * np.pi / loading.order * np.arange(stack.times) / stack.times, variants)
+    turned = np.tile(mean_angle(loading, stack.times), variants)
     rigid = rigid_deviation(there.layout, loading.steady, plain.twist[:, None] * there.mean, turned)
     base = motion_of(harmonics_of(rigid.reshape(-1, variants, stack.times), stack.times // 2), loading.w0, stack.times)
     if before is None:
