@@ -148,7 +148,7 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
         if size_of <= APART * np.linalg.norm(one[:, 0] / scale):
             continue
         if np.linalg.norm(whole @ start - start) <= KEPT_VECTOR * size_of:
-            turned = np.linalg.qr(start[:, None], mode="complete")[0][:, 1:]
+            turned = np.linalg.qr(np.column_stack([start / size_of, np.eye(len(start))]))[0][:, 1:]
             whole, back = turned.T @ whole @ turned, back @ turned
     value, vector = np.linalg.eig(whole)
     order = np.argsort(-np.abs(value), kind="stable")
