@@ -12,7 +12,7 @@ import torsion
 from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.motion.stability_map import StabilityMap
 from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone
+from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Paragraph, Table
@@ -211,9 +211,9 @@ def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Finding
 def rpm_range(first: float, last: float, **ends: tuple) -> UnstableRange:
     """An unstable range between two speeds in rpm; `unknown` in rpm too."""
     unknown = tuple(None if one is None else one / RPM for one in ends.get("unknown", (None, None)))
-    zone = Zone("principal", (1,), 1, 0.0)
+    zone = "principal", (1,), 1
     return UnstableRange(
-        first / RPM, last / RPM, ends.get("is_open", (False, False)), 2.0, (first + last) / 2.0 / RPM, zone, unknown
+        *zone, first / RPM, last / RPM, ends.get("is_open", (False, False)), 2.0, (first + last) / 2.0 / RPM, unknown
     )
 
 

@@ -99,7 +99,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "stability": Analysis(
         "stability", "torsion.analyses.motion.requested_motion", "run_stability",
-        settings="torsion.analyses.motion.stability_settings:StabilitySettings", needs=("modes",),
+        settings="StabilitySettings", needs=("modes",),
         results={"stability": "torsion.analyses.motion.stability_over_speed:Stability"}, chapters=("stability_ranges",),
     ),
     "stability map": Analysis(

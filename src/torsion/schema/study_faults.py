@@ -52,7 +52,7 @@ def _motion_faults(study: Study) -> list[Fault]:
     exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
     if not exact and "stability" not in study.analyses:
         return []
-    from torsion.analyses.motion.stability_settings import requested_motion_faults
+    from torsion.analyses.motion.requested_motion import requested_motion_faults
 
     found = requested_motion_faults(study)
     lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)

@@ -94,7 +94,7 @@ def _ranges(findings: Findings, found: "Stability") -> Table:
         inside = speeds is None or one.meets(speeds.first, speeds.last)
         factor = float(np.exp(min(one.growth * 2.0 * np.pi / one.at, 700.0)))
         rows.append((
-            end(one, BELOW, 9), end(one, ABOVE, 9), one.zone.name, number(one.growth), fastest(one),
+            end(one, BELOW, 9), end(one, ABOVE, 9), one.name, number(one.growth), fastest(one),
             number(factor, 4), "UNSTABLE" if inside else "outside", *(["; ".join(beyond(one))] if further else []),
         ))  # fmt: skip
         marks.append("fail" if inside else "note")
@@ -115,7 +115,7 @@ def _unsolved(found: "Stability") -> Table:
 def _figure(findings: Findings, found: "Stability") -> Figure:
     values = {
         "speed": found.speed * RPM, "growth": found.growth, "rated": rated_rpm(findings),
-        "unstable": [(one.first * RPM, one.last * RPM, one.zone.name) for one in found.ranges],
+        "unstable": [(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
     }  # fmt: skip
     return Figure("stability-growth", "Growth rate of small deviations over the speed", "stability", values)
 

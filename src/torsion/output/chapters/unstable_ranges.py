@@ -77,4 +77,4 @@ def words(one: "UnstableRange", requested: tuple[float, float]) -> str:
         if one.unknown[side] is not None:
             stated[side] = f"{limit} {stated[side]}"
     band = f"at {given_rpm(one.first)} rpm" if one.last <= one.first else f"{stated[BELOW]} to {stated[ABOVE]} rpm"
-    return "; ".join([f"{band}, {one.zone.name}", *beyond(one)])
+    return "; ".join([f"{band}, {one.name}", *beyond(one)])
