@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
+from torsion.analyses.mode_nodes import nodes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
 from torsion.assembly.shafts import phase
@@ -21,9 +22,7 @@ from torsion.study import Study
 if TYPE_CHECKING:
     from torsion.kernels.mode_shapes import ShaftModes, TreeModes
 
-STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
 MOST_MODES = 100_000
-LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
 Ruled = frozenset[str]  # analyses that the rules of a study read
@@ -53,38 +52,6 @@ def shares(energy: FloatArray) -> FloatArray:
 def is_elastic(system: System) -> BoolArray:
     """(spans,) spans that store energy: neither rigid nor without stiffness."""
     return np.asarray((system.flexibility > 0) & np.isfinite(system.flexibility))
-
-
-def nodes(system: System, shape: FloatArray) -> IntArray:
-    """(modes,) spans over which the shape (stations, modes), rad at own speed, changes its sign.
-
-    A station that stands still takes the sign of its neighbour toward the root: a node at a station counts once.
-    A grounded station has no sign: the shape starts there and does not cross it.
-    """
-    block, number = max(1, LARGEST_BLOCK // max(system.condensed.tree.size, 1)), shape.shape[1]
-    counted = [_nodes(system, shape[:, first : first + block]) for first in range(0, number, block)]
-    return np.concatenate([np.empty(0, dtype=np.int64), *counted])
-
-
-def _nodes(system: System, shape: FloatArray) -> IntArray:
-    tree, stations = system.condensed.tree, np.arange(system.condensed.tree.size)[:, None]
-    angle = np.zeros((tree.size, shape.shape[1]))
-    angle[system.condensed.node] = shape / system.speed_ratio[:, None]
-    size = np.abs(angle)
-    sign = np.sign(angle).astype(np.int8)
-    sign[size <= STANDS_STILL * size.max(axis=0, initial=0.0)] = 0
-    sign[tree.held] = 0
-    still = (sign == 0) & ~tree.held[:, None]
-    if still.any():
-        begins = still & (tree.parent < 0)[:, None]
-        sign[begins] = 1
-        moving = np.where(still & ~begins, tree.parent[:, None], stations)
-        while not np.array_equal(beyond := np.take_along_axis(moving, moving, axis=0), moving):
-            moving = beyond
-        sign = np.take_along_axis(sign, moving, axis=0)
-    joined = (tree.parent >= 0) & np.isfinite(tree.flexibility)
-    crosses: IntArray = np.count_nonzero((sign * sign[tree.parent] < 0) & joined[:, None], axis=0)
-    return crosses
 
 
 class ModesSettings(Declared):
@@ -150,7 +117,8 @@ class Modes:
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
         """(modes,)."""
-        return nodes(self.system, self.shape)
+        square = np.square(2.0 * math.pi * self.frequency)
+        return nodes(self.system, undamped_tree(self.system), chord_spans(self.system), self.shape, square)
 
     @property
     def enclosure(self) -> FloatArray:
