@@ -126,9 +126,9 @@ class FrequencyResponse:
         return words(self.status, Status)
 
 
-def blocks(points: int, system: System, values: int = BLOCK_VALUES) -> Iterator[slice]:
-    """Points in blocks; one block for all but large trains."""
-    length = max(values // max(len(system.stations), len(system.spans), 1), 1)
+def blocks(points: int, width: int, values: int = BLOCK_VALUES) -> Iterator[slice]:
+    """Points in blocks, of so many stations or spans each; one block for all but large trains."""
+    length = max(values // max(width, 1), 1)
     return (slice(start, start + length) for start in range(0, max(points, 1), length))
 
 
@@ -151,12 +151,6 @@ def refuse_too_large(system: System, lines: int, limit: float, path: Path, axis:
 
 def _in_gigabytes(number: float, digits: int = 3) -> str:
     return f"{number / 1e9:.{digits}g} GB"
-
-
-def part_of(found: Response, part: slice) -> Response:
-    """A view of some speeds."""
-    rows: dict[str, Any] = {key: value[part] for key, value in vars(found).items() if isinstance(value, np.ndarray)}
-    return replace(found, **rows)
 
 
 Result = TypeVar("Result", Response, FrequencyResponse)

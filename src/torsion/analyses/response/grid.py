@@ -94,7 +94,7 @@ def places(
     inside = (place >= first) & (place <= last)
     at, mode = place[inside], np.nonzero(inside)[0]
     zeta = known.damping_ratio[mode]
-    for part in blocks(len(at), system):
+    for part in blocks(len(at), len(system.stations)):
         lost = np.einsum("sp,sp->p", ground(at[part]), known.angle[:, mode[part]] ** 2)
         zeta[part] += lost / (2.0 * known.frequency[mode[part]])
     return at, zeta

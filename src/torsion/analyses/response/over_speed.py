@@ -143,7 +143,7 @@ def _solved(
     angle, torque = (np.empty((*shape, len(each)), dtype=np.complex128) for each in (system.stations, system.spans))
     mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
-    for part in blocks(len(speed), system):
+    for part in blocks(len(speed), len(system.stations)):
         here = speed[part]
         known = steady_if_known(study, system, here)
         ground = ground_damping(system, here, known)

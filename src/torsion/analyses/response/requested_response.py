@@ -1,17 +1,13 @@
 """The response over speed that a study requests, with its synthesis, at the speeds that verdicts of rules stand on."""
 
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
-from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks, joined, part_of
+from torsion.analyses.response.amplitudes import Response, Synthesis, joined
 from torsion.analyses.response.over_speed import requested_orders, response, response_at
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.undamped_modes import Modes
-from torsion.assembly.system import System
 from torsion.findings import Work
 
 MOST_ROUNDS = 4  # of looking for higher shares of the limits between the speeds
@@ -53,7 +49,7 @@ def _found(work: Work) -> Response:
 def _synthesis(work: Work, found: Response) -> Synthesis:
     lines = "the orders requested" if found.left_out else "all orders"
     with work.log.step("synthesis", f"rules and readers judge {lines} together") as step:
-        total = _in_blocks(work.system, found)
+        total = synthesis(found)
         step.method = "sum over the common cycle, true to phase"
         step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
     return total
@@ -69,23 +65,7 @@ def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Sy
             if not more.size:
                 break
             there = response_at(work.study, work.system, both[0], more)
-            both = joined(both, (there, synthesis(work.system, there)))
+            both = joined(both, (there, synthesis(there)))
         step.method = "parabolas through the shares of the limits; ends of barred ranges"
         step.size = f"{both[0].speed.size - before} speeds"
     return both
-
-
-def _in_blocks(system: System, found: Response) -> Synthesis:
-    """The synthesis, of large trains some speeds at a time, so that what it needs on the way stays small."""
-    parts = list(blocks(len(found.speed), system, SMALL_BLOCK))
-    if len(parts) == 1:
-        return synthesis(system, found)
-    none = synthesis(system, part_of(found, slice(0, 0)))
-    rows: dict[str, Any] = {
-        key: np.empty_like(found.mean) for key, value in vars(none).items() if isinstance(value, np.ndarray)
-    }
-    for part in parts:
-        one = synthesis(system, part_of(found, part))
-        for key, all_rows in rows.items():
-            all_rows[part] = getattr(one, key)
-    return replace(none, **rows)
