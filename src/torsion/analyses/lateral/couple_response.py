@@ -35,7 +35,7 @@ class Answer:
     """
 
     order: int = result("", (), "per revolution of the shaft; 0 stands still")
-    speed: FloatArray  # (speeds,) rad/s of the shaft
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them around resonances")
     displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude, half range")
     moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
     force: ComplexArray = result(
@@ -43,12 +43,6 @@ class Answer:
     )
     amplification: FloatArray = result("1", ("speed",), "growth of relative errors of the data")
     status: Lines  # (speeds,) uint8 of `Status`
-    ratio: float = 1.0  # speed of the shaft / reference speed
-
-    @derived("rad/s", ("speed",), "reference speeds, more of them around resonances", key="speed_rad_per_s")
-    def reference_speed(self) -> FloatArray:
-        """(speeds,)."""
-        return self.speed / self.ratio
 
     @derived("N*m", ("speed", "place"), "largest amplitude of the bending moment in any direction", key="moment_Nm")
     def largest_moment(self) -> FloatArray:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -27,6 +27,7 @@ from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
 
+OfShaft = TypeVar("OfShaft", Whirl, Critical, Answer)
 PLACE: Path = ("analyses", "lateral")
 _ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
 _SPARE = 4  # inner unknowns for every mode that is reported
@@ -168,9 +169,8 @@ def _found(
     own = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
     both, critical = _refined(shaft, requested, own, excited)
-    critical = tuple(replace(crossing, ratio=ratio) for crossing in critical)
     some = slice(0) if own is None else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
-    map_of = None if own is None else replace(whirl(both, own[some], requested.modes), ratio=ratio)
+    map_of = None if own is None else _of_train(whirl(both, own[some], requested.modes), ratio)
     rest = _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
     answers: tuple[Answer, ...] = ()
     tilt, remark = None, ""
@@ -180,13 +180,18 @@ def _found(
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
         grid = speeds_for(own, resonances)
         couple = couples_at(every, shaft, torque(grid / ratio), requested.carrier)
-        answers = tuple(replace(answer(both, order, grid, couple[order]), ratio=ratio) for order in couple)
+        answers = tuple(_of_train(answer(both, order, grid, couple[order]), ratio) for order in couple)
     system = both.system
     return ShaftFound(
         shaft.name, shaft.parts, shaft.ratio, shaft.beam.length, places(system).position,
         tuple(Holding(point.name, point.at) for point in shaft.beam.points),
-        rest, critical, map_of, answers, len(system.cells), tilt, remark,
+        rest, tuple(_of_train(one, ratio) for one in critical), map_of, answers, len(system.cells), tilt, remark,
     )  # fmt: skip
+
+
+def _of_train(found: OfShaft, ratio: float) -> OfShaft:
+    """The same with the speed of the reference in place of the shaft's own."""
+    return replace(found, speed=found.speed / ratio)
 
 
 def _hertz(frequency: FloatArray, modes: int) -> FloatArray:

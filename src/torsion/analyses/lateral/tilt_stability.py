@@ -42,43 +42,26 @@ OF_MEAN = Model(lambda turned, tilt: small_angle_part(turned, sine=0.0, cosine=0
 class Zone:
     """An unstable range."""
 
-    lower: float  # rad/s
-    upper: float  # rad/s
+    lower: float = result("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
+    upper: float = result("rad/s", (), "and ends", key="to_rad_per_s")
     is_open: tuple[bool, bool] = result("", (), "[from, to] the range goes on beyond the speeds looked at")
     kind: str = result(  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
         "", (), "principal, sum, difference, several, or mean couple", key="type"
     )
-    worst: float  # rad/s of the fastest growth
+    worst: float = result("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
     rate: float = result("1/s", (), "fastest growth in the range", key="growth_per_s")
-    ratio: float = 1.0  # of these speeds / reference speed
-
-    @derived("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
-    def first(self) -> float:
-        """Of the train."""
-        return self.lower / self.ratio
-
-    @derived("rad/s", (), "and ends", key="to_rad_per_s")
-    def last(self) -> float:
-        """Of the train."""
-        return self.upper / self.ratio
-
-    @derived("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
-    def at(self) -> float:
-        """Of the train."""
-        return self.worst / self.ratio
 
 
 @reported
 class Tilting:
-    """How fast small tilting motions of a rigid shaft grow over the speed of its joint's driving shaft."""
+    """How fast small tilting motions of a rigid shaft grow over speed."""
 
     joint: str = result("", (), "that drives the shaft")
     shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
     frequency: tuple[float, float]  # Hz of y and of z at rest, without torque
-    speed: FloatArray  # (speeds,) rad/s of the driving shaft
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     growth: FloatArray = result("1/s", ("speed",), "of the fastest small motion; positive: unstable")
     zones: tuple[Zone, ...] = result("", (), "unstable ranges", key="unstable")
-    ratio: float  # speed of the driving shaft / reference speed
 
     @derived("kg*m**2", (), "about the centre of the joint")
     def transverse_inertia(self) -> float:
@@ -94,11 +77,6 @@ class Tilting:
     def frequency_by_plane(self) -> dict[str, float]:
         """Hz, along the normal of the joint's plane and in the plane."""
         return dict(zip("yz", self.frequency, strict=True))
-
-    @derived("rad/s", ("speed",), "reference speeds", key="speed_rad_per_s")
-    def reference_speed(self) -> FloatArray:
-        """(speeds,)."""
-        return self.speed / self.ratio
 
     @property
     def is_damped(self) -> bool:
@@ -124,11 +102,14 @@ def tilting(
     z, y = (np.sqrt(rigid.square) / (2.0 * np.pi)).tolist()  # the angle about y moves the shaft along z
     if why := _too_soft((y, z), bending):
         return None, why
-    unstable = tuple(replace(_named(rigid, zone), ratio=ratio) for zone in zones(rigid, first, last, EXACT))
+    unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
     around = [speed for zone in unstable for speed in _around(zone) if first < speed < last]
     known = [one for one in resonances(rigid).values() if first < one < last]
     grid = np.unique(np.concatenate([np.linspace(first, last, POINTS), known, around]))
-    return Tilting(joint.name, rigid, (y, z), grid, growth(rigid, grid).rate, unstable, ratio), ""
+    of_train = tuple(
+        replace(zone, lower=zone.lower / ratio, upper=zone.upper / ratio, worst=zone.worst / ratio) for zone in unstable
+    )
+    return Tilting(joint.name, rigid, (y, z), grid / ratio, growth(rigid, grid).rate, of_train), ""
 
 
 def _around(zone: Zone) -> list[float]:

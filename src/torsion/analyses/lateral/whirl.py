@@ -10,7 +10,7 @@ import numpy as np
 
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.results import derived, reported, result
+from torsion.results import reported, result
 
 SPARE_MODES, TIMES_MODES = (
     8,
@@ -27,16 +27,10 @@ APART = 1e-9  # relative: roots nearer than this may be one found twice
 class Whirl:
     """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
 
-    speed: FloatArray  # (speeds,) rad/s of the shaft
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")  # `whirl` itself returns those of the shaft
     frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null where fewer modes oscillate")
     log_decrement: FloatArray = result("1", ("speed", "mode"), "negative: the shaft is unstable")
     direction: FloatArray = result("1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse")
-    ratio: float = 1.0  # speed of the shaft / reference speed
-
-    @derived("rad/s", ("speed",), "reference speeds", key="speed_rad_per_s")
-    def reference_speed(self) -> FloatArray:
-        """(speeds,)."""
-        return self.speed / self.ratio
 
 
 @reported
@@ -45,18 +39,12 @@ class Critical:
 
     order: int = result("", (), "per revolution of the shaft: 1 unbalance, others couples of joints")
     mode: int = result("", (), "counted from 1 by speed")
-    speed: float  # rad/s of the shaft
+    speed: float = result("rad/s", (), "reference speed")  # `criticals` itself returns that of the shaft
     frequency: float = result("Hz", (), "order times the speed of the shaft")
     direction: float = result("1", (), "1 forward, -1 backward whirl, between them an ellipse")
     damping_ratio: float = result(
         "1", (), "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound"
     )
-    ratio: float = 1.0  # speed of the shaft / reference speed
-
-    @derived("rad/s", (), "reference speed", key="speed_rad_per_s")
-    def reference_speed(self) -> float:
-        """Of the train."""
-        return self.speed / self.ratio
 
 
 def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:

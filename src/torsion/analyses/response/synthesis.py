@@ -49,7 +49,7 @@ def synthesis(response: Response) -> Synthesis:
         rms = np.sqrt((size**2).sum(axis=1) / 2.0)
         answered = np.isfinite(bound) & (response.status[part] == Status.OK).all(axis=1)[:, None]
         values[:, part] = np.where(answered, [(highest - lowest) / 2.0 + fixed, peak, rms, bound], np.inf)
-    return Synthesis(*values, turns)
+    return Synthesis(values[0], values[1], values[2], values[3], turns)
 
 
 def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:
