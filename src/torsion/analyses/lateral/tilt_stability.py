@@ -26,7 +26,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
 from torsion.arrays import FloatArray
 from torsion.results import derived, reported, result
 
-Torques = Callable[[FloatArray], FloatArray]  # speeds, rad/s -> N m of the joint's driving shaft
+Torques = Callable[[FloatArray], FloatArray]  # (speeds,) rad/s -> (joints, speeds) N m of their driving shafts
 Bending = tuple[FloatArray, FloatArray]
 RIGID = 0.1  # a lowest frequency that bending lowers by a larger share is not that of a rigid shaft
 POINTS, LOOKED_AT = 201, 400  # speeds of the curve of growth, and of the search, beside those around resonances
@@ -58,7 +58,7 @@ class Tilting:
 
     joint: str = result("", (), "that drives the shaft")
     shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
-    frequency: tuple[float, float]  # Hz of y and of z at rest, without torque
+    frequency: dict[str, float] = result("", (), "of the tilt at rest", key="frequency_Hz")  # of y and of z
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     growth: FloatArray = result("1/s", ("speed",), "of the fastest small motion; positive: unstable")
     zones: tuple[Zone, ...] = result("", (), "unstable ranges", key="unstable")
@@ -73,11 +73,6 @@ class Tilting:
         """Of the shaft."""
         return self.shaft.polar * self.shaft.inertia
 
-    @derived("", (), "of the tilt at rest", key="frequency_Hz")
-    def frequency_by_plane(self) -> dict[str, float]:
-        """Hz, along the normal of the joint's plane and in the plane."""
-        return dict(zip("yz", self.frequency, strict=True))
-
     @property
     def is_damped(self) -> bool:
         """Both directions of the tilt are damped."""
@@ -91,43 +86,30 @@ def tilting(
 
     bending: (modes,) Hz of y and of z at rest, of the same shaft as it bends.
     """
-    why = _left_out(shaft, placed)
-    if why is not None:
-        return None, why
-    joint = next(one for one in placed if one.part == shaft.joints[0].part)
+    if len(shaft.joints) != 1 or not any(max(point.stiffness) for point in shaft.beam.points):
+        return None, ""
+    if shaft.joints[0].shaft == "driving":
+        return None, "it drives its joint; the parametric terms of its tilt are built for driven shafts"
+    number, joint = next((k, one) for k, one in enumerate(placed) if one.part == shaft.joints[0].part)
+    if joint.joint.kind != "cross":
+        return None, "the parametric terms of its tilt are built for cross joints"
     ratio = float(joint.ratio)
     last = float(speeds[-1]) * ratio
     first = max(float(speeds[0]) * ratio, last / POINTS)
-    rigid = _rigid(shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio))
+    rigid = _rigid(shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio)[number])
     z, y = (np.sqrt(rigid.square) / (2.0 * np.pi)).tolist()  # the angle about y moves the shaft along z
     if why := _too_soft((y, z), bending):
         return None, why
     unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
-    around = [speed for zone in unstable for speed in _around(zone) if first < speed < last]
-    known = [one for one in resonances(rigid).values() if first < one < last]
-    grid = np.unique(np.concatenate([np.linspace(first, last, POINTS), known, around]))
+    beside = [*resonances(rigid).values()]
+    for zone in unstable:  # speeds in it, as far again on both sides, and its own
+        wide = zone.upper - zone.lower
+        beside += [zone.lower, zone.worst, zone.upper, *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist()]
+    grid = np.union1d(np.linspace(first, last, POINTS), [speed for speed in beside if first < speed < last])
     of_train = tuple(
         replace(zone, lower=zone.lower / ratio, upper=zone.upper / ratio, worst=zone.worst / ratio) for zone in unstable
     )
-    return Tilting(joint.name, rigid, (y, z), grid / ratio, growth(rigid, grid).rate, of_train), ""
-
-
-def _around(zone: Zone) -> list[float]:
-    """Speeds in a zone, as far again on both sides, and its own."""
-    wide = zone.upper - zone.lower
-    return [zone.lower, zone.worst, zone.upper, *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist()]
-
-
-def _left_out(shaft: BendingShaft, placed: Sequence[Placed]) -> str | None:
-    """Why the tilt of a shaft is left out, "" where there is none to speak of; None where it is computed."""
-    if len(shaft.joints) != 1 or not any(max(point.stiffness) for point in shaft.beam.points):
-        return ""
-    at = shaft.joints[0]
-    if at.shaft == "driving":
-        return "it drives its joint; the parametric terms of its tilt are built for driven shafts"
-    if next(one for one in placed if one.part == at.part).joint.kind != "cross":
-        return "the parametric terms of its tilt are built for cross joints"
-    return None
+    return Tilting(joint.name, rigid, {"y": y, "z": z}, grid / ratio, growth(rigid, grid).rate, of_train), ""
 
 
 def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
@@ -141,7 +123,7 @@ def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
     return ""
 
 
-def _rigid(beam: Beam, joint: JointAt, tilt: float, torque: Torques) -> MisalignedShaft:
+def _rigid(beam: Beam, joint: JointAt, tilt: float, torque: Callable[[FloatArray], FloatArray]) -> MisalignedShaft:
     """The whole beam as one body about the centre of its joint."""
     centre = beam.points[joint.point].at
     transverse = sum(point.mass * (point.at - centre) ** 2 + point.diametral for point in beam.points)

@@ -29,7 +29,7 @@ def shafts(found: "tuple[ShaftFound, ...]") -> Table:
         (
             shaft.name, number(shaft.length), str(shaft.ratio),
             ", ".join(f"{one.name} at {number(one.at, 4)} m" for one in shaft.point),
-            *(number(float(plane[0]), 6) if plane.size else NONE for plane in shaft.at_rest),
+            *(number(float(plane[0]), 6) if plane.size else NONE for plane in (shaft.at_rest.y, shaft.at_rest.z)),
         )
         for shaft in found
     )  # fmt: skip

@@ -50,7 +50,7 @@ def _bodies(stated: "list[tuple[ShaftFound, Tilting]]") -> Table:
         decay = [number(float(rate) / 2.0) for rate in body.decay[::-1]]
         rows.append((
             shaft.name, tilting.joint, number(body.inertia), number(body.polar * body.inertia),
-            *(number(hertz) for hertz in tilting.frequency), *decay,
+            *(number(hertz) for hertz in tilting.frequency.values()), *decay,
         ))  # fmt: skip
     caption = "Shafts that tilt as rigid bodies about the centre of their joint; at rest, without torque"
     return Table(columns, tuple(rows), caption)
