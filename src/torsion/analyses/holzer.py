@@ -77,8 +77,6 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
 
 def _from_root(tree: Tree) -> IntArray:
     """Tree stations, each branch to its end before the next."""
-    if tree.is_chain:
-        return np.arange(tree.size)
     order: list[int] = []
     for root in tree.roots:
         stack = [root]

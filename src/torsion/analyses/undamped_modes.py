@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from torsion.analyses.mode_nodes import nodes
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
@@ -29,29 +29,10 @@ Ruled = frozenset[str]  # analyses that the rules of a study read
 Progress = Callable[[int, int], None]  # (modes found, of how many)
 
 
-def lumped_kinetic(system: System, shape: FloatArray) -> FloatArray:
-    """(stations, modes) twice the kinetic energy / w^2 of what is lumped at each station; shape at own speed."""
-    energy = np.square(shape)
-    energy *= np.where(system.held, 0.0, system.lumped_inertia)[:, None]
-    return energy
-
-
-def lumped_elastic(system: System, torque: FloatArray) -> FloatArray:
-    """(spans, modes) twice the elastic energy of the spans that store any."""
-    energy = np.square(torque)
-    energy *= np.where(is_elastic(system), system.flexibility, 0.0)[:, None]
-    return energy
-
-
 def shares(energy: FloatArray) -> FloatArray:
     """What each one has of the sum over all, (all, modes), in the place of `energy`."""
     energy /= energy.sum(axis=0)
     return energy
-
-
-def is_elastic(system: System) -> BoolArray:
-    """(spans,) spans that store energy: neither rigid nor without stiffness."""
-    return np.asarray((system.flexibility > 0) & np.isfinite(system.flexibility))
 
 
 class ModesSettings(Declared):
@@ -94,25 +75,24 @@ class Modes:
     )  # fmt: skip
     def kinetic(self) -> FloatArray:
         """(stations, modes)."""
-        energy = lumped_kinetic(self.system, self.shape)
+        energy = np.square(self.shape)
+        energy *= np.where(self.system.held, 0.0, self.system.lumped_inertia)[:, None]
         if self.distributed is not None and self.system.bars is not None:
             for end in (0, 1):
                 np.add.at(energy, self.system.bars.ends[:, end], self.distributed.shaft_kinetic / 2.0)
         return shares(energy)
 
     @derived(
-        "1",
-        ("span", "mode"),
-        "share of the elastic energy",
-        key="elastic_share",
-        printed=("mode", "span"),
-        is_total=True,
-    )
+        "1", ("span", "mode"), "share of the elastic energy",
+        key="elastic_share", printed=("mode", "span"), is_total=True,
+    )  # fmt: skip
     def elastic(self) -> FloatArray:
         """(spans, modes)."""
         if self.distributed is not None:
             return shares(self.distributed.elastic[self.system.condensed.span])
-        return shares(lumped_elastic(self.system, self.torque))
+        flexibility, energy = self.system.flexibility, np.square(self.torque)
+        energy *= np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
+        return shares(energy)
 
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
@@ -253,12 +233,9 @@ def undamped_tree(system: System) -> Tree:
     These hold nothing without damping.
     """
     tree = system.condensed.tree
-    slips = np.isinf(tree.flexibility)
     if system.condensed_shafts is not None:
         tree = replace(tree, shafts=system.condensed_shafts)
-    if not slips.any():
-        return tree
-    return replace(tree, parent=np.where(slips, -1, tree.parent), flexibility=np.where(slips, 0.0, tree.flexibility))
+    return tree.cut(np.isinf(tree.flexibility))
 
 
 def chord_spans(system: System) -> IntArray:

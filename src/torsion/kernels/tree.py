@@ -141,6 +141,14 @@ class Tree:
             self.add_ends(inertia, inner, outer)
         return flexibility, inertia
 
+    def cut(self, spans: BoolArray) -> "Tree":
+        """The tree without the spans (stations,) named; itself where none is."""
+        if not spans.any():
+            return self
+        return replace(
+            self, parent=np.where(spans, -1, self.parent), flexibility=np.where(spans, 0.0, self.flexibility)
+        )
+
     @cached_property
     def _rounds(self) -> tuple[IntArray, ...]:
         """The shafts in groups within which no two begin at one station."""

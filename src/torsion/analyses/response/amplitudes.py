@@ -35,12 +35,9 @@ class Response:
     lines: tuple[Line, ...] = result("", ("line",), "harmonic components of the excitation", record="")
     frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
     angle: ComplexArray = result(
-        "rad",
-        ("speed", "line", "station"),
-        "complex amplitude at own speed; null where the status is not ok",
-        printed=("speed", "named station"),
-        known_by="status",
-    )
+        "rad", ("speed", "line", "station"), "complex amplitude at own speed; null where the status is not ok",
+        printed=("speed", "named station"), known_by="status",
+    )  # fmt: skip
     torque: ComplexArray = result(
         "N*m", ("speed", "line", "span"), "complex amplitude, elastic and damping share together",
         printed=("speed", "end span"), known_by="status",
@@ -100,12 +97,9 @@ class FrequencyResponse:
     sources: tuple[str, ...] = result("", (), "what excites")
     speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 where none is given")
     angle: ComplexArray = result(
-        "rad",
-        ("frequency", "station"),
-        "complex amplitude at own speed; null where the status is not ok",
-        printed=("frequency", "named station"),
-        known_by="status",
-    )
+        "rad", ("frequency", "station"), "complex amplitude at own speed; null where the status is not ok",
+        printed=("frequency", "named station"), known_by="status",
+    )  # fmt: skip
     torque: ComplexArray = result(
         "N*m", ("frequency", "span"), "complex amplitude, elastic and damping share together",
         printed=("frequency", "end span"), known_by="status",

@@ -20,7 +20,11 @@ def run(work: Work) -> None:
         work.log.without("response over speed", why)
         return
     found = _found(work)
-    total = _synthesis(work, found)
+    lines = "the orders requested" if found.left_out else "all orders"
+    with work.log.step("synthesis", f"rules and readers judge {lines} together") as step:
+        total = synthesis(found)
+        step.method = "sum over the common cycle, true to phase"
+        step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
     if "response" in work.ruled:
         found, total = _judged(work, found, total)
     work.put(response=found, synthesis=total)
@@ -44,15 +48,6 @@ def _found(work: Work) -> Response:
     for line in found.left_out:
         log.without(f"order {line.order} of the response ({', '.join(line.sources)})", "`orders` does not name it")
     return found
-
-
-def _synthesis(work: Work, found: Response) -> Synthesis:
-    lines = "the orders requested" if found.left_out else "all orders"
-    with work.log.step("synthesis", f"rules and readers judge {lines} together") as step:
-        total = synthesis(found)
-        step.method = "sum over the common cycle, true to phase"
-        step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
-    return total
 
 
 def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Synthesis]:
