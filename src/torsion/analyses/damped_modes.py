@@ -90,9 +90,8 @@ def run(work: Work) -> None:
     elif system.bars is not None:
         why = f"they are built for `model: lumped`; the response of {system.model} is damped"
     elif system.condensed.extra.size:
-        why = (
-            "the train has closed loops, or rigid spans hold it at several points; its response is damped all the same"
-        )
+        why = "the train has closed loops, or rigid spans hold it at several points"
+        why += "; its response is damped all the same"
     elif too_many := too_many_stations(system):
         why = too_many
     elif (needs_speed and speed is None) or (needs_torque and not study.operation.has_mean_torque):

@@ -81,11 +81,10 @@ def run_assembly(work: Work) -> None:
         highest = highest_excited(work.study, system, work.ruled)
         if highest:
             system = assembled(work.study, highest)
-        degree = (
-            "" if system.bars is None else f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
-        )
         words = {"lumped": "lumped, kept in factors", "exact": "exact: shafts as continua, no error of discretisation"}
-        step.method = words.get(system.model, f"fem{degree}")
+        step.method = words.get(system.model, system.model)
+        if system.model == "fem" and system.bars is not None:
+            step.method += f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     work.put(system=system)
