@@ -69,7 +69,7 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         -eigenvalue.real / np.abs(eigenvalue),
         eigenvalue,
         found.angle[condensed.node][:, keep] * system.speed_ratio[:, None],
-        span_torques(system, found.torque[:, keep], np.empty(0, dtype=np.int64), np.empty((0, len(keep)))),
+        span_torques(system, found.torque[:, keep]),
         found.real_root,
         speed,
     )

@@ -20,11 +20,12 @@ from torsion.results import derived, reported, result
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.kernels.mode_shapes import ShaftModes, TreeModes
+    from torsion.kernels.mode_shapes import ShaftModes
 
 MOST_MODES = 100_000
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
+NONE = np.empty(0, dtype=np.int64)  # no spans
 Ruled = frozenset[str]  # analyses that the rules of a study read
 Progress = Callable[[int, int], None]  # (modes found, of how many)
 
@@ -188,15 +189,30 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.groups is not None:
         return condensed_modes(modes_as_discretised(system.groups.system, count, progress=progress), system)
+    tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.bars import referred_modes
 
-        found = referred_modes(undamped_tree(system), count)
+        found = referred_modes(tree, count)
         outer = found.torque if found.shafts is None else found.shafts.torque_outer
-        return _modes(system, found, bar_torques(system, found.torque, outer))
-    chords = chord_spans(system)
-    found = _referred_modes(system, chords, count, progress)
-    return _modes(system, found, span_torques(system, found.torque, chords, found.loop_torque))
+        torque = bar_torques(system, found.torque, outer)
+    else:
+        if chords.size:
+            from torsion.kernels.loops.looped_modes import graph_modes
+
+            flexibility = (system.flexibility / system.span_ratio**2)[chords]
+            found = graph_modes(tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count)
+        else:
+            from torsion.kernels.natural_modes import tree_modes
+
+            found = tree_modes(tree, count, progress=progress)
+        torque = span_torques(system, found.torque, chords, found.loop_torque)
+    angle, hertz, ratio = _rows(found.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
+    shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
+    return Modes(
+        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
+        system, found.shafts,
+    )  # fmt: skip
 
 
 def condensed_modes(whole: Modes, system: System) -> Modes:
@@ -211,20 +227,6 @@ def condensed_modes(whole: Modes, system: System) -> Modes:
     }  # fmt: skip
     vars(found).update(shared)
     return found
-
-
-def _referred_modes(system: System, chords: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
-    """The modes on the condensed tree, with the chords `chords` of its loops."""
-    tree = undamped_tree(system)
-    if not chords.size:
-        from torsion.kernels.natural_modes import tree_modes
-
-        return tree_modes(tree, count, progress=progress)
-    from torsion.kernels.loops.looped_modes import graph_modes
-
-    node = system.condensed.node
-    flexibility = (system.flexibility / system.span_ratio**2)[chords]
-    return graph_modes(tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count)
 
 
 def undamped_tree(system: System) -> Tree:
@@ -244,7 +246,9 @@ def chord_spans(system: System) -> IntArray:
     return extra[np.isfinite(system.flexibility[extra])]
 
 
-def span_torques(system: System, torque: np.ndarray, chords: IntArray, chord_torque: np.ndarray) -> np.ndarray:
+def span_torques(
+    system: System, torque: np.ndarray, chords: IntArray = NONE, chord_torque: np.ndarray | float = 0.0
+) -> np.ndarray:
     """(spans, columns) N m at each driving station's speed, from torques (tree stations, columns) on the tree.
 
     chord_torque: (chords, columns) N m at one speed, positive when the driving side pushes.
@@ -261,23 +265,10 @@ def span_torques(system: System, torque: np.ndarray, chords: IntArray, chord_tor
 
 def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
     """(spans, columns) N m at each driving station, from torques (tree stations, columns) at both ends of spans."""
-    condensed = system.condensed
+    from_parent = system.condensed.span[system.condensed.sign > 0]
     at_driving = torque_outer.copy()
-    from_parent = condensed.span[condensed.sign > 0]
     at_driving[from_parent] = torque[from_parent]
-    none = np.empty(0, dtype=np.int64)
-    return span_torques(system, at_driving, none, np.empty((0, torque.shape[1])))
-
-
-def _modes(system: System, found: "TreeModes", torque: FloatArray) -> Modes:
-    """The modes at own speeds."""
-    hertz, ratio = 1.0 / (2.0 * math.pi), system.speed_ratio
-    angle = _rows(found.angle, system.condensed.node)
-    shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
-    return Modes(
-        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
-        system, found.shafts,
-    )  # fmt: skip
+    return span_torques(system, at_driving)
 
 
 def _rows(values: np.ndarray, at: IntArray) -> np.ndarray:
