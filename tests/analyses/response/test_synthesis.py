@@ -6,7 +6,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.response.over_speed import Line, Response
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.response.synthesis import common_cycle, extremes, synthesis
 from torsion.kernels.tree_response import Status
 
