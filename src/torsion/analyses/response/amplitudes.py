@@ -147,29 +147,18 @@ def _in_gigabytes(number: float, digits: int = 3) -> str:
     return f"{number / 1e9:.{digits}g} GB"
 
 
-Result = TypeVar("Result", Response, FrequencyResponse)
+Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse)
 
 
-def merged(first: Result, second: Result) -> Result:
-    """Both results in one, by ascending speed or frequency."""
-    return replace(first, **_by_ascending(first.points, second.points, first, second))
-
-
-def joined(first: tuple[Response, Synthesis], second: tuple[Response, Synthesis]) -> tuple[Response, Synthesis]:
-    """Two responses of the same lines with their syntheses in one, by ascending speed."""
-    response = merged(first[0], second[0])
-    return response, replace(first[1], **_by_ascending(first[0].speed, second[0].speed, first[1], second[1]))
-
-
-def _by_ascending(along: FloatArray, others: FloatArray, first: object, second: object) -> dict[str, Any]:
-    """The arrays of two results in one each, by ascending place, where both have one that of the first."""
+def merged(first: Result, second: Result, along: FloatArray, others: FloatArray) -> Result:
+    """Two results at the speeds or frequencies `along` and `others`, both ascending, in one; `first` where both are."""
     place = np.unique(np.concatenate([along, others]), return_index=True)[1]
     mine = place < len(along)
-    kept = slice(None) if np.count_nonzero(mine) == len(along) else place[mine]  # `along` ascends
+    kept = slice(None) if np.count_nonzero(mine) == len(along) else place[mine]
     both: dict[str, Any] = {}
     for key, value in vars(first).items():
         if isinstance(value, np.ndarray):
             both[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
             both[key][mine] = value[kept]
             both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
-    return both
+    return replace(first, **both)

@@ -13,7 +13,7 @@ from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
 from torsion.analyses.response import grid
-from torsion.analyses.response.amplitudes import Response, Synthesis, blocks, joined, refuse_too_large
+from torsion.analyses.response.amplitudes import Response, Synthesis, blocks, merged, refuse_too_large
 from torsion.analyses.response.harmonic_components import Excitation, excitations, excited_orders, lines, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.response.synthesis import synthesis
@@ -214,15 +214,15 @@ def _found(work: Work) -> Response:
 
 def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Synthesis]:
     """With the speeds between at which a rule finds more than at the ones beside them."""
-    both, before = (found, total), found.speed.size
+    before = found.speed.size
     with work.log.step("speeds between", "no worst value of a rule lies between two speeds") as step:
         for _ in range(MOST_ROUNDS):
-            seen = work.having(response=both[0], synthesis=both[1])
-            more = work.rules.speeds_between(seen)
+            more = work.rules.speeds_between(work.having(response=found, synthesis=total))
             if not more.size:
                 break
-            there = response_at(work.study, work.system, both[0], more)
-            both = joined(both, (there, synthesis(there)))
+            there = response_at(work.study, work.system, found, more)
+            total = merged(total, synthesis(there), found.speed, more)
+            found = merged(found, there, found.speed, more)
         step.method = "parabolas through the shares of the limits; ends of barred ranges"
-        step.size = f"{both[0].speed.size - before} speeds"
-    return both
+        step.size = f"{found.speed.size - before} speeds"
+    return found, total
