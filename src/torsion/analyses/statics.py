@@ -4,7 +4,6 @@ Everything is referred to the reference speed: a share of 1 is the whole mean to
 a spanning tree with exact numbers, so a span that carries nothing carries exactly nothing.
 """
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -17,17 +16,10 @@ from torsion.kernels.spanning_forest import Walk, closing_no_loop, walk
 Shares = list[Fraction]
 
 
-@dataclass(frozen=True)
-class Statics:
-    """The train under a mean torque of 1 N m at reference speed."""
+def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray, FloatArray]:
+    """Under 1 N m, of which the shares (stations,) sum to zero: torques (spans,) N m, twists (stations,) rad.
 
-    torque: FloatArray  # (spans,) N m at reference speed, positive from driving to driven
-    twist: FloatArray  # (stations,) rad at reference speed, against the reference station
-
-
-def statics(system: System, applied: Shares, reference: int) -> Statics:
-    """Torques and twists under shares (stations,) of the mean torque that sum to zero.
-
+    A torque is positive from driving to driven; twists are against the reference station.
     A grounded station that neither drives nor loads takes no mean torque: it turns at the mean speed by definition.
     Raises SolveError where the mean torque has to pass a span without stiffness, or cannot reach its load.
     """
@@ -45,7 +37,7 @@ def statics(system: System, applied: Shares, reference: int) -> Statics:
     for station, parent, span in _from_roots(way):
         if span >= 0:
             twist[station] = twist[parent] - _toward_leaves(system, span, station) * (finite[span] * torque[span])
-    return Statics(torque, twist)
+    return torque, twist
 
 
 def _way(system: System, reference: int) -> Walk:

@@ -119,9 +119,9 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
     mean = mean_torque(operation, speed)
     shares, stated = flow(train, operation)
     shares += [Fraction(0)] * (len(system.stations) - len(shares))  # nothing acts inside shafts
-    one = statics(system, shares, reference_station(train, operation))
+    torque, twist = statics(system, shares, reference_station(train, operation))
     applied = np.array([float(share / station.ratio) for share, station in zip(shares, system.stations, strict=True)])
-    each = (one.torque / system.span_ratio, applied, one.twist * system.speed_ratio)
+    each = (torque / system.span_ratio, applied, twist * system.speed_ratio)
     torques, acting, twists = (np.outer(of_one, mean) for of_one in each)
     return Steady(speed, torques, acting, twists, stated)
 
