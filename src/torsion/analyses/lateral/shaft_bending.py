@@ -22,7 +22,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
-from torsion.findings import Progress, Work
+from torsion.findings import Progress, Work, silent
 from torsion.results import reported, result
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
@@ -93,7 +93,7 @@ class Lateral:
 
 
 def lateral(
-    train: Train, operation: Operation, requested: LateralSettings | None = None, *, progress: Progress | None = None
+    train: Train, operation: Operation, requested: LateralSettings | None = None, *, progress: Progress = silent
 ) -> Lateral:
     """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
@@ -109,8 +109,7 @@ def lateral(
     reference = None if speeds is None else speeds.values()
     torque = None if speeds is None else _torques(train, operation, wanted, every)
     for number, shaft in enumerate(supported):
-        if progress is not None:
-            progress("bending of the shafts", number / len(supported))
+        progress("bending of the shafts", number / len(supported))
         found.append(_found(every, shaft, wanted, reference, torque))
     remarks = [
         f"{shaft.name}: " + (shaft.lacks or f"it bends without the masses of {', '.join(shaft.loads)}, "
