@@ -92,7 +92,7 @@ def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
     status = geared.need(Response).status.copy()
     status[0, 1], status[1, 0] = Status.NEAR_SINGULAR, Status.SINGULAR
     response = replace(geared.need(Response), status=status)
-    flagged = geared.having(response=response, synthesis=synthesis(geared.system, response))
+    flagged = geared.having(response=response, synthesis=synthesis(response))
     found = results(flagged)
     assert found["response"]["lines"][1]["status"][0] == "near-singular"
     for line in found["response"]["lines"]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.over_speed import Line
+from torsion.analyses.response.harmonic_components import Line
 from torsion.rules import coupling_maker as coupling
 
 RPM = math.pi / 30.0

@@ -86,8 +86,7 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("mean_torques",), place=("operation",),
     ),
     "response": Analysis(
-        "response over speed", "torsion.analyses.response.requested_response",
-        settings="torsion.analyses.response.over_speed:ResponseSettings", needs=("steady",),
+        "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
         chapters=("forced_response", "shaft_stress", "gear_meshes", "coupling_loads"),
     ),

@@ -62,24 +62,6 @@ def assembled(study: Study, frequency: float = 0.0) -> System:
     return assemble(study.train, study.model, frequency=frequency, degree=study.fem.degree, elements=study.fem.elements)
 
 
-def model_words(system: System) -> str:
-    """The model and how its shafts are treated, in words."""
-    words = {
-        "lumped": "lumped, kept in factors",
-        "exact": "exact: shafts as continua, no error of discretisation",
-    }
-    if system.model != "fem" or system.bars is None:
-        return words.get(system.model, system.model)
-    return f"fem: elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
-
-
-def method_words(system: System, found: Modes) -> str:
-    """How the modes were found, in words."""
-    if system.bars is not None and not found.certified:
-        return "dense problem of all unknowns, not certified: the elements are too few for counts"
-    return "tree elimination in mixed form, certified by Sturm counts"
-
-
 def discretisation_words(system: System) -> str:
     """How many pieces every shaft has, in words."""
     if not system.segments:
@@ -99,7 +81,10 @@ def run_assembly(work: Work) -> None:
         highest = highest_excited(work.study, system, work.ruled)
         if highest:
             system = assembled(work.study, highest)
-        step.method = model_words(system)
+        words = {"lumped": "lumped, kept in factors", "exact": "exact: shafts as continua, no error of discretisation"}
+        step.method = words.get(system.model, system.model)
+        if system.model == "fem" and system.bars is not None:
+            step.method += f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     work.put(system=system)
@@ -119,7 +104,9 @@ def run_modes(work: Work) -> None:
     with work.log.step("natural frequencies", "requested" if "modes" in study.analyses else "the default") as step:
         found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
         system = found.system
-        step.method = method_words(system, found)
+        step.method = "tree elimination in mixed form, certified by Sturm counts"
+        if system.bars is not None and not found.certified:
+            step.method = "dense problem of all unknowns, not certified: the elements are too few for counts"
         step.size = f"{found.frequency.size} of {_size(system)}; {discretisation_words(system)}"
     work.put(system=system, modes=found)
 

@@ -4,135 +4,85 @@ Everything is referred to the reference speed: a share of 1 is the whole mean to
 a spanning tree with exact numbers, so a span that carries nothing carries exactly nothing.
 """
 
-from collections import deque
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.kernels.spanning_forest import Walk, closing_no_loop, walk
 
 Shares = list[Fraction]
 
 
-@dataclass(frozen=True)
-class Statics:
-    """The train under a mean torque of 1 N m at reference speed."""
+def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray, FloatArray]:
+    """Under 1 N m, of which the shares (stations,) sum to zero: torques (spans,) N m, twists (stations,) rad.
 
-    torque: FloatArray  # (spans,) N m at reference speed, positive from driving to driven
-    twist: FloatArray  # (stations,) rad at reference speed, against the reference station
-
-
-@dataclass(frozen=True)
-class _Walk:
-    """A spanning tree of stations and spans, rooted at the reference station."""
-
-    order: list[int]  # stations, every one after its parent
-    span: list[int]  # (stations,) the span towards the parent, -1 at a start
-    parent: list[int]  # (stations,)
-    extra: list[int]  # spans that close loops
-
-
-def statics(system: System, applied: Shares, reference: int) -> Statics:
-    """Torques and twists under shares (stations,) of the mean torque that sum to zero.
-
+    A torque is positive from driving to driven; twists are against the reference station.
     A grounded station that neither drives nor loads takes no mean torque: it turns at the mean speed by definition.
     Raises SolveError where the mean torque has to pass a span without stiffness, or cannot reach its load.
     """
-    walk = _walk(system, reference)
-    shares = _tree_torques(system, walk, applied)
-    torque = np.array([float(share) for share in shares])
+    way = _way(system, reference)
+    torque = np.array([float(share) for share in _tree_torques(system, way, applied)])
     flexibility = system.flexibility / system.span_ratio**2
-    loops = [span for span in walk.extra if np.isfinite(flexibility[span])]
-    if loops:
-        torque = _with_loops(system, walk, loops, torque, flexibility)
+    finite = np.where(np.isfinite(flexibility), flexibility, 0.0)
+    loops = np.setdiff1d(np.flatnonzero(np.isfinite(flexibility)), way.above)
+    if loops.size:
+        cycle = _cycles(system, way, loops)
+        around = (cycle * finite) @ cycle.T
+        torque = torque - cycle.T @ np.linalg.solve(around, cycle @ (finite * torque))
     _refuse_slipping(system, torque)
     twist = np.zeros(len(system.stations))
-    for station in walk.order:
-        span = walk.span[station]
+    for station, parent, span in _from_roots(way):
         if span >= 0:
-            turned = flexibility[span] * torque[span] if np.isfinite(flexibility[span]) else 0.0
-            twist[station] = twist[walk.parent[station]] - _toward_leaves(system, span, station) * turned
-    return Statics(torque, twist)
+            twist[station] = twist[parent] - _toward_leaves(system, span, station) * (finite[span] * torque[span])
+    return torque, twist
+
+
+def _way(system: System, reference: int) -> Walk:
+    """A spanning tree from the reference station, with spans without stiffness only where nothing else leads on."""
+    ends, finite = (len(system.stations), system.driving, system.driven), np.isfinite(system.flexibility)
+    way = walk(*ends, finite, [reference])
+    if finite.all():
+        return way
+    ranked = np.concatenate([way.above[way.above >= 0], np.flatnonzero(~finite)])
+    return walk(*ends, closing_no_loop(*ends, ranked), [reference])
+
+
+def _from_roots(way: Walk) -> list[tuple[int, int, int]]:
+    """Station, parent and span between them, every station after its parent; -1 at a root."""
+    return list(zip(*(each.tolist() for each in (way.order, way.parent[way.order], way.above[way.order])), strict=True))
 
 
 def _toward_leaves(system: System, span: int, station: int) -> int:
     """1 where the span's driven end is `station`, else -1."""
-    return 1 if system.spans[span].driven == station else -1
+    return 1 if system.driven[span] == station else -1
 
 
-def _walk(system: System, reference: int) -> _Walk:
-    """Breadth first; spans without stiffness only where nothing else leads on."""
-    number = len(system.stations)
-    span, parent, seen = [-1] * number, [-1] * number, [False] * number
-    near = _neighbours(system, np.isfinite(system.flexibility))
-    slipping = _neighbours(system, ~np.isfinite(system.flexibility))
-    order: list[int] = []
-    used: set[int] = set()
-    starts = deque([reference, *range(number)])
-    while starts:
-        start = starts.popleft()
-        if seen[start]:
-            continue
-        seen[start] = True
-        queue, later = deque([start]), deque[tuple[int, int, int]]()
-        while queue or later:
-            if queue:
-                here = queue.popleft()
-                order.append(here)
-                found = [(here, there, by) for there, by in near[here]]
-                later.extend((here, there, by) for there, by in slipping[here])
-            else:
-                found = [later.popleft()]
-            for here, there, by in found:
-                if not seen[there]:
-                    seen[there], parent[there], span[there] = True, here, by
-                    used.add(by)
-                    queue.append(there)
-    return _Walk(order, span, parent, [s for s in range(len(system.spans)) if s not in used])
-
-
-def _neighbours(system: System, chosen: BoolArray) -> list[list[tuple[int, int]]]:
-    """(station, span) on the other end of every chosen span, for each station."""
-    near: list[list[tuple[int, int]]] = [[] for _ in system.stations]
-    for number in np.flatnonzero(chosen).tolist():
-        span = system.spans[number]
-        near[span.driving].append((span.driven, number))
-        near[span.driven].append((span.driving, number))
-    return near
-
-
-def _tree_torques(system: System, walk: _Walk, applied: Shares) -> Shares:
+def _tree_torques(system: System, way: Walk, applied: Shares) -> Shares:
     """(spans,) share carried by each span of the tree: what is applied beyond it, with the sign of its direction."""
     beyond, shares = list(applied), [Fraction(0)] * len(system.spans)
-    for station in reversed(walk.order):
-        span = walk.span[station]
+    for station, parent, span in reversed(_from_roots(way)):
         if span >= 0:
             shares[span] = -beyond[station] * _toward_leaves(system, span, station)
-            beyond[walk.parent[station]] += beyond[station]
+            beyond[parent] += beyond[station]
         elif beyond[station] != 0:
             raise SolveError("the mean torque cannot reach the load: drive and load are not joined by any span")
     return shares
 
 
-def _with_loops(
-    system: System, walk: _Walk, loops: list[int], torque: FloatArray, flexibility: FloatArray
-) -> FloatArray:
-    """Torques shared between the ways around each loop so that the twists around it sum to zero."""
+def _cycles(system: System, way: Walk, loops: IntArray) -> FloatArray:
+    """(loops, spans) 1 for each span that closes a loop and +-1 for those of the tree around it: their twists are 0."""
     cycle = np.zeros((len(loops), len(system.spans)))
-    for row, span in enumerate(loops):
-        cycle[row, span] = 1.0
-        for end, way in ((system.spans[span].driving, -1.0), (system.spans[span].driven, 1.0)):
+    for row, closing in zip(cycle, loops.tolist(), strict=True):
+        row[closing] = 1.0
+        for end, sense in ((int(system.driving[closing]), 1.0), (int(system.driven[closing]), -1.0)):
             station = end
-            while walk.span[station] >= 0:
-                by = walk.span[station]
-                cycle[row, by] -= way * _toward_leaves(system, by, station)
-                station = walk.parent[station]
-    finite = np.where(np.isfinite(flexibility), flexibility, 0.0)
-    around = (cycle * finite) @ cycle.T
-    return np.asarray(torque - cycle.T @ np.linalg.solve(around, cycle @ (finite * torque)))
+            while (span := int(way.above[station])) >= 0:
+                row[span] += sense * _toward_leaves(system, span, station)
+                station = int(way.parent[station])
+    return cycle
 
 
 def _refuse_slipping(system: System, torque: FloatArray) -> None:

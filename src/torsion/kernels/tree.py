@@ -128,11 +128,26 @@ class Tree:
         """The tree at frequency 0, each shaft a flexibility between two inertias: its rigid motions are right."""
         if self.shafts is None:
             return self
-        flexibility, inner, outer = (values[:, 0] for values in self.shafts.at(np.zeros(1)))
-        whole, inertia = self.flexibility.copy(), self.inertia.copy()
-        whole[self.shafts.node] = flexibility
-        self.add_ends(inertia, inner, outer)
-        return replace(self, flexibility=whole, inertia=inertia, shafts=None)
+        flexibility, inertia = (values[:, 0] for values in self.at(np.zeros(1)))
+        return replace(self, flexibility=flexibility, inertia=inertia, shafts=None)
+
+    def at(self, square: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Flexibility and inertia (stations, m) at `square` (m,), each shaft a flexibility between two inertias."""
+        flexibility, inertia = (
+            np.repeat(own[:, None], len(square), axis=1) for own in (self.flexibility, self.inertia)
+        )
+        if self.shafts is not None:
+            flexibility[self.shafts.node], inner, outer = self.shafts.at(square)
+            self.add_ends(inertia, inner, outer)
+        return flexibility, inertia
+
+    def cut(self, spans: BoolArray) -> "Tree":
+        """The tree without the spans (stations,) named; itself where none is."""
+        if not spans.any():
+            return self
+        return replace(
+            self, parent=np.where(spans, -1, self.parent), flexibility=np.where(spans, 0.0, self.flexibility)
+        )
 
     @cached_property
     def _rounds(self) -> tuple[IntArray, ...]:

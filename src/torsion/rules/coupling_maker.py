@@ -31,7 +31,7 @@ from torsion.rules.judgement import (
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.analyses.response.over_speed import Response
+    from torsion.analyses.response.amplitudes import Response
 
 RULE = "coupling-maker"
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")

@@ -127,7 +127,7 @@ def bending_checks(found: "Lateral", operation: Operation) -> tuple[Check, ...]:
 
 def _checks(shaft: "ShaftFound", operation: Operation) -> Iterator[Check]:
     if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():
-        yield _whirl(shaft.name, shaft.whirl.speed / float(shaft.ratio), shaft.whirl.log_decrement, operation)
+        yield _whirl(shaft.name, shaft.whirl.speed, shaft.whirl.log_decrement, operation)
     if shaft.tilting is not None:
         yield _tilting(shaft.name, shaft.tilting, operation)
 
@@ -159,11 +159,11 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
 
 def _tilting(name: str, found: "Tilting", operation: Operation) -> Check:
     """The fastest growth of the tilt within the operation against 0."""
-    speed = found.speed / found.ratio
+    speed = found.speed
     first, last, whole = _operated(speed, operation)
     grows = np.where((speed >= first * (1 - ROUNDING)) & (speed <= last * (1 + ROUNDING)), found.growth, -np.inf)
     at = int(np.argmax(grows))
-    within = [zone for zone in found.zones if zone.lower / found.ratio < last and zone.upper / found.ratio > first]
+    within = [zone for zone in found.zones if zone.lower < last and zone.upper > first]
     growth = min(float(grows[at]), 0.0)
     if within:
         growth = float(grows[at]) if grows[at] > 0 else max(zone.rate for zone in within)

@@ -142,8 +142,8 @@ def first_order(study: Study, system: System, speed: float, drive: float = 300.0
     """
     at, excess = np.array([speed]), Fraction(drive) - 300
     shares = [300 + excess * 3 / 4, -excess / 4, Fraction(0), -excess / 4, Fraction(0), -300 - excess / 4]
-    under = statics(system, shares, 0)
-    mean = replace(steady(study.train, system, CONSTANT, at), torque=under.torque[:, None], twist=under.twist[:, None])
+    torque, twist = statics(system, shares, 0)
+    mean = replace(steady(study.train, system, CONSTANT, at), torque=torque[:, None], twist=twist[:, None])
     (second,) = (one for one in excitations(system) if one.line.order == 2)
     found = answer(system, 2.0 * at, sources(system, second, at, mean), ground_damping(system, at, mean))
     return found.torque[0, system.flexibility > 0]

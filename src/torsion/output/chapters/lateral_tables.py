@@ -29,7 +29,7 @@ def shafts(found: "tuple[ShaftFound, ...]") -> Table:
         (
             shaft.name, number(shaft.length), str(shaft.ratio),
             ", ".join(f"{one.name} at {number(one.at, 4)} m" for one in shaft.point),
-            *(number(float(plane[0]), 6) if plane.size else NONE for plane in shaft.at_rest),
+            *(number(float(plane[0]), 6) if plane.size else NONE for plane in (shaft.at_rest.y, shaft.at_rest.z)),
         )
         for shaft in found
     )  # fmt: skip
@@ -43,7 +43,7 @@ def criticals(found: "tuple[ShaftFound, ...]", speeds: Range) -> Table:
         "Damping ratio -> | In the range -> in range"
     )
     stated = [(shaft, one) for shaft in found for one in near(shaft, speeds)]
-    rows = [(*_critical_row(shaft, one), "yes" if inside(shaft, one, speeds) else "no") for shaft, one in stated]
+    rows = [(*_critical_row(shaft, one), "yes" if inside(one, speeds) else "no") for shaft, one in stated]
     marks = tuple("note" if row[-1] == "yes" else "" for row in rows)
     caption = (
         "Critical bending speeds: orders are per revolution of the shaft (1: unbalance; others: its joints' couples), "
@@ -60,7 +60,7 @@ def _critical_row(shaft: "ShaftFound", one: "Critical") -> tuple[str, ...]:
     grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
     return (
         f"{shaft.name} (UNSTABLE)" if grows else shaft.name, str(one.order), str(one.mode),
-        rpm(one.speed / float(shaft.ratio)), number(one.frequency), sense(one.direction), number(one.damping_ratio, 3),
+        rpm(one.speed), number(one.frequency), sense(one.direction), number(one.damping_ratio, 3),
     )  # fmt: skip
 
 
@@ -68,7 +68,7 @@ def near(shaft: "ShaftFound", speeds: Range) -> "list[Critical]":
     """The critical speeds up to FARTHEST, and of every order the lowest two."""
     if speeds is None:
         return list(shaft.critical)
-    highest = FARTHEST * speeds[1] * float(shaft.ratio)
+    highest = FARTHEST * speeds[1]
     seen: dict[int, int] = {}
     kept = []
     for one in shaft.critical:
@@ -78,9 +78,9 @@ def near(shaft: "ShaftFound", speeds: Range) -> "list[Critical]":
     return kept
 
 
-def inside(shaft: "ShaftFound", one: "Critical", speeds: Range) -> bool:
+def inside(one: "Critical", speeds: Range) -> bool:
     """It lies in the speed range."""
-    return speeds is not None and speeds[0] <= one.speed / float(shaft.ratio) <= speeds[1]
+    return speeds is not None and speeds[0] <= one.speed <= speeds[1]
 
 
 def sense(direction: float) -> str:
@@ -102,18 +102,16 @@ def whirl(found: "tuple[ShaftFound, ...]") -> Table | None:
         over = shaft.whirl
         if over is None:
             continue
-        speed = over.speed / float(shaft.ratio)
         ascending = np.argsort(np.nan_to_num(over.frequency[-1], nan=np.inf), kind="stable")
         for position, k in enumerate(ascending.tolist(), start=1):
             decrement = over.log_decrement[:, k]
             if not np.isfinite(decrement).any():
                 continue
             at = int(np.nanargmin(decrement))
-            verdict = _stability(speed, decrement)
+            verdict, worst = _stability(over.speed, decrement), rpm(float(over.speed[at]))
             rows.append((
                 shaft.name, str(position), number(float(over.frequency[0, k])), number(float(over.frequency[-1, k])),
-                sense(float(over.direction[-1, k])), number(_clean(float(decrement[at])), 3), rpm(float(speed[at])),
-                verdict,
+                sense(float(over.direction[-1, k])), number(_clean(float(decrement[at])), 3), worst, verdict,
             ))  # fmt: skip
             marks.append("fail" if verdict.startswith("UNSTABLE") else "")
     caption = "Whirl over the speed range, by frequency; a negative logarithmic decrement grows"
@@ -177,7 +175,7 @@ def forces(found: "tuple[ShaftFound, ...]") -> Table | None:
             for one in shaft.answers:
                 force = sound(one, extent(one.force))[:, place]
                 k = largest(force)
-                speed = NONE if k is None else rpm(float(one.speed[k]) / float(shaft.ratio))
+                speed = NONE if k is None else rpm(float(one.speed[k]))
                 size = NO_VALUE if k is None else unit.text(float(force[k]))
                 rows.append((shaft.name, held.name, number(held.at, 4), str(one.order), size, speed))
     return Table(columns, tuple(rows), "Forces of the shafts on their joints and supports by the secondary couples")
@@ -199,5 +197,5 @@ def _worst(shaft: "ShaftFound", answer: "Answer", values: FloatArray) -> tuple[s
     if at is None:
         return NO_VALUE, NONE, NONE
     row, place = divmod(at, values.shape[1])
-    speed = rpm(float(answer.speed[row]) / float(shaft.ratio))
+    speed = rpm(float(answer.speed[row]))
     return number(float(values[row, place])), number(float(shaft.position[place]), 4), speed

@@ -69,13 +69,13 @@ def _whirl(findings: Findings, shaft: "ShaftFound", number: int) -> Figure | Non
     if over is None or speeds is None:
         return None
     orders = sorted({1, *(one.order for one in shaft.critical)})
-    last = float(over.speed[-1]) / (2.0 * np.pi)
+    last = float(over.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
     values = {
-        "speed": over.speed * (RPM / float(shaft.ratio)), "frequency": over.frequency, "direction": over.direction,
+        "speed": over.speed * RPM, "frequency": over.frequency, "direction": over.direction,
         "unstable": unstable(over.log_decrement), "rated": rated_rpm(findings),
         "orders": [(order * last, f"order {order}") for order in orders],
         "crossings": [
-            (one.speed * RPM / float(shaft.ratio), one.frequency, inside(shaft, one, speeds))
+            (one.speed * RPM, one.frequency, inside(one, speeds))
             for one in near(shaft, speeds)
         ],
     }  # fmt: skip
@@ -104,7 +104,7 @@ def _bending(findings: Findings, shaft: "ShaftFound", number: int) -> Figure:
         for unit, every in zip(("N m", "N"), curves, strict=True)
     )
     values = {
-        "speed": [one.speed * (RPM / float(shaft.ratio)) for one in shaft.answers],
+        "speed": [one.speed * RPM for one in shaft.answers],
         "orders": [f"order {one.order}" + ("" if one.order else ", at rest") for one in shaft.answers],
         "panels": [
             ("displacement,\nµm", over(lambda one: MICRO * one.orbit)),
@@ -114,9 +114,9 @@ def _bending(findings: Findings, shaft: "ShaftFound", number: int) -> Figure:
         "near": [one.status == Status.NEAR_SINGULAR for one in shaft.answers],
         "singular": [one.status == Status.SINGULAR for one in shaft.answers],
         "crossings": [
-            one.speed * RPM / float(shaft.ratio)
+            one.speed * RPM
             for one in shaft.critical
-            if one.order in {answer.order for answer in shaft.answers} and inside(shaft, one, speed_range(findings))
+            if one.order in {answer.order for answer in shaft.answers} and inside(one, speed_range(findings))
         ],
         "rated": rated_rpm(findings),
     }

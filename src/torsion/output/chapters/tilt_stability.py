@@ -50,7 +50,7 @@ def _bodies(stated: "list[tuple[ShaftFound, Tilting]]") -> Table:
         decay = [number(float(rate) / 2.0) for rate in body.decay[::-1]]
         rows.append((
             shaft.name, tilting.joint, number(body.inertia), number(body.polar * body.inertia),
-            *(number(hertz) for hertz in tilting.frequency), *decay,
+            *(number(hertz) for hertz in tilting.frequency.values()), *decay,
         ))  # fmt: skip
     caption = "Shafts that tilt as rigid bodies about the centre of their joint; at rest, without torque"
     return Table(columns, tuple(rows), caption)
@@ -78,7 +78,7 @@ def _zones(findings: Findings, stated: "list[tuple[ShaftFound, Tilting]]") -> Ta
     rows, marks = [], []
     for shaft, tilting in stated:
         for zone in tilting.zones:
-            low, worst, up = (float(w) / tilting.ratio for w in (zone.lower, zone.worst, zone.upper))
+            low, worst, up = zone.lower, zone.worst, zone.upper
             inside = speeds is None or (low < speeds.last and up > speeds.first)
             ends = [
                 rpm(end, 9) + (" (open)" if open_ else "") for end, open_ in zip((low, up), zone.is_open, strict=True)
@@ -94,10 +94,9 @@ def _zones(findings: Findings, stated: "list[tuple[ShaftFound, Tilting]]") -> Ta
 
 
 def _figure(findings: Findings, shaft: "ShaftFound", tilting: "Tilting", count: int) -> Figure:
-    scale = RPM / tilting.ratio
     values = {
-        "speed": tilting.speed * scale, "growth": np.asarray(tilting.growth), "rated": rated_rpm(findings),
-        "unstable": [(zone.lower * scale, zone.upper * scale, zone.kind) for zone in tilting.zones],
+        "speed": tilting.speed * RPM, "growth": np.asarray(tilting.growth), "rated": rated_rpm(findings),
+        "unstable": [(zone.lower * RPM, zone.upper * RPM, zone.kind) for zone in tilting.zones],
     }  # fmt: skip
     caption = f"{shaft.name}: growth rate of its tilt by the couple of {tilting.joint}"
     return Figure(f"tilting-{count}", caption, "stability", values)
