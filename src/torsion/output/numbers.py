@@ -3,7 +3,11 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
+from typing import Any
+
+import numpy as np
 
 DIGITS = 5  # significant digits of a figure in a table
 MOST_DIGITS = 15  # that distinguish two floating-point numbers
@@ -76,6 +80,20 @@ def given_rpm(speed: float) -> str:
 def degrees(angle: float, digits: int = DIGITS) -> str:
     """An angle in rad as degrees."""
     return given(math.degrees(angle), digits)
+
+
+def cell(value: Any) -> str:
+    """A single value: words as they stand, 2.5, 3 ∠ 40°, 1/2, yes, '–' for none."""
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, complex):
+        return f"{number(abs(value))} ∠ {degrees(float(np.angle(value)), 4)}°"
+    if isinstance(value, float):
+        return number(value)
+    if value is None or isinstance(value, Fraction):
+        return exact(value)
+    return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)
 
 
 def below_right(angle: float, digits: int = DIGITS) -> int:

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is printed as 0
+UNDAMPED = (
+    "the response has no reliable finite value (undamped resonance). No amplitude is stated there, nor a largest one "
+    "of the range; give the damping of the train."
+)
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 

@@ -1,21 +1,27 @@
 """Chapter: the exact periodic response of a train with joints, beside the first-order one."""
 
-from fractions import Fraction
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from torsion.analyses.motion.periodic_orbits import PeriodicResponse
+from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.elastic_elements import Element
+from torsion.output.first_order_and_exact import (
+    WORDS,
+    Compared,
+    compared,
+    exact_amplitude,
+    first_order_judged,
+    flagged,
+    other_motions,
+    signed,
+)
 from torsion.output.numbers import NONE, RPM, Scale, counted, distinct_texts, number, order, rpm, scale
 from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm, worth_a_figure
 from torsion.output.selection import torques
-
-if TYPE_CHECKING:
-    from torsion.output.first_order_and_exact import Compared
 
 MOST_ROWS = 60
 MOST_FIGURES = 6
@@ -27,31 +33,43 @@ MODEL = (
 )
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where no exact response was computed."""
-    if findings.get(PeriodicResponse) is None or findings.get(Response) is None:
-        return []
-    from torsion.output.first_order_and_exact import compared, first_order_judged
-
+    found = findings.get(PeriodicResponse)
+    if found is None or findings.get(Response) is None:
+        return
     rows = compared(findings)
-    blocks: list[Block] = [Heading("Exact periodic response"), _introduction(findings)]
-    judged = first_order_judged(findings)
-    if judged:
-        blocks.append(Paragraph(judged, "note"))
-    blocks += [*_flagged(findings), *_others(findings)]
+    yield Heading("Exact periodic response")
+    yield _introduction(findings, found)
+    if judged := first_order_judged(findings):
+        yield Paragraph(judged, "note")
+    if flagged(findings).any():
+        yield _flagged(found, np.flatnonzero(flagged(findings)).tolist())
+    if found.others is not None:
+        yield Paragraph(
+            "At some peaks the equations have several periodic motions. Which of them the train settles in depends on "
+            "how it comes there; where deviations grow it does not stay. The curves and tables hold the one called "
+            "`reported`.", "note"
+        )  # fmt: skip
+        yield table(
+            "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | Growth of deviations [1/s]",
+            [
+                (rpm(one.speed), one.name, one.torque, order(one.order), one.where, number(one.growth, 3))
+                for one in other_motions(findings)
+            ],
+            "Periodic motions found at the same speed, at the highest peaks",
+        )
     if rows:
         unit = scale("N m", [point[0] for row in rows for point in (row.first, row.exact) if point is not None])
-        blocks.append(_table(findings, rows, unit))
+        yield _table(findings, rows, unit)
         size: dict[Element, float] = {}
         for row in rows:
             if row.exact is not None:
                 size[row.element] = max(size.get(row.element, 0.0), row.exact[0])
-        blocks += [_figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES)]
-    return blocks
+        yield from (_figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES))
 
 
-def _introduction(findings: Findings) -> Paragraph:
-    found = findings.need(PeriodicResponse)
+def _introduction(findings: Findings, found: PeriodicResponse) -> Paragraph:
     known = found.truncation[np.isfinite(found.truncation)]
     harmonics = int(found.harmonics.max(initial=0))
     kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
@@ -59,68 +77,36 @@ def _introduction(findings: Findings) -> Paragraph:
     if known.size:
         text += f"; largest harmonic left out, estimated: {number(float(known.max()), 2)} of the largest kept"
     if np.isfinite(found.drive).any():
-        text += (
-            f"; mean torque of the drive {number(float(np.nanmin(found.drive)))} to "
-            f"{number(float(np.nanmax(found.drive)))} N m"
-        )
+        least, most = number(float(np.nanmin(found.drive))), number(float(np.nanmax(found.drive)))
+        text += f"; mean torque of the drive {least} to {most} N m"
     left_out = any(line.order is None for line in findings.need(Response).lines)
     return Paragraph(text + "." + (" Torques of fixed frequency are left out of it." if left_out else ""))
 
 
-def _flagged(findings: Findings) -> list[Block]:
+def _flagged(found: PeriodicResponse, bad: Sequence[int]) -> Table:
     """The speeds without a periodic motion, with a coarse or an unstable one."""
-    from torsion.output.first_order_and_exact import WORDS, flagged
-
-    found, bad = findings.need(PeriodicResponse), np.flatnonzero(flagged(findings))
-    if not bad.size:
-        return []
-    columns = head("Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why")
-    rows, marks = [], []
-    stated = distinct_texts([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
-    for k, speed in zip(bad[:MOST_FLAGGED].tolist(), stated, strict=True):
+    rows, marks, shown = [], [], bad[:MOST_FLAGGED]
+    for k, speed in zip(shown, distinct_texts((found.speed[shown] * RPM).tolist()), strict=True):
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
-        word = WORDS[found.status[k]] + (", unstable" if unstable else "")
         why = found.why[k] or ("small deviations grow: the train does not settle in this motion" if unstable else
                                "more harmonics would be needed")  # fmt: skip
-        rows.append((speed, word, growth, number(float(found.truncation[k]), 2), why))
+        state = WORDS[found.status[k]] + (", unstable" if unstable else "")
+        rows.append((speed, state, growth, number(float(found.truncation[k]), 2), why))
         marks.append("fail" if unstable or found.why[k] else "note")
-    rest = f"; the first {MOST_FLAGGED} of {bad.size}" if bad.size > MOST_FLAGGED else ""
-    caption = f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}"
-    return [Table(columns, tuple(rows), caption, tuple(marks))]
-
-
-def _others(findings: Findings) -> list[Block]:
-    """Further motions at the same speed; nothing where none was found."""
-    from torsion.output.first_order_and_exact import other_motions
-
-    if findings.need(PeriodicResponse).others is None:
-        return []
-    columns = head(
-        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | Growth of deviations [1/s]"
+    rest = f"; the first {MOST_FLAGGED} of {len(bad)}" if len(bad) > MOST_FLAGGED else ""
+    return table(
+        "Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why",
+        rows,
+        f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}",
+        marks=marks,
     )
-    rows = [
-        (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
-        for one in other_motions(findings)
-    ]
-    text = (
-        "At some peaks the equations have several periodic motions. Which of them the train settles in depends on how "
-        "it comes there; where deviations grow it does not stay. The curves and tables hold the one called `reported`."
-    )
-    caption = "Periodic motions found at the same speed, at the highest peaks"
-    return [Paragraph(text, "note"), Table(columns, tuple(rows), caption)]
 
 
-def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Table:
-    from torsion.output.first_order_and_exact import flagged, signed
-
+def _table(findings: Findings, compared: tuple[Compared, ...], unit: Scale) -> Table:
     response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
-    columns = head(
-        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | At speed [rpm] | "
-        f"Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->"
-    )
-    cells, marks = [], []
-    for row in sorted(rows, key=lambda row: row.order is not None)[:MOST_ROWS]:
+    rows = []
+    for row in sorted(compared, key=lambda row: row.order is not None)[:MOST_ROWS]:
         both = [
             (NONE, NONE) if point is None else (unit.text(point[0]), rpm(float(speed[point[1]])))
             for point, speed in ((row.first, response.speed), (row.exact, exact.speed))
@@ -130,38 +116,32 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
             remark = "unstable there" if exact.is_unstable[row.exact[1]] else "coarse there"
         change = signed(row.excess) if np.isfinite(row.excess) else NONE
         line = "all" if row.order is None else order(row.order)
-        cells.append((row.element.name, line, *both[0], *both[1], change, remark))
-        marks.append("fail" if remark else "")
-    rest = f"; {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else ""
-    caption = (
-        f"First order against exact: largest torque over the speed range, of every order above 1 % and (all) of the "
-        f"sum true to phase{rest}"
+        rows.append((row.element.name, line, *both[0], *both[1], change, remark))
+    rest = f"; {MOST_ROWS} of {len(compared)} rows" if len(compared) > MOST_ROWS else ""
+    return table(
+        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | At speed [rpm] | "
+        f"Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->",
+        rows,
+        "First order against exact: largest torque over the speed range, of every order above 1 % and (all) of the "
+        f"sum true to phase{rest}",
+        marks=["fail" if row[-1] else "" for row in rows],
+        short="Exact periodic response, largest torque",
     )
-    return Table(columns, tuple(cells), caption, tuple(marks), "Exact periodic response, largest torque")
-
-
-def joint_orders(findings: Findings) -> list[Fraction]:
-    """The orders of the joints and twice them: of two cross joints 2 and 4."""
-    system = findings.system
-    own = {n * system.stations[s.driving].ratio for s in system.spans for n, _ in s.error}
-    return sorted({n * order for order in own for n in (1, 2)})[:MOST_ORDERS]
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
-    from torsion.analyses.motion.periodic_orbits import Found
-    from torsion.output.first_order_and_exact import exact_amplitude
-
-    response, found = findings.need(Response), findings.need(PeriodicResponse)
+    """At the orders of the joints and twice them: of two cross joints 2 and 4."""
+    response, found, system = findings.need(Response), findings.need(PeriodicResponse), findings.system
     first, exact = amplitude(findings, element.spans), exact_amplitude(findings, element.spans)
-    unit = torques([exact])
-    lines = [line.order for line in response.lines]
+    unit, lines = torques([exact]), [line.order for line in response.lines]
+    joints = {n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error}
     pairs = [
         (
             f"order {order(n)}",
             first[:, lines.index(n)] * unit.factor if n in lines else None,
             exact[:, found.orders.index(n)] * unit.factor,
         )
-        for n in joint_orders(findings)
+        for n in sorted({n * order for order in joints for n in (1, 2)})[:MOST_ORDERS]
         if n in found.orders
     ]
     values = {
