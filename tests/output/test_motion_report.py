@@ -21,10 +21,10 @@ from torsion.output.chapters import exact_response as periodic
 from torsion.output.chapters import forced_response as response
 from torsion.output.chapters import stability_ranges as stability
 from torsion.output.chapters import verdict
+from torsion.output.chapters.exact_response import compared, exact_half_range, first_order_judged
 from torsion.output.chapters.stability_ranges import words
 from torsion.output.document import document
 from torsion.output.figures.drawing import svg
-from torsion.output.first_order_and_exact import compared, exact_half_range, first_order_judged
 from torsion.output.numbers import RPM
 from torsion.output.results_json import documented, results
 from torsion.output.terminal.screen import show

@@ -129,7 +129,7 @@ def conclusion(findings: Findings) -> Iterator[Block]:
     if compared is not None:
         yield compared_models(compared)
     if findings.results.get("periodic") is not None:
-        from torsion.output.first_order_and_exact import first_order_judged
+        from torsion.output.chapters.exact_response import first_order_judged
 
         if text := first_order_judged(findings):
             yield Paragraph(text, "note")
