@@ -116,6 +116,9 @@ class Scale:
         return number(None if value is None else value * self.factor, digits)
 
 
+SI = Scale("", 1.0)  # of values that stand as they are
+
+
 def scale(unit: str, values: Iterable[float]) -> Scale:
     """The prefix that suits the largest finite value of a column or a figure: 'N m', 'kN m', 'MN m'."""
     largest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)

@@ -12,7 +12,6 @@ from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.elastic_elements import Element
 from torsion.output.numbers import RPM, given, number
-from torsion.rules import needed
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 if TYPE_CHECKING:
@@ -115,11 +114,6 @@ def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
 def responds(findings: Findings) -> bool:
     """There is a response over speed, and something excites it."""
     return findings.get(Synthesis) is not None and bool(findings.need(Response).lines)
-
-
-def judged(findings: Findings) -> bool:
-    """A rule read the response over speed."""
-    return "response" in needed(findings.study)
 
 
 def orders_together(findings: Findings) -> str:

@@ -12,7 +12,7 @@ from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.elastic_elements import Element, damps, elements
-from torsion.output.numbers import NONE, RPM, Scale, number, rpm
+from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
     barred_rpm,
@@ -27,7 +27,6 @@ from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm2 of 1 Pa
-STRESS, WATT = Scale("N/mm²", 1.0), Scale("W", 1.0)
 MOST_FIGURES = 12  # of shafts
 LIMITS = "| τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]"
 
@@ -96,7 +95,7 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
             share = np.where(np.isnan(curve.continuous), -np.inf, curve.stress / curve.continuous)
             if (most := largest(share)) is not None:
                 limits[2:] = number(float(share[most]), 4), rpm(float(curve.speed[most]))
-        own = worst(curve.stress, curve.speed, STRESS)
+        own = worst(curve.stress, curve.speed)
         rows.append((name, None if shaft is None else shaft.role, *own, *(limits if limited else ())))
     columns = "< Shaft | < Role | Largest stress [N/mm²] | At speed [rpm] " + (LIMITS if limited else "")
     return table(columns, rows, "Largest stress amplitude of every shaft over the speed range")
@@ -183,7 +182,7 @@ def couplings(findings: Findings) -> Iterator[Block]:
         rows.append((
             element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,
             unit.text(limits.rated_torque), worst(peak, speed, unit)[0], unit.text(limits.max_torque),
-            *worst(_heat(findings, spans), speed, WATT), WATT.text(limits.heat_limit),
+            *worst(_heat(findings, spans), speed), limits.heat_limit,
         ))  # fmt: skip
     yield Heading("Couplings")
     yield Paragraph(

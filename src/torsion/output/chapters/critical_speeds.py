@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
 
@@ -51,9 +51,9 @@ def _matrix(found: Crossings) -> Table:
     """Order by mode."""
     modes = sorted({c.mode for c in found})
     at = {(c.order, c.mode): rpm(c.speed) + (" *" if c.is_inside else "") for c in found}
-    columns = (Column("Order"), *(Column(f"Mode {mode}", "rpm") for mode in modes))
+    titles = "Order" + "".join(f" | Mode {mode} [rpm]" for mode in modes)
     rows = [(order(one), *(at.get((one, mode), NONE) for mode in modes)) for one in sorted({c.order for c in found})]
-    return table(columns, rows, "Critical speeds, order by mode (* in the speed range)")
+    return table(titles, rows, "Critical speeds, order by mode (* in the speed range)")
 
 
 def _list(found: Crossings, speed: float | None) -> Table:

@@ -20,7 +20,6 @@ from torsion.output.reported_values import (
     amplitude,
     barred_rpm,
     joint_model,
-    judged,
     orders_together,
     rated_rpm,
     reference,
@@ -32,6 +31,7 @@ from torsion.output.reported_values import (
     worth_a_figure,
 )
 from torsion.output.selection import NO_VALUE, highest, largest, strongest, torques
+from torsion.rules import needed
 
 MOST_LINES = 8  # orders in one figure
 MOST_CURVES = 10  # in a figure over frequency
@@ -84,9 +84,10 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
             if made.turns
             else " The components have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
+    judged = " and where the rules judge" if "response" in needed(findings.study) else ""
     text = (
         f"{counted(len(response.lines), 'harmonic component')} at {counted(requested, 'speed')} as requested and "
-        f"{extra} more placed around the resonances{' and where the rules judge' if judged(findings) else ''}, so "
+        f"{extra} more placed around the resonances{judged}, so "
         "that no peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic "
         f"and damping part together, at the element's own speed.{cycle}"
     )

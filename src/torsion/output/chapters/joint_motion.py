@@ -13,7 +13,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import joint_tables, verdict
 from torsion.output.chapters.joint_tables import STILL, names
-from torsion.output.numbers import NONE, RPM, Scale, number, order, scale
+from torsion.output.numbers import NONE, RPM, number, order, scale
 from torsion.output.reported_values import amplitude, joint_model
 from torsion.output.selection import largest, worst
 from torsion.rules.verdict_line import Checks
@@ -21,7 +21,6 @@ from torsion.rules.verdict_line import Checks
 MOST_POINTS = 3000  # of a curve that is drawn
 RAD = 180.0 / np.pi
 Curves = list[tuple[str, FloatArray]]  # label; (angles drawn,)
-NEWTON_METRE = Scale("N m", 1.0)
 AXES = (
     "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "
     "normal n of the joint's plane, and about the axis in that plane that is square to the shaft."
@@ -94,7 +93,7 @@ def _response(findings: Findings, found: Joints) -> Iterator[Block]:
         for place in (k for k, line in enumerate(response.lines) if line.order == wanted):
             at = largest(size[:, place])
             error = NONE if at is None else number(100 * float(response.joint_error[at, place]), 2)
-            torque = worst(size[:, place], response.speed, NEWTON_METRE)
+            torque = worst(size[:, place], response.speed)
             rows.append((joint.name, f"order {order(wanted)}", *torque, error))
     yield Heading("Excitation of the train", 2)
     yield table(

@@ -10,7 +10,7 @@ from torsion.analyses.holzer import holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.segment_groups import segment_groups
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, counted, number, rpm
 from torsion.output.station_layout import MOST_NAMES, layout
@@ -108,9 +108,9 @@ def _shares(findings: Findings, modes: Modes) -> Table:
         for name, share in shares
         if (share[:shown] >= SMALLEST_SHARE).any()
     ]
-    columns = (texts("Part"), *(Column(f"Mode {m + 1}", "%") for m in range(shown)))
+    titles = "< Part" + "".join(f" | Mode {mode + 1} [%]" for mode in range(shown))
     caption = f"Shares of the kinetic and the elastic energy; below {100 * SMALLEST_SHARE:g} % left blank"
-    return table(columns, rows, caption)
+    return table(titles, rows, caption)
 
 
 def holzer_table(findings: Findings, modes: Modes, mode: int) -> Table:
@@ -134,9 +134,9 @@ def holzer_table(findings: Findings, modes: Modes, mode: int) -> Table:
             system.stations[int(found.station[row])].name, "held" if math.isinf(inertia) else inertia,
             number(float(found.angle[row]) / scale, 6), torque / scale, *through,
         ))  # fmt: skip
-    pieces = "segments" if system.bars is None else (
-        "pieces, each the spring between two inertias that it is at this frequency,"
-    )  # fmt: skip
+    pieces = "segments"
+    if system.bars is not None:
+        pieces = "pieces, each the spring between two inertias that it is at this frequency,"
     also = f" A shaft's {pieces} are summed up in the row of its end." if own < len(system.stations) else ""
     return table(
         "< Station | J referred [kg m²] | Angle [rad] | ω² J × angle [N m] | < Through | Torque [N m] | "

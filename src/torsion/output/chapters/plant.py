@@ -39,7 +39,8 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
     system, place = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
     extent = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
-    rings = _rings(findings)
+    carried = (s for s in reversed(system.own_spans) if not system.stations[s.driven].is_ground)
+    rings = {(s.part, s.driving): s.driven for s in carried}  # by the damper and the station of its housing
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
     found = []
     for position, part in enumerate(system.train.parts):
@@ -64,15 +65,6 @@ def _size(inertia: float, extent: tuple[float, float]) -> float:
     top = math.log10(extent[1])
     low = max(math.log10(extent[0]), top - 3.0)
     return 0.5 if top == low else min(max((math.log10(inertia) - low) / (top - low), 0.0), 1.0)
-
-
-def _rings(findings: Findings) -> dict[tuple[int, int], int]:
-    """The station of the ring that a damper's housing carries, by the damper and the station of its housing."""
-    found: dict[tuple[int, int], int] = {}
-    for span in findings.system.own_spans:
-        if not findings.system.stations[span.driven].is_ground:
-            found.setdefault((span.part, span.driving), span.driven)
-    return found
 
 
 def _links(findings: Findings) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head, table, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, counted, distinct_texts, given_rpm, number, rpm
 from torsion.output.reported_values import rated_rpm, reference, widened
 from torsion.rules.verdict_line import Checks
@@ -56,9 +56,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
             yield _ranges(findings, found)
         if found.unsolved.size:
             yield _unsolved(found)
-        bands = [(one.first * RPM, one.last * RPM, one.zone.name) for one in found.ranges]
-        caption = "Growth rate of small deviations over the speed"
-        yield _growth(findings, ("stability-growth", caption), found.speed * RPM, found.growth, bands)
+        values = {
+            "speed": found.speed * RPM, "growth": found.growth, "rated": rated_rpm(findings),
+            "unstable": [(one.first * RPM, one.last * RPM, one.zone.name) for one in found.ranges],
+        }  # fmt: skip
+        yield Figure("stability-growth", "Growth rate of small deviations over the speed", "stability", values)
     if mapped is not None:
         yield from _map(findings, mapped)
 
@@ -100,7 +102,7 @@ def _verdict(findings: Findings) -> Paragraph:
 
 def _ranges(findings: Findings, found: Stability) -> Table:
     speeds, shown = findings.study.operation.speeds, found.ranges[:MOST_ROWS]
-    columns = head(
+    titles = (
         "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | Largest growth [1/s] -> growth, 1/s | "
         "At speed [rpm] -> at rpm | Factor per revolution | < Within the operation -> operation"
     )
@@ -119,10 +121,9 @@ def _ranges(findings: Findings, found: Stability) -> Table:
     legend = "; ".join(f"{sign} {text}" for sign, text in LEGEND.items() if sign in present)
     title = f"Unstable ranges of speed{f' ({legend})' if legend else ''}"
     rest = f"; {MOST_ROWS} of {len(found.ranges)}" if len(found.ranges) > MOST_ROWS else ""
-    columns += (texts("Beyond its ends"),) if further else ()
-    return table(
-        columns, rows, title + rest, marks=["fail" if "UNSTABLE" in row else "note" for row in rows], short=title
-    )
+    titles += " | < Beyond its ends" if further else ""
+    verdicts = ["fail" if "UNSTABLE" in row else "note" for row in rows]
+    return table(titles, rows, title + rest, marks=verdicts, short=title)
 
 
 def _mark(one: UnstableRange, side: int) -> str:
@@ -181,18 +182,6 @@ def _unsolved(found: Stability) -> Table:
     rows = [(speed, "no periodic motion was found: nothing can be said of its stability") for speed in stated]
     caption = f"Speeds without an answer{rest}"
     return table("Speed [rpm] | < Remark", rows, caption, marks=["fail"] * len(rows))
-
-
-def _growth(
-    findings: Findings,
-    name: tuple[str, str],
-    speed: FloatArray,
-    growth: FloatArray,
-    unstable: list[tuple[float, float, str]],
-) -> Figure:
-    """Name and caption; speeds in rpm, growth in 1/s, unstable ranges in rpm with their type."""
-    values = {"speed": speed, "growth": growth, "rated": rated_rpm(findings), "unstable": unstable}
-    return Figure(*name, "stability", values)
 
 
 def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
@@ -284,9 +273,11 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
         yield _tilt_zones(findings, stated)
     for count, (name, tilting) in enumerate(stated, start=1):
         scale, caption = RPM / tilting.ratio, f"{name}: growth rate of its tilt by the couple of {tilting.joint}"
-        bands = [(zone.lower * scale, zone.upper * scale, zone.kind) for zone in tilting.zones]
-        growth = np.asarray(tilting.growth)
-        yield _growth(findings, (f"tilting-{count}", caption), tilting.speed * scale, growth, bands)
+        values = {
+            "speed": tilting.speed * scale, "growth": np.asarray(tilting.growth), "rated": rated_rpm(findings),
+            "unstable": [(zone.lower * scale, zone.upper * scale, zone.kind) for zone in tilting.zones],
+        }  # fmt: skip
+        yield Figure(f"tilting-{count}", caption, "stability", values)
 
 
 def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Table:

@@ -66,10 +66,9 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
     yield Heading("Barred speed ranges")
     yield Paragraph(
         f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. The range is to be "
-        "passed rapidly, to be marked on the "
-        "tachometer and to be shown on a notice at every control station. Lower limit 16 n_{c}/(18 − λ_{c}), upper "
-        "limit (18 − λ_{c}) n_{c}/16, extended to every speed at which the stress exceeds τ_{C} (IACS UR M68); n_{c} "
-        "is the critical speed."
+        "passed rapidly, to be marked on the tachometer and to be shown on a notice at every control station. Lower "
+        "limit 16 n_{c}/(18 − λ_{c}), upper limit (18 − λ_{c}) n_{c}/16, extended to every speed at which the stress "
+        "exceeds τ_{C} (IACS UR M68); n_{c} is the critical speed."
     )
     yield table(
         "< Shaft | Critical speed [rpm] | λ = n/n_{rated} | From [rpm] | To [rpm]",
