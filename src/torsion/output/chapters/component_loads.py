@@ -182,7 +182,7 @@ def couplings(findings: Findings) -> Iterator[Block]:
         rows.append((
             element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,
             unit.text(limits.rated_torque), worst(peak, speed, unit)[0], unit.text(limits.max_torque),
-            *worst(_heat(findings, spans), speed), limits.heat_limit,
+            *worst(_heat(findings, spans), speed), number(limits.heat_limit),
         ))  # fmt: skip
     yield Heading("Couplings")
     yield Paragraph(

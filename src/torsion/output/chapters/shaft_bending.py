@@ -99,13 +99,8 @@ def _near(shaft: ShaftFound, speeds: Range) -> list[Critical]:
     if speeds is None:
         return list(shaft.critical)
     highest = FARTHEST * speeds[1] * float(shaft.ratio)
-    seen: dict[int, int] = {}
-    kept = []
-    for one in shaft.critical:
-        seen[one.order] = seen.get(one.order, 0) + 1
-        if one.speed <= highest or seen[one.order] <= 2:
-            kept.append(one)
-    return kept
+    lower = [[other.order for other in shaft.critical[:k]].count(one.order) for k, one in enumerate(shaft.critical)]
+    return [one for one, count in zip(shaft.critical, lower, strict=True) if one.speed <= highest or count < 2]
 
 
 def _inside(shaft: ShaftFound, one: Critical, speeds: Range) -> bool:

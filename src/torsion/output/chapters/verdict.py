@@ -211,12 +211,7 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
 
 def _listed(speeds: np.ndarray) -> str:
     """Speeds in rpm as ranges of neighbours, the first of them."""
-    groups: list[list[float]] = []
-    for speed in speeds.tolist():
-        if groups and speed - groups[-1][-1] <= 0.01 * speed:
-            groups[-1].append(speed)
-        else:
-            groups.append([speed])
-    words = ["–".join(dict.fromkeys((number(group[0], 5), number(group[-1], 5)))) for group in groups]
+    groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
+    words = ["–".join(dict.fromkeys((number(float(one[0])), number(float(one[-1]))))) for one in groups]
     more = f" and {len(words) - MOST_LISTED} further ranges" if len(words) > MOST_LISTED else ""
     return f"{', '.join(words[:MOST_LISTED])} rpm{more}"
