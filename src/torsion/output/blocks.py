@@ -5,6 +5,7 @@ Texts may hold `_{x}` for a subscript; names and values of the scene stand in ce
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any, Literal
 
 from torsion.output.numbers import cell
@@ -88,6 +89,7 @@ class Verbatim:
 Block = Heading | Paragraph | Points | Table | KeyValues | Figure | Verbatim
 
 
+@lru_cache
 def head(titles: str) -> tuple[Column, ...]:
     """Columns of a table: '< Shaft -> | Critical speed [rpm] -> rpm'; '<' marks words, which stand to the left.
 

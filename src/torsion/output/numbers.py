@@ -84,6 +84,8 @@ def degrees(angle: float, digits: int = DIGITS) -> str:
 
 def cell(value: Any) -> str:
     """A single value: words as they stand, 2.5, 3 ∠ 40°, 1/2, yes, '–' for none."""
+    if isinstance(value, str):
+        return value
     value = value.item() if isinstance(value, np.generic) else value
     if isinstance(value, bool):
         return "yes" if value else "no"

@@ -39,5 +39,5 @@ REPORTS = {
         "Models of a shaft train compared", ("model_comparison", "provenance:steps", "provenance:input_file"), "check",
         keys=("check",),
     ),
-    "study": Report("Error against run time", ("provenance:input_file",), "study"),  # behind those of the run times
+    "study": Report("Error against run time", ("provenance:input_file",), "study"),  # behind the run times
 }  # fmt: skip
