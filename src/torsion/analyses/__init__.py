@@ -88,7 +88,7 @@ ANALYSES: dict[str, Analysis] = {
     "response": Analysis(
         "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
-        chapters=("forced_response", "shaft_stress", "gear_meshes", "coupling_loads"),
+        chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
     ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
@@ -111,7 +111,7 @@ ANALYSES: dict[str, Analysis] = {
         "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
         results={"frequency_response": "FrequencyResponse"},
         wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
-        chapters=("frequency_response",), place=("analyses", "response", "frequencies"),
+        chapters=("forced_response:over_frequency",), place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(
         "critical speeds", "torsion.analyses.critical", needs=("modes",),

@@ -43,6 +43,12 @@ def elements(system: System) -> tuple[Element, ...]:
     return tuple(sorted(made, key=lambda element: (element.part, element.spans[0])))
 
 
+def damps(system: System, element: Element) -> bool:
+    """Its internal damping takes energy out of a vibration."""
+    first = element.spans[0]
+    return bool(system.loss_factor[first] > 0 or system.viscous[first] > 0)
+
+
 def _joins_points_rigidly(system: System, index: int) -> bool:
     span = system.spans[index]
     return system.train.parts[span.part].is_point and bool(system.flexibility[index] == 0)

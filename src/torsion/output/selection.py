@@ -10,7 +10,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.segment_groups import MOST_GROUPS, SegmentGroups, segment_groups
 from torsion.assembly.system import System
 from torsion.output.elastic_elements import Element, elements
-from torsion.output.numbers import NONE, Scale, rpm, scale
+from torsion.output.numbers import NONE, SI, Scale, rpm, scale
 from torsion.results import Quantity
 
 NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
@@ -95,7 +95,7 @@ def highest(values: FloatArray) -> float:
     return float(np.nanmax(np.append(values, 0.0)))
 
 
-def worst(values: FloatArray, speed: FloatArray, unit: Scale) -> tuple[str, str]:
+def worst(values: FloatArray, speed: FloatArray, unit: Scale = SI) -> tuple[str, str]:
     """The largest of values (speeds,) over speeds in rad/s, and its speed in rpm, as cells of a table."""
     at = largest(values)
     return (NO_VALUE, NONE) if at is None else (unit.text(float(values[at])), rpm(float(speed[at])))

@@ -1,16 +1,19 @@
 """Where every station of the train stands in the sketch and in the plots over the train."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
+from torsion.components.lowering import Part
 from torsion.errors import Path
 
 WIDTH = {"shaft": 1.6, "coupling": 1.0, "gear": 0.45, "joint": 0.8}  # of a link in the sketch
 RIGID = 0.5  # between two points that are rigidly joined
+MOST_NAMES = 14  # components up to which a picture bears their names, not their numbers alone
 
 
 @dataclass(frozen=True)
@@ -19,6 +22,11 @@ class Layout:
 
     x: FloatArray  # (stations,)
     row: FloatArray  # (stations,)
+
+
+def label(parts: Sequence[Part], position: int) -> str:
+    """What a picture calls a component: its number in the table of components, and its name where there is room."""
+    return f"{position + 1} {parts[position].name}" if len(parts) <= MOST_NAMES else str(position + 1)
 
 
 def layout(system: System) -> Layout:

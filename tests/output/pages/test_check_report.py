@@ -88,7 +88,7 @@ def test_numbers_come_back_to_the_last_digit(good: Findings) -> None:
 
 
 def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None:
-    blocks = chapter(good)
+    blocks = list(chapter(good))
     assert next(block.text for block in blocks if isinstance(block, Heading)) == "Comparison of the models"
     tables_found = [block for block in blocks if isinstance(block, Table)]
     assert tables_found[0].marks == ("", "pass", "pass")
@@ -102,7 +102,7 @@ def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None
 
 
 def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings) -> None:
-    blocks = chapter(coarse)
+    blocks = list(chapter(coarse))
     summary, by_mode = (block for block in blocks if isinstance(block, Table))
     assert summary.marks == ("", "fail", "pass")
     assert summary.rows[1][1] == "∞"
@@ -143,7 +143,7 @@ def test_a_train_without_shafts_has_one_sentence() -> None:
 
 def test_a_study_that_does_not_ask_has_no_chapter() -> None:
     found = torsion.run(torsion.parse("name: x\ntrain: [disc: {inertia: 2}, shaft: {length: 1, diameter: 9 mm}]"))
-    assert chapter(found) == []
+    assert list(chapter(found)) == []
     assert results(found)["check"] is None
     assert "MAC" not in printed(screen(document(found, report=REPORTS["check"])))
 

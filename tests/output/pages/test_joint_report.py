@@ -239,4 +239,4 @@ def test_the_terminal_keeps_to_80_columns_and_reads_no_markup(scene: str, solve:
 
 def test_a_train_without_joints_has_no_chapter(bare: Findings) -> None:
     assert bare.get(Joints) is None
-    assert chapter(bare) == []
+    assert list(chapter(bare)) == []
