@@ -2,8 +2,7 @@
 
 import io
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
 from itertools import cycle
 from typing import Any, TypeVar
 
@@ -54,28 +53,25 @@ SETTINGS: dict[Any, Any] = {
 }
 
 
-@contextmanager
-def page(name: str, height: float, rows: int = 1, **grid: Any) -> Iterator["Page"]:
-    """A figure of the page's width with `rows` plots above each other; its SVG is in `page.svg` afterwards."""
+def page(name: str, draw: Callable[..., None], **values: Any) -> str:
+    """What `draw(sheet, **values)` puts on a sheet of the page's width, with its legend, as an SVG element."""
     with mpl.rc_context({**SETTINGS, "svg.hashsalt": name}), warnings.catch_warnings():
         # text stays text, and who shows it has fonts of his own for what these have no sign for
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        canvas: Any = FigureCanvasSVG(figure)
-        axes = figure.subplots(rows, 1, squeeze=False, **grid)[:, 0]
-        sheet = Page(figure, list(axes))
-        yield sheet
+        sheet = Figure(layout="constrained")
+        canvas: Any = FigureCanvasSVG(sheet)
+        draw(sheet, **values)
+        _legend_below(sheet)
         buffer = io.StringIO()
         canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
     text = buffer.getvalue()
-    sheet.svg = text[text.index("<svg") :]
+    return text[text.index("<svg") :]
 
 
-class Page:
-    """The sheet that a plot is drawn on."""
-
-    def __init__(self, figure: Figure, axes: list[Axes]) -> None:
-        self.figure, self.axes, self.svg = figure, axes, ""
+def plots(sheet: Figure, height: float, rows: int = 1, **grid: Any) -> list[Axes]:
+    """`rows` plots above each other, which fill a sheet of that height in inches."""
+    sheet.set_size_inches(WIDTH, height)
+    return list(sheet.subplots(rows, 1, squeeze=False, **grid)[:, 0])
 
 
 def pens(count: int) -> Iterator[dict[str, Any]]:
@@ -90,7 +86,7 @@ def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
     return items[:: max(1, -(-len(items) // most))] if most else items
 
 
-def legend_below(sheet: Page) -> None:
+def _legend_below(sheet: Figure) -> None:
     """One legend under the figure, where it covers no data, in as many columns as its words leave room for."""
     handles, labels = [], []
     for axes in sheet.axes:
@@ -100,7 +96,7 @@ def legend_below(sheet: Page) -> None:
                 labels.append(label)
     if handles:
         columns = max(1, min(len(labels), LEGEND_LETTERS // (max(len(label) for label in labels) + 7)))
-        sheet.figure.legend(handles, labels, loc="outside lower center", ncols=columns)
+        sheet.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
 def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable answer here") -> np.ndarray:

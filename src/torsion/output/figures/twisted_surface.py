@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
-from numpy.typing import NDArray
+from matplotlib.figure import Figure
 
-from torsion.output.figures.style import COLOURS, INK, WIDTH, page
+from torsion.arrays import FloatArray, IntArray
+from torsion.output.figures.style import COLOURS, INK, WIDTH, plots
 
-Array = NDArray[np.float64]
 Label = tuple[Sequence[float], float, str]
 ASIDE, ABOVE = np.radians(30.0), np.radians(14.0)  # from where the train is looked at
 LIGHT = np.array([0.45, -0.5, 0.74])
@@ -24,10 +24,10 @@ SCALE = LinearSegmentedColormap.from_list("angle", [COLOURS[0], "#9fc6de", "#f2f
 
 
 def twisted_shaft(
-    name: str, *, x: Array, radius: Array, place: Array, turn: Array, angle: Array, strip: NDArray[np.int64],
-    body: NDArray[np.int64], labels: Sequence[Label],
+    sheet: Figure, *, x: FloatArray, radius: FloatArray, place: FloatArray, turn: FloatArray, angle: FloatArray,
+    strip: IntArray, body: IntArray, labels: Sequence[Label],
     ties: Sequence[tuple[Sequence[float], Sequence[float]]] = (),
-) -> str:  # fmt: skip
+) -> None:  # fmt: skip
     """x, radius, place (y, z), turn (rad about x), angle (-1..1): of every ring; first ring and body of every strip.
 
     labels: point on the axis, how far above it (or below) there is free room, text; ties: from point to point.
@@ -39,50 +39,48 @@ def twisted_shaft(
     words = _lines(labels, metre)
     bottom = min([float(low[1]), *(word.tip - LINE / metre for word in words)])
     top = max([float(high[1]), *(word.tip + LINE / metre for word in words)])
-    with page(name, (top - bottom) * metre + BAR) as sheet:
-        sheet.figure.set_dpi(DOTS)
-        axes = sheet.axes[0]
-        axes.axis("off")
-        axes.set_aspect("equal")
-        middle = float(low[0] + high[0]) / 2
-        axes.set_xlim(middle - WIDTH / metre / 2, middle + WIDTH / metre / 2)
-        axes.set_ylim(bottom, top)
-        for first, last in ties:
-            axes.plot(*(np.array([first, last]) @ _screen().T).T, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=0)
-        _draw(axes, corners, flat, _order(x, place, strip, body), strip, angle)
-        for word in words:
-            axes.plot([word.x, word.x], [word.foot, word.tip], color="#999999", lw=0.4, zorder=0)
-            up = "bottom" if word.tip > word.foot else "top"
-            axes.text(word.x, word.tip, word.text, ha="center", va=up, fontsize=7.5, color=INK)
-        bar = sheet.figure.colorbar(
-            ScalarMappable(Normalize(-1.0, 1.0), SCALE), ax=axes, orientation="horizontal", shrink=0.35, aspect=32,
-            pad=0.02, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0],
-        )  # fmt: skip
-        bar.set_label("angle / largest, each at its own speed", fontsize=7.5)
-        bar.ax.tick_params(labelsize=7.5, length=2)
-        bar.outline.set_linewidth(0.4)
-    return sheet.svg
+    sheet.set_dpi(DOTS)
+    (axes,) = plots(sheet, (top - bottom) * metre + BAR)
+    axes.axis("off")
+    axes.set_aspect("equal")
+    middle = float(low[0] + high[0]) / 2
+    axes.set_xlim(middle - WIDTH / metre / 2, middle + WIDTH / metre / 2)
+    axes.set_ylim(bottom, top)
+    for first, last in ties:
+        axes.plot(*(np.array([first, last]) @ _screen().T).T, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=0)
+    _draw(axes, corners, flat, _order(x, place, strip, body), strip, angle)
+    for word in words:
+        axes.plot([word.x, word.x], [word.foot, word.tip], color="#999999", lw=0.4, zorder=0)
+        up = "bottom" if word.tip > word.foot else "top"
+        axes.text(word.x, word.tip, word.text, ha="center", va=up, fontsize=7.5, color=INK)
+    bar = sheet.colorbar(
+        ScalarMappable(Normalize(-1.0, 1.0), SCALE), ax=axes, orientation="horizontal", shrink=0.35, aspect=32,
+        pad=0.02, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0],
+    )  # fmt: skip
+    bar.set_label("angle / largest, each at its own speed", fontsize=7.5)
+    bar.ax.tick_params(labelsize=7.5, length=2)
+    bar.outline.set_linewidth(0.4)
 
 
-def _screen() -> Array:
+def _screen() -> FloatArray:
     """(2, 3) what goes to the right and what goes up."""
     (s, c), (t, d) = ((np.sin(a), np.cos(a)) for a in (ASIDE, ABOVE))
     return np.array([[c, s, 0.0], [-s * t, c * t, d]])
 
 
-def _eye() -> Array:
+def _eye() -> FloatArray:
     """(3,) the direction to who looks."""
     return np.cross(*_screen())
 
 
-def _corners(x: Array, radius: Array, place: Array, turn: Array) -> Array:
+def _corners(x: FloatArray, radius: FloatArray, place: FloatArray, turn: FloatArray) -> FloatArray:
     """(rings, AROUND, 3) points of the twisted surface."""
     at = turn[:, None] + 2.0 * np.pi / AROUND * np.arange(AROUND)
     y, z = (place[:, k, None] + radius[:, None] * f(at) for k, f in enumerate((np.cos, np.sin)))
     return np.stack([np.broadcast_to(x[:, None], y.shape), y, z], axis=2)
 
 
-def _order(x: Array, place: Array, strip: NDArray[np.int64], body: NDArray[np.int64]) -> NDArray[np.int64]:
+def _order(x: FloatArray, place: FloatArray, strip: IntArray, body: IntArray) -> IntArray:
     """The strips from the farthest to the nearest: of two bodies side by side the one whose axis is farther, of two
     one after another that towards the driving end; inside a body from its driving end."""
     count = int(body[-1]) + 1
@@ -107,13 +105,13 @@ def _order(x: Array, place: Array, strip: NDArray[np.int64], body: NDArray[np.in
 
 
 def _draw(
-    axes: Axes, corners: Array, flat: Array, order: NDArray[np.int64], strip: NDArray[np.int64], angle: Array
+    axes: Axes, corners: FloatArray, flat: FloatArray, order: IntArray, strip: IntArray, angle: FloatArray
 ) -> None:
     """The sides that can be seen, over each other in that order."""
     here = strip[order]
     along = np.roll(np.arange(AROUND), -1)
 
-    def sides(values: Array) -> Array:
+    def sides(values: FloatArray) -> FloatArray:
         a, b = values[here], values[here + 1]
         return np.stack([a, a[:, along], b[:, along], b], axis=2).reshape(-1, 4, values.shape[2])
 
@@ -145,7 +143,7 @@ class Word:
 
 def _lines(labels: Sequence[Label], metre: float) -> list[Word]:
     """Labels above the train (below it where their room is below), moved away until they are clear of each other."""
-    taken: list[tuple[Array, Array]] = []
+    taken: list[tuple[FloatArray, FloatArray]] = []
     found = []
     for point, room, text in labels:
         foot = _screen() @ np.asarray(point)
