@@ -12,7 +12,7 @@ from benchmarks.papers.writing import table
 from torsion.analyses.compare.timing import TimedRow, fastest, unbeaten
 from torsion.output.figures.error_curves import error_over_time
 from torsion.output.figures.style import page, plots
-from torsion.output.pages.run_time_blocks import cells, curves
+from torsion.output.run_time_study import cells, curves
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 FASTER, MORE_ACCURATE, SHARE_OF_ERROR = 50.0, 1e10, 1e-10

@@ -3,7 +3,7 @@
 import pytest
 
 from torsion.output.blocks import Column, Figure, Heading, Paragraph, Table
-from torsion.output.numbering import numbered
+from torsion.output.document import numbered
 
 
 def test_numbers_follow_the_chapters_that_are_there() -> None:

@@ -1,9 +1,7 @@
 """Texts of the scene are nothing but text to Typst."""
 
 from torsion.output.blocks import Column, Heading, Paragraph, Points, Table, Verbatim
-from torsion.output.cover import Cover
-from torsion.output.document import Document
-from torsion.output.numbering import numbered
+from torsion.output.document import Cover, Document, numbered
 from torsion.output.pdf import pdf, words
 
 

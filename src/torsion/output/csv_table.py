@@ -7,8 +7,8 @@ from importlib import import_module
 import numpy as np
 
 import torsion
-from torsion.output.cover import checksum
 from torsion.output.document import Document
+from torsion.output.scene import checksum
 
 
 def csv_text(document: Document) -> str | None:
@@ -21,7 +21,7 @@ def csv_text(document: Document) -> str | None:
     target = io.StringIO()
     target.write(f"# scene: {one_line(study.name)}\n")
     if study.text:
-        target.write(f"# file: {one_line(study.file)}, SHA-256 {checksum(study.text)}\n")
+        target.write(f"# file: {one_line(study.file)}, SHA-256 {checksum(study)}\n")
     target.write(f"# torsion {torsion.__version__}; motion is that of the shaft behind the joint\n")
     rows = csv.writer(target, lineterminator="\n")
     rows.writerow([one_line(title) for title, _ in columns])

@@ -7,9 +7,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from torsion.output.blocks import Block, Heading
-from torsion.output.document import Document
+from torsion.output.document import Document, Numbered
 from torsion.output.figures.drawing import svg
-from torsion.output.numbering import Numbered
 
 LONG_WORD = 20  # characters
 SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")

@@ -31,7 +31,7 @@ OUTPUTS = {
     "csv": Output("torsion.output.csv_table:csv_text", ".csv"),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
     "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True),
-    "terminal": Output("torsion.output.terminal.screen:screen"),
+    "terminal": Output("torsion.output.terminal:screen"),
 }
 
 

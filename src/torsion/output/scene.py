@@ -75,7 +75,7 @@ def scene(study: Study) -> Scene:
         name=study.name,
         description=study.description,
         file=study.file,
-        sha256=hashlib.sha256(study.text.encode("utf-8")).hexdigest() if study.text else None,
+        sha256=checksum(study),
         model=study.model,
         reference=study.operation.at or study.train.parts[0].name,
         speed_range=None if speeds is None else (speeds.first, speeds.last),
@@ -83,6 +83,11 @@ def scene(study: Study) -> Scene:
         rated_power=None if rated is None else rated.power,
         rules=tuple(name for name, _ in study.rules),
     )
+
+
+def checksum(study: Study) -> str | None:
+    """SHA-256 of the input as read, in UTF-8; None where it was not read from a text."""
+    return hashlib.sha256(study.text.encode("utf-8")).hexdigest() if study.text else None
 
 
 def station_rows(selection: Selection) -> tuple[StationRow, ...]:

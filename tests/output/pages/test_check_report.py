@@ -21,7 +21,7 @@ from torsion.output.figures.style import page
 from torsion.output.html import html
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import documented, results, text
-from torsion.output.terminal.screen import screen
+from torsion.output.terminal import screen
 from torsion.output.write import write
 
 KEYS = {key.path: key.meaning for key in documented()}
