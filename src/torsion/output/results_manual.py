@@ -2,8 +2,7 @@
 
 from itertools import groupby
 
-from torsion.output.keys import Key
-from torsion.output.results_json import LEGEND, documented
+from torsion.output.results_json import LEGEND, Key, documented
 
 HEAD = """# The results: results.json, format 1
 
