@@ -2,7 +2,7 @@
 
 import csv
 import io
-from importlib import import_module
+from pkgutil import resolve_name
 
 import numpy as np
 
@@ -15,9 +15,8 @@ def csv_text(document: Document) -> str | None:
     """One row a place of the axis that all columns run over; None where the report has no columns."""
     if not document.report.columns:
         return None
-    module, _, name = document.report.columns.partition(":")
-    findings = document.source
-    columns, study = getattr(import_module(f"torsion.output.chapters.{module}"), name)(findings), findings.study
+    columns = resolve_name(f"torsion.output.chapters.{document.report.columns}")(document.findings)
+    study = document.findings.study
     target = io.StringIO()
     target.write(f"# scene: {one_line(study.name)}\n")
     if study.text:

@@ -1,5 +1,6 @@
 """The whole report for any renderer: a cover, and blocks with their numbers."""
 
+from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -44,15 +45,8 @@ class Document:
 
     cover: Cover
     body: tuple[Numbered, ...]
-    findings: Findings | None = None
-    report: Report = REPORTS["solve"]
-
-    @property
-    def source(self) -> Findings:
-        """The findings that it is of; raises ValueError where it is of none."""
-        if self.findings is None:
-            raise ValueError("the document is not one of findings")
-        return self.findings
+    findings: Findings
+    report: Report
 
 
 def document(
@@ -93,20 +87,19 @@ def _operation(findings: Findings) -> str:
 
 def numbered(blocks: Sequence[Block]) -> Iterator[Numbered]:
     """The blocks in their order, with their numbers; tables and figures without a caption have none."""
-    chapter = section = table = figure = 0
+    chapter, count = 0, Counter[str]()
     for block in blocks:
+        kind = type(block).__name__
         match block:
             case Heading(level=1):
-                chapter, section, table, figure = chapter + 1, 0, 0, 0
+                chapter += 1
+                count.clear()
                 yield Numbered(block, str(chapter))
             case Heading():
-                section += 1
-                yield Numbered(block, f"{chapter}.{section}")
-            case Table(caption=caption) if caption:
-                table += 1
-                yield Numbered(block, f"Table {chapter}.{table}")
-            case Figure():
-                figure += 1
-                yield Numbered(block, f"Figure {chapter}.{figure}")
+                count[kind] += 1
+                yield Numbered(block, f"{chapter}.{count[kind]}")
+            case Table(caption=words) | Figure(caption=words) if words:
+                count[kind] += 1
+                yield Numbered(block, f"{kind} {chapter}.{count[kind]}")
             case _:
                 yield Numbered(block)

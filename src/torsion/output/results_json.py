@@ -80,7 +80,7 @@ def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]
 
 def rendered(document: Document) -> Callable[[Path], list[Path]]:
     """What writes the results that a report is of into a file, and very long arrays into another beside it."""
-    return partial(write_json, _made(document.source, document.report.keys))
+    return partial(write_json, _made(document.findings, document.report.keys))
 
 
 def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:

@@ -21,13 +21,9 @@ def manual() -> str:
     conventions = "".join(f"- {name.replace('_', ' ')}: {words}\n" for name, words in LEGEND.items())
     sections = [
         f"\n## `{name}`\n\n" + _table(list(rows))
-        for name, rows in groupby(documented(), key=lambda key: _top(key.path))
+        for name, rows in groupby(documented(), key=lambda key: key.path.partition(".")[0].removesuffix("[]"))
     ]
     return HEAD + "\n" + conventions + "".join(sections)
-
-
-def _top(path: str) -> str:
-    return path.partition(".")[0].removesuffix("[]")
 
 
 def _table(keys: list[Key]) -> str:

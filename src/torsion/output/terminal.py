@@ -19,6 +19,7 @@ from rich.text import Text
 from torsion.findings import Progress
 from torsion.output.blocks import Heading, Paragraph, Points, Table
 from torsion.output.document import Document
+from torsion.output.renderers import OUTPUTS
 
 COLOURS = {"pass": "green", "fail": "bold red", "not kept": "bold red", "outside": "yellow", "note": "yellow"}
 MOST_ROWS = 12
@@ -27,9 +28,9 @@ MOST_ROWS = 12
 def show(document: Document, folder: Path | None = None, console: Console | None = None) -> None:
     """Print the report, and where its page is."""
     printed = console or Console()
-    for item in screen(document):
+    for item in OUTPUTS["terminal"](document):
         printed.print(item)
-    done = document.source.plan.done
+    done = document.findings.plan.done
     if done:
         printed.print(Text(f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s"))
     if folder is not None:

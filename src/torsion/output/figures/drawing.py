@@ -1,6 +1,6 @@
 """The plots that a figure can name, drawn when a renderer requests the first of them."""
 
-from importlib import import_module
+from pkgutil import resolve_name
 
 from torsion.output.blocks import Figure
 
@@ -31,5 +31,4 @@ def svg(figure: Figure) -> str:
     """The figure as an SVG element; the same figure gives the same text. Raises KeyError for an unknown plot."""
     from torsion.output.figures.style import page
 
-    module, name = PLOTS[figure.plot].split(":")
-    return page(figure.name, getattr(import_module(module), name), **figure.values)
+    return page(figure.name, resolve_name(PLOTS[figure.plot]), **figure.values)

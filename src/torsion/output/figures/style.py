@@ -2,8 +2,7 @@
 
 import io
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from itertools import cycle
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import matplotlib as mpl
@@ -20,6 +19,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#4
 DASHES = ("-", "--", "-.", ":")
 INK, GREY, PALE, BAD = "#222222", "#777777", "#e8eef4", "#b3261e"
 MOST_LINES = 12  # in one figure
+HATCHED: dict[str, Any] = {"facecolor": "#f6d9d6", "edgecolor": BAD, "hatch": "////", "linewidth": 0.3, "zorder": 0}
 LOGARITHMIC = 30.0  # times the median: a larger peak makes the axis logarithmic
 MOST_DECADES = 1e7  # from the lowest to the highest value of a logarithmic axis
 LEGEND_LETTERS = 130  # in one row of a legend, its samples included
@@ -74,11 +74,10 @@ def plots(sheet: Figure, height: float, rows: int = 1, **grid: Any) -> list[Axes
     return list(sheet.subplots(rows, 1, squeeze=False, **grid)[:, 0])
 
 
-def pens(count: int) -> Iterator[dict[str, Any]]:
+def pens(count: int) -> list[dict[str, Any]]:
     """Colour and dashes of `count` lines, all different up to MOST_LINES and beyond."""
-    colour = cycle(COLOURS)
-    for index in range(count):
-        yield {"color": next(colour), "linestyle": DASHES[index // len(COLOURS) % len(DASHES)]}
+    turns = (divmod(k, len(COLOURS)) for k in range(count))
+    return [{"color": COLOURS[colour], "linestyle": DASHES[turn % len(DASHES)]} for turn, colour in turns]
 
 
 def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
@@ -88,15 +87,13 @@ def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
 
 def _legend_below(sheet: Figure) -> None:
     """One legend under the figure, where it covers no data, in as many columns as its words leave room for."""
-    handles, labels = [], []
+    samples: dict[str, Any] = {}
     for axes in sheet.axes:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            if label not in labels:
-                handles.append(handle)
-                labels.append(label)
-    if handles:
-        columns = max(1, min(len(labels), LEGEND_LETTERS // (max(len(label) for label in labels) + 7)))
-        sheet.legend(handles, labels, loc="outside lower center", ncols=columns)
+        for sample, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            samples.setdefault(label, sample)
+    if samples:
+        columns = max(1, min(len(samples), LEGEND_LETTERS // (max(map(len, samples)) + 7)))
+        sheet.legend(list(samples.values()), list(samples), loc="outside lower center", ncols=columns)
 
 
 def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable answer here") -> np.ndarray:
@@ -104,22 +101,15 @@ def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable 
     inside = np.array(bad, dtype=bool)
     low, high = float(x[0]), float(x[-1])
     least = (high - low) * 2e-3  # so that a single speed can still be seen
-    for start, stop in intervals(bad):
-        left, right = float(x[max(start - 1, 0)]), float(x[min(stop + 1, len(x) - 1)])
+    edges = np.diff(inside.astype(np.int8), prepend=0, append=0)  # 1 where a run of bad ones starts, -1 behind its end
+    for start, end in zip(*(np.flatnonzero(edges == sign).tolist() for sign in (1, -1)), strict=True):
+        left, right = float(x[max(start - 1, 0)]), float(x[min(end, len(x) - 1)])
         if right - left < least:
             middle = (left + right) / 2
             left, right = middle - least / 2, middle + least / 2
         inside |= (x > left) & (x < right)
-        axes.axvspan(
-            left, right, facecolor="#f6d9d6", edgecolor=BAD, hatch="////", linewidth=0.3, label=label, zorder=0
-        )
+        axes.axvspan(left, right, label=label, **HATCHED)
     return inside
-
-
-def intervals(where: np.ndarray) -> list[tuple[int, int]]:
-    """First and last index of every run of true values."""
-    edges = np.diff(np.concatenate([[0], np.asarray(where, dtype=np.int8), [0]]))
-    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
 
 
 def ranges(axes: Axes, bands: tuple[tuple[float, float], ...], label: str = "barred range") -> None:

@@ -20,7 +20,7 @@ def vtu(document: Document) -> bytes:
     """The file; raises InputError where there is no mode, or more than such a file can hold."""
     import meshio
 
-    findings = document.source
+    findings = document.findings
     modes, found = shapes(findings), rings(findings.system, axes(findings.system))
     count = modes.frequency.size
     made = surface(found, _around(findings, found, count))
