@@ -13,16 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 import torsion
-from torsion.analyses.compare.timing import (
-    FULL,
-    Spread,
-    TimedQuantity,
-    TimedRow,
-    Timings,
-    as_fast,
-    fastest,
-    unbeaten,
-)
+from torsion.analyses.compare.timing import FULL, Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, head, on_terminal
 from torsion.output.document import Document, document

@@ -3,7 +3,6 @@
 import hashlib
 from fractions import Fraction
 
-from torsion.assembly.system import System
 from torsion.output.selection import Selection
 from torsion.results import derived, reported, result
 from torsion.study import Study
@@ -92,8 +91,8 @@ def checksum(study: Study) -> str | None:
 
 def station_rows(selection: Selection) -> tuple[StationRow, ...]:
     """Every station, or group of inner stations of a shaft, that is reported."""
-    system: System = selection.system
-    parts, groups = system.train.parts, selection.groups
+    system, groups = selection.system, selection.groups
+    parts = system.train.parts
     inertia = groups.over_stations(system.inertia)
     return tuple(
         StationRow(
@@ -113,8 +112,8 @@ def station_rows(selection: Selection) -> tuple[StationRow, ...]:
 
 def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
     """Every span, or group of segments of a shaft, that is reported."""
-    system: System = selection.system
-    parts, groups = system.train.parts, selection.groups
+    system, groups = selection.system, selection.groups
+    parts = system.train.parts
     names, ends, flexibility = groups.names(), groups.ends.tolist(), groups.over_spans(system.flexibility)
     return tuple(
         SpanRow(

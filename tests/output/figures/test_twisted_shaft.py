@@ -44,7 +44,7 @@ def test_strips_of_a_body_stay_together_from_its_driving_end() -> None:
 
 
 def test_the_eye_is_above_in_front_and_at_the_driven_end() -> None:
-    x, y, z = plot._eye()
+    x, y, z = plot.EYE
     assert x > 0 > y
     assert z > 0
     np.testing.assert_allclose(np.linalg.norm([x, y, z]), 1.0, rtol=1e-14)

@@ -91,7 +91,10 @@ def sketch(sheet: Figure, *, points: Sequence[Mapping[str, Any]], links: Sequenc
         DRAWINGS[link.kind](pen, link)
     for disc in discs:
         _disc(pen, disc)
-    _labels(pen, discs, lines, MOST_LABELS if number > MANY else number)
+    most = MOST_LABELS if number > MANY else number
+    middles = [((line.start[0] + line.end[0]) / 2, line.end[1], line.label) for line in lines if line.label]
+    _labels(pen, [(disc.x, disc.row, disc.label) for disc in discs], most, 0.65, va="bottom", color=INK)
+    _labels(pen, middles, most, -0.55, va="top", color="#33506b")
     pen.put()
     axes.set_xlim(min(x) - 0.5, max(x) + 0.5)
     axes.set_ylim(_y(low) - 1.55, _y(top) + 1.5)
@@ -195,26 +198,15 @@ def _line(pen: Pen, link: Link) -> None:
     pen.stroke([x0, x0, x1], [_y(row0), _y(row1), _y(row1)], color=INK, lw=1.1, ls=style)
 
 
-def _labels(pen: Pen, discs: Sequence[Disc], links: Sequence[Link], most: int) -> None:
-    """Points above, links below; neighbours on two heights so that names do not run into each other."""
-    above: Counter[float] = Counter()
-    for disc in thinned(discs, most):
-        level, top = above[disc.row] % 2, _y(disc.row) + 0.3
-        above[disc.row] += 1
-        _label(pen, disc.x, (top, top + 0.65 + 0.28 * level), disc.label, va="bottom", color=INK)
-    below: Counter[float] = Counter()
-    for link in thinned([link for link in links if link.label], most):
-        row = link.end[1]
-        level, top = below[row] % 2, _y(row) - 0.3
-        below[row] += 1
-        x = (link.start[0] + link.end[0]) / 2
-        _label(pen, x, (top, top - 0.55 - 0.28 * level), link.label, va="top", color="#33506b")
-
-
-def _label(pen: Pen, x: float, y: tuple[float, float], text: str, **look: Any) -> None:
-    """A text with the line that leads to it."""
-    pen.axes.text(x, y[1], text, ha="center", fontsize=7.5, **look)
-    pen.stroke([x, x], y, color="#bbbbbb", lw=0.4, zorder=0)
+def _labels(pen: Pen, places: Sequence[tuple[float, float, str]], most: int, room: float, **look: Any) -> None:
+    """Texts above their row, or below it where the room is negative, by turns on two heights: clear of neighbours."""
+    side, number = np.sign(room), Counter[float]()
+    for x, row, text in thinned(places, most):
+        foot = _y(row) + 0.3 * side
+        tip = foot + room + 0.28 * side * (number[row] % 2)
+        number[row] += 1
+        pen.axes.text(x, tip, text, ha="center", fontsize=7.5, **look)
+        pen.stroke([x, x], [foot, tip], color="#bbbbbb", lw=0.4, zorder=0)
 
 
 DRAWINGS = {"shaft": _shaft, "coupling": _coupling, "gear": _gear, "joint": _joint, "rigid": _line, "tie": _line}

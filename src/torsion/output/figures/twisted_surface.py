@@ -14,7 +14,13 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.output.figures.style import COLOURS, INK, WIDTH, plots
 
 Label = tuple[Sequence[float], float, str]
-ASIDE, ABOVE = np.radians(30.0), np.radians(14.0)  # from where the train is looked at
+(SIN_ASIDE, COS_ASIDE), (SIN_ABOVE, COS_ABOVE) = (  # from where the train is looked at
+    (np.sin(angle), np.cos(angle)) for angle in np.radians([30.0, 14.0])
+)
+SCREEN = np.array([  # what goes to the right and what goes up
+    [COS_ASIDE, SIN_ASIDE, 0.0], [-SIN_ASIDE * SIN_ABOVE, COS_ASIDE * SIN_ABOVE, COS_ABOVE],
+])  # fmt: skip
+EYE = np.cross(*SCREEN)  # the direction to who looks
 LIGHT = np.array([0.45, -0.5, 0.74])
 AROUND, STRIPE = 64, 8  # sides of every body; one side in so many is dark
 HIGHEST = 3.9  # inch: of the surface
@@ -33,7 +39,7 @@ def twisted_shaft(
     labels: point on the axis, how far above it (or below) there is free room, text; ties: from point to point.
     """
     corners = _corners(x, radius, place, turn)
-    flat = corners @ _screen().T
+    flat = corners @ SCREEN.T
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
     metre = float(min(0.97 * WIDTH / (high - low)[0], HIGHEST / (high - low)[1]))  # inch
     words = _lines(labels, metre)
@@ -47,7 +53,7 @@ def twisted_shaft(
     axes.set_xlim(middle - WIDTH / metre / 2, middle + WIDTH / metre / 2)
     axes.set_ylim(bottom, top)
     for first, last in ties:
-        axes.plot(*(np.array([first, last]) @ _screen().T).T, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=0)
+        axes.plot(*(np.array([first, last]) @ SCREEN.T).T, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=0)
     _draw(axes, corners, flat, _order(x, place, strip, body), strip, angle)
     for word in words:
         axes.plot([word.x, word.x], [word.foot, word.tip], color="#999999", lw=0.4, zorder=0)
@@ -60,17 +66,6 @@ def twisted_shaft(
     bar.set_label("angle / largest, each at its own speed", fontsize=7.5)
     bar.ax.tick_params(labelsize=7.5, length=2)
     bar.outline.set_linewidth(0.4)
-
-
-def _screen() -> FloatArray:
-    """(2, 3) what goes to the right and what goes up."""
-    (s, c), (t, d) = ((np.sin(a), np.cos(a)) for a in (ASIDE, ABOVE))
-    return np.array([[c, s, 0.0], [-s * t, c * t, d]])
-
-
-def _eye() -> FloatArray:
-    """(3,) the direction to who looks."""
-    return np.cross(*_screen())
 
 
 def _corners(x: FloatArray, radius: FloatArray, place: FloatArray, turn: FloatArray) -> FloatArray:
@@ -87,7 +82,7 @@ def _order(x: FloatArray, place: FloatArray, strip: IntArray, body: IntArray) ->
     first = np.searchsorted(body, np.arange(count))
     last = np.append(first[1:], body.size) - 1
     start, end = x[strip[first]], x[strip[last] + 1]
-    depth = place[strip[first]] @ _eye()[1:]
+    depth = place[strip[first]] @ EYE[1:]
     reach = 1e-9 * float(np.ptp(x))
     rank = np.lexsort((start, depth))
     hidden = (end[:, None] <= start + reach) | (
@@ -146,8 +141,8 @@ def _lines(labels: Sequence[Label], metre: float) -> list[Word]:
     taken: list[tuple[FloatArray, FloatArray]] = []
     found = []
     for point, room, text in labels:
-        foot = _screen() @ np.asarray(point)
-        tip = foot + room * _screen()[:, 2]
+        foot = SCREEN @ np.asarray(point)
+        tip = foot + room * SCREEN[:, 2]
         sign, half = np.sign(room), np.array([LETTER * len(text) + 0.08, LINE]) / metre / 2
         away = 0.2 * LINE / metre * sign
         while True:
