@@ -29,8 +29,7 @@ def elements(system: System) -> tuple[Element, ...]:
     bars = {bar.part: bar.name for bar in system.train.bars}
     found: dict[tuple[int, str], list[int]] = {}
     for index, span in enumerate(system.own_spans):
-        joins_points_rigidly = system.train.parts[span.part].is_point and system.flexibility[index] == 0
-        if not joins_points_rigidly:
+        if not _joins_points_rigidly(system, index):
             found.setdefault((span.part, bars.get(span.part, span.name)), []).append(index)
     named: list[tuple[int, str, Sequence[int]]] = [(part, name, tuple(spans)) for (part, name), spans in found.items()]
     first = len(system.own_spans)
@@ -42,3 +41,8 @@ def elements(system: System) -> tuple[Element, ...]:
         for part, name, spans in named
     ]
     return tuple(sorted(made, key=lambda element: (element.part, element.spans[0])))
+
+
+def _joins_points_rigidly(system: System, index: int) -> bool:
+    span = system.spans[index]
+    return system.train.parts[span.part].is_point and bool(system.flexibility[index] == 0)
