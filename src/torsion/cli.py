@@ -122,11 +122,11 @@ def study(
         with _progress() as report_progress:
             findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
         if json:
-            from torsion.output.pages.comparison_pages import json_text
+            from torsion.output.run_time_study import json_text
 
             typer.echo(json_text(findings, timings), nl=False)
         else:
-            from torsion.output.terminal.screen import show
+            from torsion.output.terminal import show
 
             folder = commands.folder_of(file, out)
             show(commands.write_study(findings, timings, folder), folder)
@@ -172,7 +172,7 @@ def _publish(
             typer.echo(piece, nl=False)
         return
     from torsion import commands
-    from torsion.output.terminal.screen import show
+    from torsion.output.terminal import show
 
     show(commands.write(findings, folder, report, also=also), folder)
 
@@ -181,7 +181,7 @@ def _progress() -> "AbstractContextManager[Progress]":
     """A progress indicator; what draws it is loaded only where the error stream is a terminal."""
     if not sys.stderr.isatty():
         return nullcontext(lambda what, share: None)
-    from torsion.output.terminal.screen import progress
+    from torsion.output.terminal import progress
 
     return progress()
 

@@ -170,7 +170,7 @@ def _tolerance(given: str | float) -> float:
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":
     """Write study.html, study.json and study.csv; the report. Raises InputError where the folder cannot be written."""
-    from torsion.output.pages.comparison_pages import write_study as write_pages
+    from torsion.output.run_time_study import write_study as write_pages
 
     with _writing_report(findings, folder):
         return write_pages(findings, timings, folder)

@@ -23,7 +23,7 @@ from torsion.output.chapters.shaft_bending import chapter, sense
 from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.results_json import documented, results, text
-from torsion.output.terminal.screen import screen
+from torsion.output.terminal import screen
 from torsion.rules.stable_motion import bending_checks
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run

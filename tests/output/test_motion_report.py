@@ -27,7 +27,7 @@ from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.numbers import RPM
 from torsion.output.results_json import documented, results
-from torsion.output.terminal.screen import show
+from torsion.output.terminal import show
 from torsion.rules.stable_motion import stability_check
 from torsion.rules.verdict_line import Checks
 

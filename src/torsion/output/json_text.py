@@ -17,22 +17,27 @@ SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
 BLOCK = 10_000  # numbers turned into text at once
 
-Store = Callable[[str, NDArray[Any]], Any]  # an array and the path of its key to what is written in its place
-
 
 def listed(values: Any) -> Any:
     """The data with nested lists in place of arrays."""
+    return replaced(values, lambda _, array: _listed(array))
+
+
+def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str = "") -> Any:
+    """The data with what `change` gives, from the path of its key and itself, in place of every array."""
     if isinstance(values, np.ndarray):
-        return _listed(values)
+        return change(path, values)
     if isinstance(values, Mapping):
-        return {key: listed(value) for key, value in values.items()}
-    return [listed(value) for value in values] if isinstance(values, list | tuple) else values
+        return {key: replaced(value, change, f"{path}.{key}" if path else key) for key, value in values.items()}
+    if isinstance(values, list | tuple):
+        return [replaced(value, change, f"{path}[{place}]") for place, value in enumerate(values)]
+    return values
 
 
 def pieces(values: Any) -> Iterator[str]:
     """The data as JSON text, piece by piece, so that long arrays are never in memory as text or lists."""
     if not _has_long(values):
-        yield json.dumps(listed(values), allow_nan=False)
+        yield json.dumps(values, default=_listed, allow_nan=False)
     elif isinstance(values, Mapping):
         yield from _joined("{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items()))
     elif isinstance(values, np.ndarray) and values.ndim == 1:
@@ -42,17 +47,6 @@ def pieces(values: Any) -> Iterator[str]:
         yield from _joined("[]", map(pieces, values))
 
 
-def stored(values: Any, store: Store, most: int = MOST_NUMBERS, path: str = "") -> Any:
-    """The data with what `store` gives in place of every array of more than `most` numbers."""
-    if isinstance(values, np.ndarray):
-        return store(path, values) if values.size > most else values
-    if isinstance(values, Mapping):
-        return {key: stored(value, store, most, f"{path}.{key}" if path else key) for key, value in values.items()}
-    if isinstance(values, list | tuple):
-        return [stored(value, store, most, f"{path}[{place}]") for place, value in enumerate(values)]
-    return values
-
-
 def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = MOST_NUMBERS) -> list[Path]:
     """Write a file of one line for each key of `parts`, made when its turn comes; the paths of all that was written.
 
@@ -60,24 +54,23 @@ def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = M
     """
     beside = file.with_name(SERIES)
 
-    def store(name: str, array: NDArray[Any]) -> dict[str, Any]:
+    def stored(name: str, array: NDArray[Any]) -> Any:
+        if array.size <= most:
+            return array
         with zipfile.ZipFile(beside, "a") as archive, archive.open(f"{name}.npy", "w", force_zip64=True) as member:
             np.lib.format.write_array(member, array, allow_pickle=False)
         return {"file": SERIES, "array": name, "shape": list(array.shape)}
 
     with file.open("w", encoding="utf-8", newline="\n") as target:
-        for piece in lines(parts, lambda key, value: stored(value, store, most, key)):
-            target.write(piece)
+        target.writelines(lines((key, replaced(make(), stored, key)) for key, make in parts.items()))
     return [file, beside] if beside.exists() else [file]
 
 
-def lines(
-    parts: Mapping[str, Callable[[], Any]], change: Callable[[str, Any], Any] = lambda key, value: value
-) -> Iterator[str]:
+def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
     """The text of a JSON object, one line for each key, piece by piece."""
-    for place, (key, make) in enumerate(parts.items()):
+    for place, (key, value) in enumerate(parts):
         yield f"{',' if place else '{'}\n{json.dumps(key)}: "
-        yield from pieces(change(key, make()))
+        yield from pieces(value)
     yield "\n}\n"
 
 

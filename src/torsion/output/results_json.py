@@ -5,6 +5,7 @@ and ratios are texts "a/b".
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,11 +16,11 @@ from torsion.assembly.segment_groups import MOST_GROUPS
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.json_text import MOST_NUMBERS, SERIES, lines, listed, write_json
-from torsion.output.keys import Key, keys
-from torsion.output.plain import plain
+from torsion.output.plain import LISTED, plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
 from torsion.output.selection import Selection
 from torsion.plan import Plan
+from torsion.results import is_list, parts, quantities
 from torsion.rules.verdict_line import Checks
 
 FORMAT = 1
@@ -37,6 +38,21 @@ LEGEND = {
     "{file, array, shape}: the file, the name of the array in it and its shape; null is NaN there, words are texts",
     "null": "no value, not a number, or infinite (a fixed station's inertia)",
 }
+POSITIONS = {
+    "named station": "positions in `stations` of the angles reported: those of the stations that the train names",
+    "end span": "positions in `spans` of the torques reported: of an element its first and last",
+    "element": "names of the elements; of each its largest span is reported",
+}
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of the results; `[]` in its path is every element of a list."""
+
+    path: str
+    unit: str
+    axes: tuple[str, ...]  # of the nested lists that stand there
+    meaning: str
 
 
 FIXED = (
@@ -59,18 +75,16 @@ def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
 
 def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]:
     """The same text, piece by piece, as it is made."""
-    return lines({key: make for key, make in _made(findings).items() if not only or key in (*HEAD, *only)})
+    return lines((key, make()) for key, make in _made(findings, only).items())
 
 
 def rendered(document: Document) -> Callable[[Path], list[Path]]:
     """What writes the results that a report is of into a file, and very long arrays into another beside it."""
-    only = document.report.keys
-    made = {key: make for key, make in _made(document.source).items() if not only or key in (*HEAD, *only)}
-    return partial(write_json, made)
+    return partial(write_json, _made(document.findings, document.report.keys))
 
 
-def _made(findings: Findings) -> dict[str, Callable[[], Any]]:
-    """What makes the value of every top-level key, with arrays in it."""
+def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:
+    """What makes the value of every top-level key, with arrays in it; `only` of those, and of the head."""
     chosen = Selection(findings.system)
     names = [name for analysis in ANALYSES.values() for name in analysis.results]
     found: dict[str, Callable[[], Any]] = {
@@ -82,11 +96,34 @@ def _made(findings: Findings) -> dict[str, Callable[[], Any]]:
         "spans": lambda: plain(span_rows(chosen), chosen),
     }
     found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
-    return found | {"plan": lambda: plain(findings.plan, chosen)}
+    found["plan"] = lambda: plain(findings.plan, chosen)
+    return {key: make for key, make in found.items() if not only or key in (*HEAD, *only)}
 
 
 def documented() -> tuple[Key, ...]:
     """Every key of the results, as the manual of results lists them."""
     found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
-    return (*FIXED, *keys(head | found | {"checks": Checks, "plan": Plan}))
+    every = head | found | {"checks": Checks, "plan": Plan}
+    return (*FIXED, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
+
+
+def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:
+    """The keys of a result under a path `modes` or `checks[]`; `above` are the results that it is part of."""
+    declared = quantities(kind)
+    records = {one.axes[0]: one for one in declared if one.record is not None}
+    shown = {axis for one in declared for axis in one.printed}
+    for axis, name in LISTED.items():
+        if axis in shown:
+            yield Key(f"{path}.{name}", "", (axis,), POSITIONS[axis])
+    for one in declared:
+        inner = parts(kind, one)
+        record = next((axis for axis in one.axes if axis in records and records[axis] is not one), None)
+        at = path if record is None else f"{path}.{records[record].key}[]"
+        at = f"{at}.{one.key}" if one.key else at
+        at = f"{at}[]" if (inner is not None and is_list(kind, one)) or one.record else at
+        if inner is None or inner in above:
+            axes = tuple(shown for shown in one.printed if shown not in records)
+            yield Key(f"{at}.{one.record}" if one.record else at, one.unit, axes, one.meaning)
+        else:
+            yield from _keys(inner, at, (*above, kind, inner))

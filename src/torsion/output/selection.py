@@ -58,15 +58,11 @@ class Selection:
     def reduced(self, values: Any, quantity: Quantity, axes: tuple[str, ...]) -> Any:
         """The values with the axes that are printed, in their order; `axes` are those of the values."""
         array = np.asarray(values)
-        kept = [self._shown(axis, quantity) for axis in axes]
+        kept = [next(one for one in quantity.printed if one in WITHIN.get(axis, (axis,))) for axis in axes]
         for place, (axis, shown) in enumerate(zip(axes, kept, strict=True)):
             if axis in WITHIN:
                 array = self._along(array, place, (axis, shown), quantity.is_total)
         return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
-
-    @staticmethod
-    def _shown(axis: str, quantity: Quantity) -> str:
-        return next(shown for shown in quantity.printed if shown in WITHIN.get(axis, (axis,)))
 
     def _along(self, array: Any, place: int, axes: tuple[str, str], is_total: bool) -> Any:
         """The values with one axis, of stations or spans, reduced to what is shown of it."""

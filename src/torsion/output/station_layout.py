@@ -12,6 +12,7 @@ from torsion.components.lowering import Part
 from torsion.errors import Path
 
 WIDTH = {"shaft": 1.6, "coupling": 1.0, "gear": 0.45, "joint": 0.8}  # of a link in the sketch
+NOWHERE = (math.inf, -math.inf)  # from where to where a row without components is filled
 RIGID = 0.5  # between two points that are rigidly joined
 MOST_NAMES = 14  # components up to which a picture bears their names, not their numbers alone
 
@@ -63,22 +64,16 @@ class _Rows:
         """The nearest row that is empty from `start` on, with nothing in the way to it; below is tried first."""
         for distance in range(1, len(self._row) + 2):
             for side in (1, -1):
-                between = range(beside + side, beside + side * distance, side)
-                is_open = all(not self._covers(row, start) for row in between)
-                if is_open and self._reach(beside + side * distance) < start - 0.5:
-                    return beside + side * distance
+                row = beside + side * distance
+                between = (self._filled.get(k, NOWHERE) for k in range(beside + side, row, side))
+                is_open = all(not first - 0.5 <= start <= last + 0.5 for first, last in between)
+                if is_open and self._filled.get(row, NOWHERE)[1] < start - 0.5:
+                    return row
         return max(self._filled) + 1
-
-    def _covers(self, row: int, x: float) -> bool:
-        first, last = self._filled.get(row, (math.inf, -math.inf))
-        return first - 0.5 <= x <= last + 0.5
-
-    def _reach(self, row: int) -> float:
-        return self._filled.get(row, (math.inf, -math.inf))[1]
 
     def fill(self, row: int, first: float, last: float) -> None:
         """Note from where to where a component fills a row."""
-        before = self._filled.get(row, (math.inf, -math.inf))
+        before = self._filled.get(row, NOWHERE)
         self._filled[row] = min(before[0], first), max(before[1], last)
 
 

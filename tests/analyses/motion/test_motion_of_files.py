@@ -138,7 +138,7 @@ LIGHT = """
 import sys, torsion
 from torsion.output.results_json import text
 from torsion.output.document import document
-from torsion.output.terminal.screen import screen
+from torsion.output.terminal import screen
 found = torsion.run(torsion.parse({scene!r}))
 text(found), screen(document(found))
 print([name for name in sys.modules if "analyses.motion" in name or ".periodic" in name])

@@ -17,10 +17,11 @@ from torsion.output.chapters.model_comparison import chapter
 from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.figures.error_curves import modes, torques
+from torsion.output.figures.style import page
 from torsion.output.html import html
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import documented, results, text
-from torsion.output.terminal.screen import screen
+from torsion.output.terminal import screen
 from torsion.output.write import write
 
 KEYS = {key.path: key.meaning for key in documented()}
@@ -158,8 +159,8 @@ def test_both_files_are_written_or_none(good: Findings, tmp_path: Path) -> None:
 
 def test_figures_take_errors_of_zero_of_nothing_and_without_bounds() -> None:
     errors = [("lumped", np.array([0.0, np.inf, 1e-3])), ("fem", np.array([1e-19, 1e-9, np.nan]))]
-    drawn = modes("a", frequency=errors, shape=errors, tolerance=1e-3)
+    drawn = page("a", modes, frequency=errors, shape=errors, tolerance=1e-3)
     assert "1e−15" in drawn or "1e−16" in drawn
     nothing = [("lumped", np.full(3, np.nan))]
-    assert "tolerance" in torques("b", speed=np.arange(3.0), lines=nothing, tolerance=1e-3)
-    assert "<svg" in modes("c", frequency=nothing, shape=nothing, tolerance=1e-3)
+    assert "tolerance" in page("b", torques, speed=np.arange(3.0), lines=nothing, tolerance=1e-3)
+    assert "<svg" in page("c", modes, frequency=nothing, shape=nothing, tolerance=1e-3)

@@ -21,7 +21,7 @@ from torsion.output.html import html
 from torsion.output.numbers import number
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import documented, text
-from torsion.output.terminal.screen import show
+from torsion.output.terminal import show
 
 JOINTS = REPORTS["joint"].keys
 KEYS = {key.path: key.meaning for key in documented()}

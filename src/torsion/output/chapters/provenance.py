@@ -6,8 +6,8 @@ from pathlib import Path
 
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
-from torsion.output.cover import checksum
 from torsion.output.numbers import number
+from torsion.output.scene import checksum
 from torsion.primitives import SectionMesh
 
 
@@ -31,7 +31,7 @@ def input_file(findings: Findings) -> Iterator[Block]:
     files = dict.fromkeys(bar.section.file for bar in bars if isinstance(bar.section, SectionMesh))
     meshes = "".join(f"; {file}, SHA-256 {hashlib.sha256(Path(file).read_bytes()).hexdigest()}" for file in files)
     also = f" and the meshes that it names{meshes}." if meshes else "."
-    words = f"{findings.study.file or 'Input'}, SHA-256 {checksum(text)}. The whole report was computed from this text"
+    words = f"{findings.study.file or 'Input'}, SHA-256 {checksum(findings.study)}. The whole report was computed from this text"
     yield Heading("Appendix: the input as read")
     yield Paragraph(words + also)
     yield Verbatim(text)

@@ -1,30 +1,37 @@
-"""The study of run times in sentences, tables and figures: what to take, each quantity, how the times were taken."""
+"""The study of error against run time: its report in sentences, tables and figures, its JSON and its CSV."""
 
+import csv
+import io
+import json
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import date
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from torsion.analyses.compare.timing import FULL, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
-from torsion.output.blocks import (
-    Block,
-    Column,
-    Figure,
-    Heading,
-    KeyValues,
-    Paragraph,
-    Points,
-    Table,
-    on_terminal,
-    texts,
-)
+import torsion
+from torsion.analyses.compare.timing import FULL, Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, head, on_terminal
+from torsion.output.document import Document, document
 from torsion.output.numbers import given, number
+from torsion.output.plain import finite
+from torsion.output.reports import REPORTS
+from torsion.output.scene import checksum
+from torsion.output.write import write_texts
 
+FORMAT = 1
+TITLES = (
+    "quantity", "method", "division", "size", "error [1]", "least [s]", "quarter [s]", "median [s]",
+    "three quarters [s]", "median assembly [s]", "median solve [s]", "runs",
+)  # fmt: skip
 DIGITS = 3
 MOST_AS_FAST = 3
 LEAST_SHARE = 1e-4  # from which an error is given in per cent
-NAMED = (texts("Method", "method"), texts("Discretisation", "discretisation"), Column("Error", short="error"))
+SHORTER = "modal superposition, static correction", "modal, static corr."  # in the figure
 FAMILIES = (  # start of a method's name, and how it is drawn
     ("modal superposition, static", "corrected"), ("modal superposition", "modal"), ("lumped, dense", "dense"),
     ("dense", "dense"), ("lumped", "lumped"), ("fem", "fem"), ("exact", "exact"), ("two-sided", "exact"), ("", "peer"),
@@ -34,6 +41,17 @@ MODAL = (
     "by itself: where damping couples the modes, that error stays, however many modes there are."
 )
 PARETO = "Methods that no other beats: none is both faster and more accurate"
+
+
+def write_study(findings: Findings, timings: Timings, folder: str | Path, *, today: date | None = None) -> Document:
+    """Write study.html, study.json and study.csv, all or none; raises OSError where the folder cannot be written."""
+    from torsion.output.html import html
+
+    report = REPORTS["study"]
+    made = document(findings, today or date.today(), report=report, before=blocks(timings))
+    texts = {"html": html(made), "json": json_text(findings, timings), "csv": csv_text(timings)}
+    write_texts({f"{report.stem}.{suffix}": content for suffix, content in texts.items()}, folder)
+    return made
 
 
 def blocks(timings: Timings) -> list[Block]:
@@ -78,16 +96,12 @@ def _chapter(quantity: TimedQuantity, tolerance: float) -> list[Block]:
 def best(quantity: TimedQuantity, tolerance: float) -> Table:
     """The methods that no other beats, and which of them is recommended."""
     rows, recommended = unbeaten(quantity.rows, quantity.bound), fastest(quantity.rows, tolerance)
-    columns = (
-        *NAMED,
-        Column("Median", "ms", short="ms"),
-        Column("Assembly", "ms", short="assembly"),
-        Column("Solve", "ms", short="solve"),
-        Column("", align="left"),
-    )
+    columns = "< Method -> | < Discretisation -> | Error -> | Median [ms] -> ms | Assembly [ms] -> | Solve [ms] -> | <"
     marks = tuple("pass" if row is recommended else "" for row in rows)
     lines = tuple((*cells(row), "recommended" if mark else "") for row, mark in zip(rows, marks, strict=True))
-    return Table(columns, lines, PARETO, marks, f"{quantity.title}: no other method is both faster and more accurate")
+    return Table(
+        head(columns), lines, PARETO, marks, f"{quantity.title}: no other method is both faster and more accurate"
+    )
 
 
 def _figure(quantity: TimedQuantity, tolerance: float) -> Figure:
@@ -106,33 +120,19 @@ def curves(rows: Sequence[TimedRow]) -> list[tuple[Any, ...]]:
         if own:
             totals = [(one.median, one.quarter, one.three_quarters) for one in (row.total for row in own)]
             times = 1e3 * np.array(totals).T
-            made.append((_label(name), _family(name), _degree(name), *times, np.array([row.error for row in own])))
+            label = name.replace(", elimination", "").replace(*SHORTER)
+            family = next(family for start, family in FAMILIES if name.startswith(start))
+            degree = int(name.split()[2].rstrip(",")) if family == "fem" else 0
+            made.append((label, family, degree, *times, np.array([row.error for row in own])))
     return made
 
 
-def _label(name: str) -> str:
-    return name.replace(", elimination", "").replace("modal superposition, static correction", "modal, static corr.")
-
-
-def _family(name: str) -> str:
-    return next(family for start, family in FAMILIES if name.startswith(start))
-
-
-def _degree(name: str) -> int:
-    """Of finite elements; 0 for all else."""
-    return int(name.split()[2].rstrip(",")) if name.startswith("fem") else 0
-
-
 def _all(quantity: TimedQuantity) -> Table:
-    heads = ("Least", "Quarter", "Median", "Three quarters", "Assembly", "Solve")
-    columns = (*NAMED, *(Column(head, "ms") for head in heads), Column("Runs"))
-    return Table(columns, tuple(_row(row) for row in quantity.rows), f"{quantity.title}: every method, every run")
-
-
-def _row(row: TimedRow) -> tuple[str, ...]:
-    total = row.total
-    times = (total.least, total.quarter, total.median, total.three_quarters, *_parts(row))
-    return (row.curve, row.division, share(row.error), *(milliseconds(time) for time in times), str(total.runs))
+    times = "Least [ms] | Quarter [ms] | Median [ms] | Three quarters [ms] | Assembly [ms] | Solve [ms] | Runs"
+    columns = head(f"< Method -> | < Discretisation -> | Error -> | {times}")
+    of = ("least", "quarter", "median", "three_quarters")
+    rows = tuple((*cells(row, of), str(row.total.runs)) for row in quantity.rows)
+    return Table(columns, rows, f"{quantity.title}: every method, every run")
 
 
 def _how(timings: Timings) -> tuple[str, ...]:
@@ -178,7 +178,7 @@ def doubt(quantity: TimedQuantity, tolerance: float) -> str:
 
 def share(error: float) -> str:
     """A relative error: '0.1 %', '2.3·10⁻⁹', 'none'."""
-    if error == float("inf"):
+    if math.isinf(error):
         return "no value"
     return f"{given(100.0 * error, DIGITS)} %" if error >= LEAST_SHARE else number(error, 2)
 
@@ -192,11 +192,74 @@ def _words(row: TimedRow) -> str:
     return f"{row.curve}, {row.division}, {milliseconds(row.total.median)} ms (error {share(row.error)})"
 
 
-def cells(row: TimedRow) -> tuple[str, ...]:
-    """Method, discretisation, error, medians of the whole, of assembly and of solve."""
-    parts = (row.total.median, *_parts(row))
-    return (row.curve, row.division, share(row.error), *(milliseconds(part) for part in parts))
+def cells(row: TimedRow, of: Sequence[str] = ("median",)) -> tuple[str, ...]:
+    """Method, discretisation, error, times `of` the whole, medians of assembly and of solve."""
+    times = (*(getattr(row.total, name) for name in of), row.assembly_spread.median, row.solve_spread.median)
+    return (row.curve, row.division, share(row.error), *map(milliseconds, times))
 
 
-def _parts(row: TimedRow) -> tuple[float, float]:
-    return row.assembly_spread.median, row.solve_spread.median
+def csv_text(timings: Timings) -> str:
+    """One row a method and discretisation; numbers come back to the last digit, an infinite error is 'inf'."""
+    target = io.StringIO()
+    rows = csv.writer(target, lineterminator="\n")
+    rows.writerow(TITLES)
+    for quantity in timings.quantities:
+        for row in quantity.rows:
+            total = row.total
+            rows.writerow([
+                quantity.key, row.curve, row.division, row.size, row.error, total.least, total.quarter, total.median,
+                total.three_quarters, row.assembly_spread.median, row.solve_spread.median, total.runs,
+            ])  # fmt: skip
+    return target.getvalue()
+
+
+def json_text(findings: Findings, timings: Timings) -> str:
+    """The study as JSON text; times in seconds, every run; an error that is infinite is null."""
+    study = findings.study
+    values = {
+        "format": FORMAT,
+        "program": {"name": "torsion", "version": torsion.__version__},
+        "scene": {"name": study.name, "file": study.file, "sha256": checksum(study)},
+        "tolerance": timings.tolerance,
+        "rounds": timings.rounds,
+        "machine": dict(timings.machine),
+        "remarks": list(timings.remarks),
+        "quantities": [_quantity(one, timings.tolerance) for one in timings.quantities],
+    }
+    return json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _quantity(quantity: TimedQuantity, tolerance: float) -> dict[str, Any]:
+    best = fastest(quantity.rows, tolerance)
+    return {
+        "key": quantity.key,
+        "title": quantity.title,
+        "meaning": quantity.meaning,
+        "reference": {"what": quantity.reference, "bound": finite(quantity.bound)},
+        "highest_Hz": quantity.highest,
+        "errors_are_of": list(quantity.columns),
+        "recommendation": recommendation(quantity, tolerance),
+        "recommended_row": None if best is None else quantity.rows.index(best),
+        "unbeaten_rows": [quantity.rows.index(row) for row in unbeaten(quantity.rows, quantity.bound)],
+        "remarks": list(quantity.remarks),
+        "rows": [_row_as_data(row) for row in quantity.rows],
+    }
+
+
+def _row_as_data(row: TimedRow) -> dict[str, Any]:
+    return {
+        "method": row.curve,
+        "division": row.division,
+        "size": row.size,
+        "error": finite(row.error),
+        "errors": [finite(error) for error in row.errors],
+        "total": _spread(row.total),
+        "assembly": _spread(row.assembly_spread),
+        "solve": _spread(row.solve_spread),
+        "assembly_s": list(row.assembly),
+        "solve_s": list(row.solve),
+    }
+
+
+def _spread(spread: Spread) -> dict[str, Any]:
+    return {key if key == "runs" else f"{key}_s": value for key, value in asdict(spread).items()}
