@@ -3,14 +3,17 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
-from torsion.components.component import Component
+from torsion.components.component import Component, lower_line
 from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import Lowering, Part
+from torsion.components.lowering import Arrival, Lowering, Part
 from torsion.components.material import STEEL, Material
 from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
+
+ENDS = ("station", "driving", "driven")  # the stations that primitives name
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ def lowered(
 ) -> tuple[Train | None, list[Fault]]:
     """The train as far as it is known, and its faults; None stands for what cannot be read, and is left out."""
     build = Lowering({"steel": STEEL, **(materials or {})})
-    build.walk(components, ("train",))
+    lower_line(build, components, ("train",))
     if not build.stations:
         fault = Fault(("train",), "the train has no component that turns", "list its components")
         return None, [*build.faults, fault]
@@ -157,7 +160,22 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
         message = f"{both} are not referred to one speed, and so the link's figures to neither"
         build.faults.append(Fault(place, message, "refer both (gear: referred), or neither"))
     else:
-        build.join(first, second, link.component, path)
+        _join(build, first, second, link.component, path)
+
+
+def _join(build: Lowering, first: Part, second: Part, component: Component, path: Path) -> None:
+    """Lower a link between two points that are there already."""
+    driving, driven = first.stations[0], second.stations[0]
+    sense, begin = build.stations[driving].sense, len(build.primitives)
+    main, build.at = build.at, Arrival(driving, False, first.ratio, sense, first.referred_to)
+    component.enter(build, path)
+    made = build.parts[-1].stations[-1]
+    for position, primitive in enumerate(build.primitives[begin:], begin):
+        moved: dict[str, Any] = dict.fromkeys((end for end in ENDS if getattr(primitive, end, None) == made), driven)
+        build.primitives[position] = replace(primitive, **moved)
+    del build.stations[made]
+    build.record(stations=(driving, driven))
+    build.at = main
 
 
 def _names(build: Lowering) -> None:

@@ -55,7 +55,7 @@ class BarSpans:
             return Shafts(node, self._continua(ratio**2)).turned(turned)
         from torsion.assembly.element_matrices import element_law
 
-        return Shafts(node, (element_law(self, ratio**2),)).turned(turned)
+        return Shafts(node, (element_law(self.pieces, self.degree, ratio**2),)).turned(turned)
 
     def _continua(self, ratio2: FloatArray) -> "tuple[Law, ...]":
         """Uniform pieces, which come first, and conical ones."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import skfem
@@ -10,9 +10,6 @@ import skfem
 from torsion.arrays import FloatArray
 from torsion.assembly.shafts import Piece, is_uniform, uniform_area
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
-
-if TYPE_CHECKING:
-    from torsion.assembly.distributed_spans import BarSpans
 
 DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it
 
@@ -38,19 +35,19 @@ def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray
     return stiffness, inertia
 
 
-def element_law(bars: "BarSpans", ratio2: FloatArray) -> CondensedElements:
+def element_law(pieces: tuple[Piece, ...], degree: int, ratio2: FloatArray) -> CondensedElements:
     """The elements without their unknowns inside, multiplied by `ratio2` (spans,), the squares of their speed ratios.
 
     Those of uniform shafts are one element to scale: it is condensed once for a degree.
     """
-    uniform = [first for _, first in _shafts(bars.pieces) if is_uniform(first.bar)]
+    uniform = [first for _, first in _shafts(pieces) if is_uniform(first.bar)]
     number = [first.number for first in uniform]
     end, parts = sum(number), list[CondensedElements]()
     if uniform:
         factors = np.repeat([_factors(first) for first in uniform], number, axis=0).T * ratio2[:end]
-        parts.append(_law_of_unit(bars.degree).scaled(*factors))
-    if end < len(bars.pieces):
-        stiffness, inertia = element_matrices(bars.pieces[end:], bars.degree)
+        parts.append(_law_of_unit(degree).scaled(*factors))
+    if end < len(pieces):
+        stiffness, inertia = element_matrices(pieces[end:], degree)
         rest = ratio2[end:, None, None]
         parts.append(condensed_elements(stiffness * rest, inertia * rest))
     return CondensedElements.joined(parts)

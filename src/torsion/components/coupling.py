@@ -10,7 +10,7 @@ from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.components.part_records import CouplingRatings
 from torsion.fields import Quantity, given, refuse
-from torsion.primitives import Inertia, Spring
+from torsion.primitives import Spring
 
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
 DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
@@ -54,11 +54,9 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
         )
         damping = [(key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None]
         build.record(ratings=ratings, damping=damping[0] if damping else None)
-        driving, driven = build.link()
-        at_driving, at_driven = self.inertia or (0.0, 0.0)
-        build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
-        own = 1.0 if build.at.referred == 1 else float(build.at.referred**2)
-        flexibility = self.flexibility * own if self.flexibility is not None else 1.0 / build.own(self.stiffness or 1.0)
+        driving, driven = build.link(halves=self.inertia)
+        given, scale = self.flexibility, build.at.scale
+        flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
         loss = self.psi / (2.0 * math.pi) if self.psi is not None else self.loss_factor or 0.0
         loss = 1.0 / self.magnifier if self.magnifier is not None else loss
         viscous = build.own(self.viscous or 0.0)

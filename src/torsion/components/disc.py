@@ -27,11 +27,10 @@ class Rotor(Component, sort="point"):
             raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
         return self
 
-    def place(self, build: Lowering, extra: float = 0.0) -> int:
-        """The station of this point, with its inertia (and so much more) and its damping."""
+    def place(self, build: Lowering) -> int:
+        """The station of this point, with its inertia and its damping."""
         here = build.point()
-        inertia = math.inf if self.held else build.own(self.inertia or 0.0) + extra
-        build.add(Inertia(here, inertia))
+        build.add(Inertia(here, math.inf if self.held else build.own(self.inertia or 0.0)))
         if self.damping:
             build.add(Damper(here, constant=build.own(self.damping)))
         return here

@@ -15,7 +15,7 @@ from torsion.components.part_records import JointRecord
 from torsion.errors import SolveError
 from torsion.fields import Quantity, given, refuse, required
 from torsion.kinematics import cross, tripod
-from torsion.primitives import Constraint, Inertia
+from torsion.primitives import Constraint
 
 OF_A_TRIPOD = ("radius", "arm", "bearing")
 
@@ -85,13 +85,11 @@ class Joint(Component, keyword="joint", sort="link"):
         yoke = phase if before is None else before + phase - plane
         joint = JointRecord(self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm)
         build.record(joint=joint)
-        driving, driven = build.link()
+        driving, driven = build.link(halves=self.inertia)
         # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
         # with the driving side's is counted from, so nothing is added.
         driven_yoke = yoke + math.pi / 2 if self.kind == "cross" else yoke
         build.at = replace(build.at, yoke=driven_yoke, joint=build.part)
-        at_driving, at_driven = self.inertia or (0.0, 0.0)
-        build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
         build.add(Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after))
 
     def _refuse_on_a_first_joint(self, build: Lowering) -> None:

@@ -18,7 +18,7 @@ from torsion.analyses.motion.equations_of_motion import (
 )
 from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_motion, scene
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
-from torsion.assembly.segment_groups import SegmentGroups
+from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
