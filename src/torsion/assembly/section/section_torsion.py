@@ -17,8 +17,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.section.section_boundary import Boundary, boundary
-from torsion.assembly.section.section_mesh import Triangles
+from torsion.assembly.section.section_mesh import Boundary, Triangles, boundary
 
 ORDER = 8  # of the quadrature: exact for degree 4 on straight triangles, and for r^2 on curved ones
 _ALONG = np.linspace(0.0, 1.0, 17)  # places on a side of the boundary at which the stress is looked at
