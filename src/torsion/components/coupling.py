@@ -1,9 +1,9 @@
 """A coupling: an elastic (or rigid) link with its damping, its end inertias and its maker's limits."""
 
 import math
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from torsion import fields
 from torsion.components.component import Component
@@ -36,8 +36,7 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
     heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
     tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
+    def refuse_clashes(self) -> None:
         if (self.stiffness is None) == (self.flexibility is None):
             what = "`stiffness` or `flexibility` is missing" if self.stiffness is None else "both are given"
             raise refuse(what, "give one of `stiffness` and `flexibility` (0 = rigid)")
@@ -46,7 +45,6 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
             raise refuse(f"{' and '.join(found)} exclude each other", "give one kind of damping", found[1])
         if self.flexibility == 0 and found:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
-        return self
 
     def lower(self, build: Lowering) -> None:
         ratings = CouplingRatings(

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from torsion import fields
 from torsion.components.component import Component, Line, lower_branch
@@ -26,10 +26,8 @@ class GearBranch(Declared):
     sense: Literal[-1, 1] = given("-1: turns against the driving gear", -1)
     train: Line = given("the train behind the wheel", ())
 
-    @model_validator(mode="after")
-    def _ratio(self) -> Self:
+    def refuse_clashes(self) -> None:
         _one_ratio(self)
-        return self
 
 
 class Gear(Component, keyword="gear", sort="link"):
@@ -50,13 +48,11 @@ class Gear(Component, keyword="gear", sort="link"):
         "K_A of the gear rating"
     )
 
-    @model_validator(mode="after")
-    def _ratios(self) -> Self:
+    def refuse_clashes(self) -> None:
         _one_ratio(self)
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
-        return self
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor)

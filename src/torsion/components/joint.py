@@ -2,10 +2,9 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from torsion import fields
 from torsion.components.component import Component
@@ -43,13 +42,12 @@ class Joint(Component, keyword="joint", sort="link"):
         "of a tripod: single (default) moves the end of its driven shaft, twin is of constant velocity"
     )
 
-    @model_validator(mode="after")
-    def _kind_has_its_keys(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.kind != "tripod":
             for key in OF_A_TRIPOD:
                 if getattr(self, key) is not None:
                     raise refuse(f"a joint of kind {self.kind} has no `{key}`", "leave it out, or `kind: tripod`", key)
-            return self
+            return
         missing = [key for key in ("radius", "arm") if getattr(self, key) is None]
         if missing:
             raise refuse(f"a tripod needs `{missing[0]}`", "for example `radius: 30 mm, arm: 600 mm`")
@@ -60,7 +58,6 @@ class Joint(Component, keyword="joint", sort="link"):
             except SolveError:
                 hint = "make the angle or the radius smaller, or the arm longer"
                 raise refuse("the end of this tripod's driven shaft finds no way around", hint, "angle") from None
-        return self
 
     @property
     def order(self) -> int:

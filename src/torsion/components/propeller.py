@@ -2,9 +2,9 @@
 
 import math
 from fractions import Fraction
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
@@ -31,8 +31,7 @@ class PropellerDamping(Declared):
     value: fields.Damping | None = given("of `viscous`: the damping itself")
     factor: fields.Number | None = given("of archer (20..40 with n in rpm), frahm (2..4), quasi-steady: the factor")
 
-    @model_validator(mode="after")
-    def _factor(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.model in ("archer", "frahm", "quasi-steady") and self.factor is None:
             usual = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}[self.model]
             raise refuse(f"`factor` is missing for {self.model}", f"usual: {usual}")
@@ -42,7 +41,6 @@ class PropellerDamping(Declared):
             raise refuse("schwanecke has no `factor`", "it follows from diameter, pitch_ratio and area_ratio", "factor")
         if self.model != "viscous" and self.value is not None:
             raise refuse(f"{self.model} has no `value`", "give `factor`, or the value alone", "value")
-        return self
 
 
 def _plain_value(value: Any) -> Any:
@@ -77,15 +75,13 @@ class Propeller(Component, keyword="propeller", sort="point"):
     )
     excitation: tuple[BladeTorque, ...] = given("list of {blade_order, torque, phase}", ())
 
-    @model_validator(mode="after")
-    def _is_whole(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.excitation and self.blades is None:
             raise refuse("`blades` is missing; blade orders need the number of blades", key="excitation")
         needed = ("diameter", "pitch_ratio", "area_ratio")
         missing = [key for key in needed if getattr(self, key) is None]
         if self.damping is not None and self.damping.model == "schwanecke" and missing:
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
-        return self
 
     def lower(self, build: Lowering) -> None:
         model, factor = ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)

@@ -1,9 +1,9 @@
 """A shaft: distributed inertia and stiffness from its dimensions and material; uniform, conical or of any section."""
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from torsion import fields
 from torsion.components.component import Component
@@ -53,19 +53,17 @@ class Shaft(Component, keyword="shaft", sort="link"):
             raise refuse("`support` is an empty list", "give a support, or leave the key out")
         return support
 
-    @model_validator(mode="after")
-    def _has_a_wall(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.section is not None:
             if "bore" in self.model_fields_set:
                 raise refuse("a shaft with a `section` has no `bore`", "the mesh says the dimensions", "bore")
-            return self
+            return
         for key in ("diameter", "bore"):
             if len(getattr(self, key)) not in (1, 2):
                 raise refuse(f"`{key}` is one value or [from, to]", key=key)
         pairs = zip(_ends(self.diameter), _ends(self.bore), strict=True)
         if any(bore >= outer for outer, bore in pairs):
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
-        return self
 
     def lower(self, build: Lowering) -> None:
         build.record(

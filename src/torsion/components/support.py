@@ -1,8 +1,6 @@
 """A support of a shaft: an elastic bearing that holds it sideways, for the bending side of a Cardan line."""
 
-from typing import Annotated, Self
-
-from pydantic import model_validator
+from typing import Annotated
 
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 
@@ -21,14 +19,12 @@ class Support(Declared):
     mass: Mass = given("mass that moves with the shaft there", 0.0)
     source: str | None = given("where the figures come from: maker, drawing, estimate")
 
-    @model_validator(mode="after")
-    def _planes(self) -> Self:
+    def refuse_clashes(self) -> None:
         for key in ("stiffness", "damping"):
             if len(getattr(self, key)) not in (1, 2):
                 raise refuse(f"`{key}` is one value or [y, z]", "y: along the normal of the joint's plane", key)
         if not any(self.stiffness):
             raise refuse("a support of no stiffness holds nothing", "give a stiffness above 0", "stiffness")
-        return self
 
     @property
     def stiffness_of_planes(self) -> tuple[float, float]:
