@@ -67,9 +67,9 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
 
 def _with_elements(system: System, bars: BarSpans, view: Matrices) -> Matrices:
     """The matrices with the finite elements put in; the unknowns inside of them come behind the free angles."""
-    if bars.stiffness is None or bars.inertia is None:
-        return view
-    inner = bars.degree - 1
+    from torsion.assembly.element_matrices import element_matrices
+
+    inner, elements = bars.degree - 1, element_matrices(bars.pieces, bars.degree)
     free, number = len(view.names), len(bars.span)
     size = free + number * inner
     given = view.inertia, view.stiffness, view.damping, view.loss
@@ -80,10 +80,10 @@ def _with_elements(system: System, bars: BarSpans, view: Matrices) -> Matrices:
         angles = np.zeros((bars.degree + 1, size))
         angles[0, :free], angles[1, :free] = view.basis[system.driving[span]], view.basis[system.driven[span]]
         angles[np.arange(2, bars.degree + 1), own] = system.span_ratio[span]
-        stiff = angles.T @ bars.stiffness[place] @ angles
+        stiff, heavy = (angles.T @ matrices[place] @ angles for matrices in elements)
         stiffness += stiff
         loss += system.loss_factor[span] * stiff
-        inertia += angles.T @ bars.inertia[place] @ angles
+        inertia += heavy
         names += [f"{system.spans[span].name} inner {k + 1}" for k in range(inner)]
     basis = np.hstack([view.basis, np.zeros((len(view.basis), number * inner))])
     return Matrices(inertia, stiffness, damping, loss, basis, tuple(names), view.stations)

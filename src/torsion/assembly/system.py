@@ -199,8 +199,7 @@ def _condensed_train(system: System) -> CondensedTrain:
     Where rigid spans lead to several fixed stations of one part of the train, each of these is a root of its own, and
     the softest spans between them are left over as those that close a loop (through ground).
     """
-    ratio = system.span_ratio
-    flexibility = system.flexibility / ratio**2
+    flexibility = system.flexibility / system.span_ratio**2
     ends = _split_held(system)
     chosen = np.ones(len(flexibility), dtype=bool)
     way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
@@ -301,16 +300,16 @@ def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolAr
     place = np.argsort(order)
     parent, above = way.parent[order], way.above[order]
     node = np.flatnonzero(above >= 0)
-    span, ratio2 = above[node], system.span_ratio**2
-    tree_flexibility, viscous, loss = np.zeros((3, number))
-    tree_flexibility[node] = flexibility[span]
-    viscous[node] = (system.viscous * ratio2)[span]
-    loss[node] = system.loss_factor[span]
+    span = above[node]
+    elastic = np.zeros((3, number))
+    elastic[:, node] = np.array([flexibility, system.viscous * system.span_ratio**2, system.loss_factor])[:, span]
     span_node = np.full(len(flexibility), -1, dtype=np.int64)
     span_node[span] = node
     copied = order >= stations
     source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
     inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
-    tree = Tree(np.where(parent >= 0, place[parent], -1), tree_flexibility, inertia, system.held[source])
+    tree = Tree(np.where(parent >= 0, place[parent], -1), elastic[0], inertia, system.held[source])
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
-    return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
+    return CondensedTrain(
+        tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), elastic[1], elastic[2], copied
+    )

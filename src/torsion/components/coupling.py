@@ -50,12 +50,11 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
         ratings = CouplingRatings(
             self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance
         )
-        damping = [(key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None]
-        build.record(ratings=ratings, damping=damping[0] if damping else None)
+        damping = next(((key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None), None)
+        build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
         flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
-        loss = self.psi / (2.0 * math.pi) if self.psi is not None else self.loss_factor or 0.0
-        loss = 1.0 / self.magnifier if self.magnifier is not None else loss
-        viscous = build.own(self.viscous or 0.0)
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss))
+        loss = 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
+        loss = self.psi / (2.0 * math.pi) if self.psi is not None else loss
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, build.own(self.viscous or 0.0), loss))

@@ -8,16 +8,29 @@ from pydantic import Field, ValidationInfo, field_validator
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering
-from torsion.components.meshed_section import MeshedSection
-from torsion.components.part_records import ShaftRecord
-from torsion.components.support import Support
-from torsion.fields import OneOrMany, Quantity, given, refuse, required
-from torsion.primitives import Bar
+from torsion.components.part_records import ShaftRecord, Support
+from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.primitives import Bar, SectionMesh
+
+UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}  # m, in which a mesh may be drawn
 
 Feature = Literal[
     "flange", "shrink fit", "taper keyway", "cylinder keyway", "radial hole", "slot", "thrust collar", "roller bearing",
     "propeller flange", "propeller keyless", "propeller keyed", "tube shaft",
 ]  # fmt: skip
+
+
+class MeshedSection(Declared):
+    """A cross-section by mesh."""
+
+    mesh: str = required(
+        "file of triangles, relative to this file (.msh, .vtk, ...); its origin is the axis", min_length=1
+    )
+    unit: Literal["m", "cm", "mm", "in"] = given("unit of the mesh's coordinates", "m")
+
+    def lowered(self, *, unusual: bool) -> SectionMesh:
+        """The mesh, yet to be solved; one that is not unusual is at most as wide as a usual shaft."""
+        return SectionMesh(self.mesh, UNITS[self.unit], math.inf if unusual else WIDEST)
 
 
 class Shaft(Component, keyword="shaft", sort="link"):
