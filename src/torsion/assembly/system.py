@@ -301,15 +301,13 @@ def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolAr
     parent, above = way.parent[order], way.above[order]
     node = np.flatnonzero(above >= 0)
     span = above[node]
-    elastic = np.zeros((3, number))
+    flexible, viscous, loss = elastic = np.zeros((3, number))
     elastic[:, node] = np.array([flexibility, system.viscous * system.span_ratio**2, system.loss_factor])[:, span]
     span_node = np.full(len(flexibility), -1, dtype=np.int64)
     span_node[span] = node
     copied = order >= stations
     source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
     inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
-    tree = Tree(np.where(parent >= 0, place[parent], -1), elastic[0], inertia, system.held[source])
+    tree = Tree(np.where(parent >= 0, place[parent], -1), flexible, inertia, system.held[source])
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
-    return CondensedTrain(
-        tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), elastic[1], elastic[2], copied
-    )
+    return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)

@@ -49,8 +49,6 @@ def _plain_value(value: Any) -> Any:
 
 
 def _read_entrained(value: Any) -> tuple[str, float]:
-    if isinstance(value, tuple):
-        return value
     unit = "1" if isinstance(value, str) and value.strip().endswith("%") else "kg*m**2"
     return unit, Quantity(unit, at_least=0).read(value)
 
