@@ -10,7 +10,7 @@ FLOORS = {
     "errors": -1, "arrays": -1,  # the ground under every floor
     "units": 0, "kernels": 0, "kinematics": 0,
     "results": 1, "fields": 1, "primitives": 1,
-    "plan": 2, "components": 2,
+    "components": 2,
     "train": 3,
     "study": 4, "assembly": 4,
     "findings": 5,

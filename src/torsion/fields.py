@@ -97,25 +97,20 @@ class Quantity:
 
     def read(self, value: object) -> float:
         """The value in `unit`; raises the located fault that the user sees."""
-        if isinstance(value, str):
-            try:
-                number = units.to_si(value, self.unit)
-            except units.UnitFault as fault:
-                raise refuse(fault.message, fault.hint) from None
-        elif isinstance(value, bool) or not isinstance(value, int | float):
-            hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
-            raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
-        else:
+        try:
+            if isinstance(value, str):
+                return self._within(units.to_si(value, self.unit), *units.written(value, self.unit))
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
+                raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
             if units.needs_unit(self.unit):
-                raise refuse(
-                    f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one",
-                    "deg or rad" if self.unit == "rad" else "rpm or rad/s",
-                )
-            try:
-                number = float(value)
-            except OverflowError:
-                raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
-        return self._within(number, *units.written(value, self.unit) if isinstance(value, str) else (self.unit, 1.0))
+                hint = "deg or rad" if self.unit == "rad" else "rpm or rad/s"
+                raise refuse(f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one", hint)
+            return self._within(float(value), self.unit, 1.0)
+        except units.UnitFault as fault:
+            raise refuse(fault.message, fault.hint) from None
+        except OverflowError:
+            raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
 
     def _within(self, number: float, unit: str, size: float) -> float:
         """The number, where the limits allow it; they are stated in the unit it was written in, of that size."""

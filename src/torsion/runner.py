@@ -6,8 +6,7 @@ from dataclasses import replace
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import Findings, Progress, Work, silent
-from torsion.plan import Unanswered
+from torsion.findings import Findings, Progress, Unanswered, Work, silent
 from torsion.rules import judged_speeds
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import located

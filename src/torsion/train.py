@@ -94,12 +94,12 @@ def lowered(
         if link is not None:
             _close(build, link, ("links", position))
     for position, excitation in enumerate(excitations):
-        point = None if excitation is None else _point(build, excitation.at, ("excitations", position, "at"))
+        point = None if excitation is None else _named(build, excitation.at, ("excitations", position, "at"))
         if excitation is not None and point is not None:
             build.add(excitation.primitive(excitation.at, point.stations[0], ("excitations", position)))
     _names(build)
-    unit = _reference(build, reference)
-    return _train(build, unit), build.faults
+    counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
+    return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults
 
 
 def _train(build: Lowering, unit: Fraction) -> Train:
@@ -137,18 +137,18 @@ def _kinds(build: Lowering) -> dict[str, tuple[str, bool]]:
     return {part.name: (part.kind, part.is_point) for part in ordered}
 
 
-def _point(build: Lowering, name: str, path: Path) -> Part | None:
-    """The point called `name`; a fault is noted where there is none."""
-    fault = name_fault(name, path, _kinds(build))
+def _named(build: Lowering, name: str, path: Path, *, point: bool = True) -> Part | None:
+    """The point, or any component, called `name`; a fault is noted where there is none."""
+    fault = name_fault(name, path, _kinds(build), point=point)
     if fault is not None:
         build.faults.append(fault)
         return None
-    return next(part for part in build.parts if part.name == name and part.is_point)
+    return next(part for part in build.parts if part.name == name and (part.is_point or not point))
 
 
 def _close(build: Lowering, link: Link, path: Path) -> None:
     """Lower a link between two points of equal speed and sense."""
-    first, second = (_point(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
+    first, second = (_named(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
     if first is None or second is None:
         return
     both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
@@ -191,14 +191,3 @@ def taken(name: str, path: Path, by: Path, *, given: bool = True) -> Fault:
     if given:
         return Fault((*path, "name"), f"the name '{name}' is taken", "names are unique", other=by)
     return Fault(path, f"its name would be '{name}', which is taken", "give one of the two another `name`", other=by)
-
-
-def _reference(build: Lowering, name: str | None) -> Fraction:
-    if name is None:
-        return Fraction(1)
-    for part in build.parts:
-        if part.name == name:
-            return part.ratio
-    fault = name_fault(name, ("operation", "at"), _kinds(build), point=False)
-    build.faults += [] if fault is None else [fault]
-    return Fraction(1)

@@ -122,13 +122,6 @@ class Lowering:
         """Collect primitives; an inertia of nothing is left out."""
         self.primitives.extend(p for p in primitives if not (isinstance(p, Inertia) and p.inertia == 0))
 
-    def material(self, name: str) -> Material | None:
-        """The material of that name, or None with a fault noted."""
-        found = self.materials.get(name)
-        if found is None:
-            self.fault(f"no material is called '{name}'", f"there is {', '.join(self.materials)}", "material")
-        return found
-
     def own(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""
         return value / self.at.scale

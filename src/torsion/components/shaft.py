@@ -84,8 +84,10 @@ class Shaft(Component, keyword="shaft", sort="link"):
             damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
         )
         driving, driven = build.link()
-        material = build.material(self.material)
+        material = build.materials.get(self.material)
         if material is None:
+            hint = f"there is {', '.join(build.materials)}"
+            build.fault(f"no material is called '{self.material}'", hint, "material")
             return
         section = None if self.section is None else self.section.lowered(unusual=self.unusual)
         unknown = (math.nan, math.nan)
