@@ -2,17 +2,18 @@
 
 import math
 from collections.abc import Callable
-from itertools import pairwise
+from dataclasses import replace
+from itertools import count, pairwise
 
 import numpy as np
 
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.lumped import MOST
 from torsion.assembly.shafts import Piece, bar_segments, is_uniform, phase
-from torsion.assembly.spans import Span
+from torsion.assembly.spans import Row, Span
 from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import Collected
-from torsion.primitives import Bar
+from torsion.primitives import Bar, Station
 from torsion.train import Train
 
 LARGEST_PHASE = 1.0  # rad along a piece at the highest frequency requested; far below pi, from where counts need more
@@ -34,16 +35,16 @@ def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, B
         massless = bar.density == 0
         tells_end = not massless and not (bar.driven in held and len(held) > 1)
         numbers[bar.name] = number = (bar.segments or 1) if massless else number_of(bar)
-        ends = [bar.driving, *(found.station(bar, f"{bar.name} {k}/{number}") for k in range(1, number))]
-        last = bar.driven if not tells_end else found.station(bar, f"{bar.name} end")
-        spans = found.pieces(bar, [*ends, last], *bar_segments(bar, number))
-        if tells_end:
-            found.inertia[bar.driven] += found.inertia[last]
-            found.inertia[last] = 0.0
-            found.add(Span(f"{bar.name}, driven end", bar.part, last, bar.driven), 0.0)
+        row = Row(bar, number, len(found.stations), found.stations[bar.driving])
         if not massless:
             made = (Piece(bar, position, number) for position in range(number))
-            pieces += zip(spans, pairwise([*ends, bar.driven]), made, strict=True)
+            pieces += zip(count(len(found.spans)), pairwise(row.stations.tolist()), made, strict=False)
+        found.one_by_one(row, *bar_segments(bar, number))
+        if tells_end:
+            found.spans[-1] = replace(found.spans[-1], driven=len(found.stations))
+            found.add(Span(f"{bar.name}, driven end", bar.part, len(found.stations), bar.driven), 0.0)
+            found.stations.append(Station(f"{bar.name} end", bar.part, row.begin.ratio, row.begin.sense))
+            found.inertia.append(0.0)
     if not pieces:
         return found, None, numbers
     pieces.sort(key=lambda piece: not is_uniform(piece[-1].bar))

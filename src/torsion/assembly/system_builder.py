@@ -44,22 +44,14 @@ class Collected:
         self.spans.append(span)
         self.elastic.append((flexibility, viscous, loss_factor))
 
-    def station(self, bar: Bar, name: str) -> int:
-        """A new station of a shaft."""
-        first = self.stations[bar.driving]
-        self.stations.append(Station(name, bar.part, first.ratio, first.sense))
-        self.inertia.append(0.0)
-        return len(self.stations) - 1
-
-    def pieces(self, bar: Bar, ends: list[int], flexibility: FloatArray, lumps: FloatArray) -> range:
-        """Add a span between every two `ends` and the `lumps` of inertia at them; the positions of the spans."""
-        begin, number = len(self.spans), len(flexibility)
-        for k, own in enumerate(flexibility.tolist()):
-            name = bar.name if number == 1 else f"{bar.name} [{k + 1}]"
-            self.add(Span(name, bar.part, ends[k], ends[k + 1]), own, 0.0, bar.loss_factor)
-        for end, lump in zip(ends, lumps.tolist(), strict=True):
+    def one_by_one(self, row: Row, flexibility: FloatArray, lumps: FloatArray) -> None:
+        """Add the stations between the pieces of a shaft, its inertia lumped at their ends, and its spans."""
+        self.stations += map(row.station, range(row.number - 1))
+        self.inertia += [0.0] * (row.number - 1)
+        for end, lump in zip(row.stations.tolist(), lumps.tolist(), strict=True):
             self.inertia[end] += lump
-        return range(begin, begin + number)
+        for k, own in enumerate(flexibility.tolist()):
+            self.add(row.span(k), own, 0.0, row.bar.loss_factor)
 
     def row(self, bar: Bar, flexibility: FloatArray, lumps: FloatArray) -> None:
         """Add a whole shaft in segments; no station or span of another kind may be added after it."""
