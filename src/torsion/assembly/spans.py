@@ -92,10 +92,11 @@ class SegmentGroups:
     Of a group of segments its outer station and its first span stand for it; sums are over the group.
     """
 
-    members: Sequence[Span]  # all spans of the system
     stations: IntArray  # (stations kept,) their positions in the system
     spans: IntArray  # (spans kept,) likewise
-    ends: IntArray  # (spans kept, 2) driving and driven station of each span or group, as positions in `stations`
+    kept: Sequence[Span]  # (spans kept,) every span or group, between positions in `stations`
+    rows: tuple[Row, ...]  # shafts in segments, in groups
+    segments: int  # spans of the system
     longest: int  # segments in a group
 
     @property
@@ -106,7 +107,12 @@ class SegmentGroups:
     @property
     def last_span(self) -> IntArray:
         """(spans kept,) position of the last of each group."""
-        return np.append(self.spans, len(self.members))[1:] - 1
+        return np.append(self.spans, self.segments)[1:] - 1
+
+    @property
+    def ends(self) -> IntArray:
+        """(spans kept, 2) driving and driven station of each span or group, as positions in `stations`."""
+        return np.array([(span.driving, span.driven) for span in self.kept], dtype=np.int64).reshape(-1, 2)
 
     @property
     def is_whole(self) -> bool:
@@ -115,11 +121,7 @@ class SegmentGroups:
 
     def names(self) -> list[str]:
         """(spans kept,) names; of a group with its first and its last segment."""
-        spans = self.members
-        return [
-            spans[a].name if a == b else f"{spans[a].name[:-1]}..{spans[b].name.rpartition('[')[2]}"
-            for a, b in zip(self.spans.tolist(), self.last_span.tolist(), strict=True)
-        ]
+        return [span.name for span in self.kept]
 
     def over_stations(self, values: FloatArray) -> FloatArray:
         """Sums over groups of values (stations, ...)."""
