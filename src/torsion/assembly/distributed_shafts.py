@@ -62,10 +62,10 @@ def pieces_for(bar: Bar, frequency: float) -> int:
     return max(min(math.ceil(max(needed)), MOST), bar.segments or 1)
 
 
-def assemble_exact(train: Train, *, frequency: float = 0.0) -> System:
+def assemble_exact(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft is a continuum, in pieces short enough for a highest frequency (Hz).
 
     Raises SolveError for a train with closed loops.
     """
-    found, bars, pieces = collect(train, lambda bar: pieces_for(bar, frequency))
-    return found.system("exact", pieces, Discretisation(frequency), math.inf, bars)
+    found, bars, pieces = collect(train, lambda bar: pieces_for(bar, requested.frequency))
+    return found.system("exact", pieces, requested, math.inf, bars)

@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.assembly.distributed_shafts import collect
 from torsion.assembly.lumped import MOST
-from torsion.assembly.shafts import area_along, bar_segments, gauss, is_uniform, phase
+from torsion.assembly.shafts import GAUSS, area_along, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
 from torsion.train import Train
@@ -40,14 +40,13 @@ def degree_for(train: Train, frequency: float, elements: int) -> int:
     return HIGHEST_DEGREE
 
 
-def assemble_fem(
-    train: Train, *, frequency: float = 0.0, degree: int | None = None, elements: int | None = None
-) -> System:
+def assemble_fem(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has elements of one degree, enough for a highest frequency (Hz).
 
-    degree, elements (of every shaft): where not given, what keeps the error below SHARE_OF_ERROR. Raises SolveError
+    A degree or number of elements that is not requested is what keeps the error below SHARE_OF_ERROR. Raises SolveError
     for a train with closed loops.
     """
+    frequency, degree, elements = requested.frequency, requested.degree, requested.elements
     order = degree or (DEGREE if elements is None else degree_for(train, frequency, elements))
 
     def number_of(bar: Bar) -> int:
@@ -61,7 +60,6 @@ def assemble_fem(
     is_stated = elements is not None and (degree is not None or order == HIGHEST_DEGREE)
     longest = accurate_phase(order) if elements is not None else min(accurate_phase(order), LARGEST_PHASE)
     resolved = (numbers[bar.name] * longest / phase(bar, 1.0) for bar in moving if not is_stated)
-    requested = Discretisation(frequency, degree, elements)
     return found.system("fem", numbers, requested, min(resolved, default=math.inf), bars)
 
 
@@ -92,7 +90,7 @@ def section_error(bar: Bar, number: int, degree: int) -> float:
     """
     if is_uniform(bar):
         return 0.0
-    x, weight = gauss()
+    x, weight = GAUSS
     at = (np.arange(number)[:, None] + (x + 1.0) / 2.0) / number
     polynomials = np.polynomial.legendre.legvander(x, degree - 1)
     energy = np.einsum("ng,gi,gj->nij", area_along(bar, at) * weight, polynomials, polynomials)
