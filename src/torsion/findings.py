@@ -110,11 +110,6 @@ class Log:
         """Note what was left out."""
         self.left_out.append((what, why))
 
-    def unanswer(self, found: Unanswered) -> None:
-        """Note an analysis that was tried and has no answer."""
-        self.unanswered.append(found)
-        self.without(found.what, found.words)
-
     def plan(self) -> Plan:
         """All that was collected, with the versions of what the numbers come from."""
         versions = {"torsion": metadata.version("torsion"), "Python": ".".join(map(str, sys.version_info[:3]))}

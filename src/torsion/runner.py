@@ -43,7 +43,8 @@ def run(
                     if name in work.ruled or name in ESSENTIAL:
                         raise
                     errors.append(error)
-                    work.log.unanswer(_unanswered(study, name, analysis, error))
+                    work.log.unanswered.append(one := _unanswered(study, name, analysis, error))
+                    work.log.without(one.what, one.words)
         if errors and not any(work.results.get(key) is not None for key in ANSWERS):
             raise errors[0]
         _judge(work)

@@ -16,7 +16,6 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.assembly.spans import Row, SegmentGroups, Span
-from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
 from torsion.kernels.tree import Tree
@@ -282,15 +281,11 @@ def _spanning(system: System, flexibility: FloatArray, ends: _Ends) -> BoolArray
     rigid = ranked[~chosen[ranked] & (flexibility[ranked] == 0)]
     if rigid.size:
         part = system.train.parts[system.span_part[rigid[0]]]
-        raise InputError(fixed_point_faults(system.train) or [_rigid_loop(part)])
+        key = () if part.ratings is None else ("flexibility",)  # a rigid coupling says so itself
+        message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
+        loop = Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
+        raise InputError(fixed_point_faults(system.train) or [loop])
     return chosen
-
-
-def _rigid_loop(part: Part) -> Fault:
-    """The fault of a rigid component that closes a loop of rigid ones."""
-    key = () if part.ratings is None else ("flexibility",)  # a rigid coupling says so itself
-    message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
-    return Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
 
 
 def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> CondensedTrain:

@@ -24,9 +24,13 @@ def resolved(train: Train) -> Train:
     faults = mesh_faults(train)
     if faults:
         raise InputError(faults)
-    solved = section_results(train)
-    bars = (_with_section(bar, solved[bar.name].section) if bar.name in solved else bar for bar in train.bars)
-    return replace(train, bars=tuple(bars))
+    bars = {bar.name: bar for bar in train.bars}
+    for name, found in section_results(train).items():
+        section, bar = found.section, bars[name]
+        across = (32.0 / math.pi * section.polar_moment) ** 0.25
+        modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
+        bars[name] = replace(bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus)
+    return replace(train, bars=tuple(bars.values()))
 
 
 def _meshes(train: Train) -> list[tuple[Bar, SectionMesh]]:
@@ -53,13 +57,6 @@ def section_results(train: Train) -> "dict[str, SectionResult]":
     from torsion.assembly.section.section_result import section_result
 
     return {bar.name: section_result(section) for bar, section in _meshes(train)}
-
-
-def _with_section(bar: Bar, section: Section) -> Bar:
-    """The shaft with constants in place of its diameters."""
-    across = (32.0 / math.pi * section.polar_moment) ** 0.25
-    modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
-    return replace(bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus)
 
 
 def stress_modulus(bar: Bar) -> float:
