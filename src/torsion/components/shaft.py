@@ -28,10 +28,6 @@ class MeshedSection(Declared):
     )
     unit: Literal["m", "cm", "mm", "in"] = given("unit of the mesh's coordinates", "m")
 
-    def lowered(self, *, unusual: bool) -> SectionMesh:
-        """The mesh, yet to be solved; one that is not unusual is at most as wide as a usual shaft."""
-        return SectionMesh(self.mesh, UNITS[self.unit], math.inf if unusual else WIDEST)
-
 
 class Shaft(Component, keyword="shaft", sort="link"):
     """A uniform or conical shaft, solid or hollow, or one of any cross-section."""
@@ -89,7 +85,9 @@ class Shaft(Component, keyword="shaft", sort="link"):
             hint = f"there is {', '.join(build.materials)}"
             build.fault(f"no material is called '{self.material}'", hint, "material")
             return
-        section = None if self.section is None else self.section.lowered(unusual=self.unusual)
+        section, widest = None, math.inf if self.unusual else WIDEST
+        if self.section is not None:
+            section = SectionMesh(self.section.mesh, UNITS[self.section.unit], widest)
         unknown = (math.nan, math.nan)
         build.add(
             Bar(
