@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.errors import Fault, InputError
-from torsion.findings import Findings, Progress, silent
-from torsion.plan import Plan
+from torsion.findings import Findings, Plan, Progress, silent
 from torsion.runner import run
 from torsion.schema.scene_reader import located, read
 from torsion.study import Study

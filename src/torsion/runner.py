@@ -6,8 +6,7 @@ from dataclasses import replace
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import Findings, Progress, Work, silent
-from torsion.plan import Unanswered
+from torsion.findings import Findings, Progress, Unanswered, Work, silent
 from torsion.rules import judged_speeds
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import located
@@ -44,7 +43,8 @@ def run(
                     if name in work.ruled or name in ESSENTIAL:
                         raise
                     errors.append(error)
-                    work.log.unanswer(_unanswered(study, name, analysis, error))
+                    work.log.unanswered.append(one := _unanswered(study, name, analysis, error))
+                    work.log.without(one.what, one.words)
         if errors and not any(work.results.get(key) is not None for key in ANSWERS):
             raise errors[0]
         _judge(work)

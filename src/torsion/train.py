@@ -3,14 +3,17 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
-from torsion.components.component import Component
+from torsion.components.component import Component, lower_line
 from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import Lowering, Part
+from torsion.components.lowering import Arrival, Lowering, Part
 from torsion.components.material import STEEL, Material
 from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
+
+ENDS = ("station", "driving", "driven")  # the stations that primitives name
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ def lowered(
 ) -> tuple[Train | None, list[Fault]]:
     """The train as far as it is known, and its faults; None stands for what cannot be read, and is left out."""
     build = Lowering({"steel": STEEL, **(materials or {})})
-    build.walk(components, ("train",))
+    lower_line(build, components, ("train",))
     if not build.stations:
         fault = Fault(("train",), "the train has no component that turns", "list its components")
         return None, [*build.faults, fault]
@@ -91,12 +94,12 @@ def lowered(
         if link is not None:
             _close(build, link, ("links", position))
     for position, excitation in enumerate(excitations):
-        point = None if excitation is None else _point(build, excitation.at, ("excitations", position, "at"))
+        point = None if excitation is None else _named(build, excitation.at, ("excitations", position, "at"))
         if excitation is not None and point is not None:
             build.add(excitation.primitive(excitation.at, point.stations[0], ("excitations", position)))
     _names(build)
-    unit = _reference(build, reference)
-    return _train(build, unit), build.faults
+    counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
+    return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults
 
 
 def _train(build: Lowering, unit: Fraction) -> Train:
@@ -134,18 +137,18 @@ def _kinds(build: Lowering) -> dict[str, tuple[str, bool]]:
     return {part.name: (part.kind, part.is_point) for part in ordered}
 
 
-def _point(build: Lowering, name: str, path: Path) -> Part | None:
-    """The point called `name`; a fault is noted where there is none."""
-    fault = name_fault(name, path, _kinds(build))
+def _named(build: Lowering, name: str, path: Path, *, point: bool = True) -> Part | None:
+    """The point, or any component, called `name`; a fault is noted where there is none."""
+    fault = name_fault(name, path, _kinds(build), point=point)
     if fault is not None:
         build.faults.append(fault)
         return None
-    return next(part for part in build.parts if part.name == name and part.is_point)
+    return next(part for part in build.parts if part.name == name and (part.is_point or not point))
 
 
 def _close(build: Lowering, link: Link, path: Path) -> None:
     """Lower a link between two points of equal speed and sense."""
-    first, second = (_point(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
+    first, second = (_named(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
     if first is None or second is None:
         return
     both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
@@ -157,7 +160,22 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
         message = f"{both} are not referred to one speed, and so the link's figures to neither"
         build.faults.append(Fault(place, message, "refer both (gear: referred), or neither"))
     else:
-        build.join(first, second, link.component, path)
+        _join(build, first, second, link.component, path)
+
+
+def _join(build: Lowering, first: Part, second: Part, component: Component, path: Path) -> None:
+    """Lower a link between two points that are there already."""
+    driving, driven = first.stations[0], second.stations[0]
+    sense, begin = build.stations[driving].sense, len(build.primitives)
+    main, build.at = build.at, Arrival(driving, False, first.ratio, sense, first.referred_to)
+    component.enter(build, path)
+    made = build.parts[-1].stations[-1]
+    for position, primitive in enumerate(build.primitives[begin:], begin):
+        moved: dict[str, Any] = dict.fromkeys((end for end in ENDS if getattr(primitive, end, None) == made), driven)
+        build.primitives[position] = replace(primitive, **moved)
+    del build.stations[made]
+    build.record(stations=(driving, driven))
+    build.at = main
 
 
 def _names(build: Lowering) -> None:
@@ -173,14 +191,3 @@ def taken(name: str, path: Path, by: Path, *, given: bool = True) -> Fault:
     if given:
         return Fault((*path, "name"), f"the name '{name}' is taken", "names are unique", other=by)
     return Fault(path, f"its name would be '{name}', which is taken", "give one of the two another `name`", other=by)
-
-
-def _reference(build: Lowering, name: str | None) -> Fraction:
-    if name is None:
-        return Fraction(1)
-    for part in build.parts:
-        if part.name == name:
-            return part.ratio
-    fault = name_fault(name, ("operation", "at"), _kinds(build), point=False)
-    build.faults += [] if fault is None else [fault]
-    return Fraction(1)

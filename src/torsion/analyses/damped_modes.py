@@ -9,7 +9,7 @@ from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.undamped_modes import modes_as_discretised, modes_settings, span_torques
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.assembly.segment_groups import SegmentGroups
+from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Work

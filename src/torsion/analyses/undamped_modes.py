@@ -188,7 +188,7 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
 def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.groups is not None:
-        return condensed_modes(modes_as_discretised(system.groups.system, count, progress=progress), system)
+        return condensed_modes(modes_as_discretised(system.whole, count, progress=progress), system)
     tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.bars import referred_modes

@@ -13,13 +13,12 @@ from typing import Any
 import torsion
 from torsion.analyses import ANALYSES
 from torsion.assembly.segment_groups import MOST_GROUPS
-from torsion.findings import Findings
+from torsion.findings import Findings, Plan
 from torsion.output.document import Document
 from torsion.output.json_text import MOST_NUMBERS, SERIES, lines, listed, write_json
 from torsion.output.plain import LISTED, plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
 from torsion.output.selection import Selection
-from torsion.plan import Plan
 from torsion.results import is_list, parts, quantities
 from torsion.rules.verdict_line import Checks
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.segment_groups import MOST_GROUPS, SegmentGroups, segment_groups
+from torsion.assembly.segment_groups import MOST_GROUPS, segment_groups
+from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, SI, Scale, rpm, scale
@@ -75,7 +76,7 @@ class Selection:
         if self.groups.is_whole:
             return array
         if is_total:
-            first = self.groups.first_station if axis == "station" else self.groups.first_span
+            first = self.groups.first_station if axis == "station" else self.groups.spans
             return np.add.reduceat(array, first, axis=place)
         return array.take(self.groups.stations if axis == "station" else self.groups.spans, axis=place)
 

@@ -15,8 +15,8 @@ from torsion.components.disc import Disc
 from torsion.components.gear import Gear
 from torsion.components.joint import Joint
 from torsion.components.material import Material
+from torsion.components.part_records import Support
 from torsion.components.shaft import Shaft
-from torsion.components.support import Support
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.kinematics.couples import couple_harmonics

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.analyses.lateral.beam_elements import Segment
 from torsion.analyses.lateral.beam_matrices import Beam, Point
-from torsion.components.support import Support, fits
+from torsion.components.part_records import Support
 from torsion.errors import Fault, Path
 from torsion.kernels.spanning_forest import connected
 from torsion.primitives import Bar
@@ -136,7 +136,7 @@ def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[F
     for bar in row:
         part, every = train.parts[bar.part], _supports_of(train, bar)
         for number, (support, path) in enumerate(every):
-            if not fits(support, bar.length):
+            if support.at > bar.length:
                 message = f"the support stands {support.at:g} m along a shaft of {bar.length:g} m"
                 faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
                 continue

@@ -12,7 +12,7 @@ from torsion.analyses.motion.equations_of_motion import linearised, mean_angle, 
 from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_deviation
 from torsion.analyses.motion.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
-from torsion.assembly.segment_groups import SegmentGroups
+from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import (

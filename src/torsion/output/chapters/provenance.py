@@ -31,7 +31,8 @@ def input_file(findings: Findings) -> Iterator[Block]:
     files = dict.fromkeys(bar.section.file for bar in bars if isinstance(bar.section, SectionMesh))
     meshes = "".join(f"; {file}, SHA-256 {hashlib.sha256(Path(file).read_bytes()).hexdigest()}" for file in files)
     also = f" and the meshes that it names{meshes}." if meshes else "."
-    words = f"{findings.study.file or 'Input'}, SHA-256 {checksum(findings.study)}. The whole report was computed from this text"
+    study = findings.study
+    words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}. The whole report was computed from this text"
     yield Heading("Appendix: the input as read")
     yield Paragraph(words + also)
     yield Verbatim(text)
