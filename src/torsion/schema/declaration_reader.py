@@ -40,6 +40,11 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
     return None if known else read
 
 
+def entries_of(value: object) -> Iterator[tuple[str | int, Any]]:
+    """What stands in a mapping or a list, with its key or position; nothing of any other value."""
+    return iter(value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
+
+
 def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
     """The fault of a part of the format that cannot be computed yet."""
     return Fault(path, f"{what} is part of the format but not built yet", hint, at_key=True)
@@ -54,10 +59,9 @@ def unknown(path: Path, what: str, word: str, candidates: list[str]) -> Fault:
 
 def _empty(value: object, path: Path = ()) -> Iterator[Path]:
     """Paths of what stands in the file without a value."""
-    if isinstance(value, dict | list):
-        for step, item in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from _empty(item, (*path, step))
-    elif value is None:
+    for step, item in entries_of(value):
+        yield from _empty(item, (*path, step))
+    if value is None:
         yield path
 
 

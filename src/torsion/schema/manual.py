@@ -14,8 +14,7 @@ from torsion.fields import Declared
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.declaration_keys import declarations, keys_of, mappings_of, quantities_of, table_of
-from torsion.schema.scene_reader import Scene
-from torsion.schema.scene_sections import LINKS
+from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements, Operation
 
 EXAMPLES = {
