@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
@@ -27,17 +27,47 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
     known = [_without_value((*path, *where), where) for where in _empty(body)]
     known += [unbuilt((*path, key), f"`{key}`") for key in absent if body.get(key) is not None]
     noted = [fault.path[len(path) :] for fault in known]
+    there = _filled({key: item for key, item in body.items() if key not in absent})
     try:
-        there = {key: item for key, item in body.items() if key not in absent}
-        read = kind.model_validate(_filled(there), strict=True)
+        read = kind.model_validate(there, strict=True)
     except ValidationError as error:
-        read = None
-        for detail in error.errors(include_url=False):
+        read, details = None, error.errors(include_url=False)
+        for detail in (*details, *_between_sound_keys(kind, there, details)):
             where, fault = _fault(kind, detail, body)
             if not _is_echo(detail, body) and not any(where[: len(other)] == other[: len(where)] for other in noted):
                 known.append(replace(fault, path=(*path, *fault.path)))
     faults += known
     return None if known else read
+
+
+def _between_sound_keys(
+    kind: type[Declared], there: dict[str, Any], details: list[ErrorDetails]
+) -> Iterator[ErrorDetails]:
+    """What checks between keys refuse that read no faulty key; pydantic leaves them all out where one is faulty.
+
+    None where a key is unknown, which may be one of theirs misspelt.
+    """
+    faulty = {str(detail["loc"][0]) for detail in details if detail["loc"]}
+    if not faulty or not faulty <= keys_of(kind).keys():
+        return
+    sound = {field: key for key, field in zip(keys_of(kind), kind.model_fields, strict=True) if key not in faulty}
+    partly = kind.model_construct(_fields_set={field for field, key in sound.items() if key in there})
+    try:
+        for field in partly.model_fields_set:
+            reader = TypeAdapter(kind.model_fields[field].rebuild_annotation())
+            vars(partly)[field] = reader.validate_python(there[sound[field]], strict=True)
+    except ValidationError:  # it is sound only because the component says `unusual`
+        return
+    for field in kind.model_fields.keys() - sound.keys():
+        vars(partly).pop(field, None)
+    for check in kind.__pydantic_decorators__.model_validators.values():
+        if check.info.mode == "after":
+            try:
+                check.func(partly)
+            except PydanticCustomError as refusal:
+                yield {"type": "fault", "loc": (), "msg": "", "input": there, "ctx": refusal.context or {}}
+            except AttributeError:  # it reads a key that is faulty
+                continue
 
 
 def entries_of(value: object) -> Iterator[tuple[str | int, Any]]:
