@@ -59,8 +59,7 @@ class ClassedShaft:
     details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K and the greatest k govern
     diameter: float  # mm, greatest: for C_D
     ends: tuple[tuple[float, float], tuple[float, float]]  # mm, (outer, bore) of the driving and the driven end
-    is_stated: bool  # its strength
-    notes: tuple[str, ...]
+    stated: float | None  # N/mm2: strength as the file gives it
 
     @property
     def governing(self) -> tuple[str, Detail]:
@@ -75,7 +74,7 @@ class ClassedShaft:
     @property
     def standing(self) -> Mark:
         """Of tau_C: that of C_K, and of the least strength of shaft steel where none is stated."""
-        return self.governing[1].c_k_mark if self.is_stated else "to be verified"
+        return self.governing[1].c_k_mark if self.stated is not None else "to be verified"
 
     @property
     def k(self) -> float:
@@ -87,13 +86,23 @@ class ClassedShaft:
         """Features that do not go with a barred range."""
         return tuple(name for name, detail in self.details if detail.has_keyway)
 
-    def tau_c(self, speed_ratio: FloatArray) -> FloatArray:
-        """(speeds,) N/mm2, NaN above 1.05."""
-        return formulas.tau_c(self.strength, self.diameter, self.c_k, speed_ratio)
-
-    def tau_t(self, speed_ratio: FloatArray) -> FloatArray:
-        """(speeds,) N/mm2, NaN above 0.8."""
-        return formulas.tau_t(self.strength, self.diameter, self.c_k, speed_ratio)
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was used, in words."""
+        feature, detail = self.governing
+        doubt = "" if detail.c_k_mark == "rule text" else ", to be verified"
+        condition = f": {detail.condition}" if detail.condition else ""
+        doubt_of_strength = " (none stated: the least of shaft steel assumed, to be verified)"
+        if self.stated is not None:
+            doubt_of_strength = f" (of {self.stated:.4g})" if self.strength < self.stated else ""
+        factors = (
+            f"C_K {self.c_k:.4g} ({feature}{condition}{doubt})",
+            f"C_D {formulas.size_factor(self.diameter):.4g}",
+            f"sigma_B {self.strength:.4g} N/mm2{doubt_of_strength}",
+        )
+        (first, _), (last, _) = self.ends
+        cone = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter"
+        return (", ".join(factors), *([cone] if first != last else []))
 
 
 def judged(train: Train) -> list[tuple[Bar, ShaftRecord]]:
@@ -120,16 +129,13 @@ def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, Flo
 def _classed(study: Study, settings: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
     # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
     role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
-    stated = study.train.materials[record.material].tensile_strength
-    steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
+    given_strength = study.train.materials[record.material].tensile_strength
+    stated = None if given_strength is None else given_strength * PA
+    steel = formulas.LEAST_STRENGTH if stated is None else stated
     strength = formulas.used_strength(steel, role, alloy=bar.name in settings.alloy)
-    outer, bore = bar.outer, bar.bore
-    ends = ((outer[0] * MM, bore[0] * MM), (outer[1] * MM, bore[1] * MM))
-    shaft = ClassedShaft(
-        bar.part, bar.name, role, strength, _details(record, role, bar.name, ends, settings),
-        diameter=max(outer) * MM, ends=ends, is_stated=stated is not None, notes=(),
-    )  # fmt: skip
-    return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
+    ends = ((bar.outer[0] * MM, bar.bore[0] * MM), (bar.outer[1] * MM, bar.bore[1] * MM))
+    details = _details(record, role, bar.name, ends, settings)
+    return ClassedShaft(bar.part, bar.name, role, strength, details, max(bar.outer) * MM, ends, stated)
 
 
 def _details(
@@ -147,22 +153,3 @@ def _details(
             detail = replace(detail, c_k=min(1.0, formulas.slot_c_k(worst)), c_k_mark="to be verified")
         found.append((feature, detail))
     return tuple(found)
-
-
-def _notes(shaft: ClassedShaft, stated: float | None) -> tuple[str, ...]:
-    """What was used, in words."""
-    feature, detail = shaft.governing
-    doubt = "" if detail.c_k_mark == "rule text" else ", to be verified"
-    condition = f": {detail.condition}" if detail.condition else ""
-    if stated is None:
-        doubt_of_strength = " (none stated: the least of shaft steel assumed, to be verified)"
-    else:
-        doubt_of_strength = f" (of {stated:.4g})" if shaft.strength < stated else ""
-    (first, _), (last, _) = shaft.ends
-    factors = [
-        f"C_K {shaft.c_k:.4g} ({feature}{condition}{doubt})",
-        f"C_D {formulas.size_factor(shaft.diameter):.4g}",
-        f"sigma_B {shaft.strength:.4g} N/mm2{doubt_of_strength}",
-    ]
-    cone = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter" if first != last else ""
-    return (", ".join(factors), *([cone] if cone else []))

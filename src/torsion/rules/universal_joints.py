@@ -13,7 +13,6 @@ from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar, Constraint, Spring
-from torsion.rules.judgement import rule_path
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
 from torsion.study import Study
 from torsion.train import Train
@@ -133,13 +132,14 @@ class JointRuleSettings(Declared):
 class UniversalJoints(Rule):
     """The rule, as the study reads it."""
 
+    name = RULE
     settings = JointRuleSettings
     needs = ("joints",)
 
     def faults(self, study: Study, settings: JointRuleSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not study.has_joints:
-            return [Fault(rule_path(study, settings), f"{RULE} finds no joint in the train", "leave the rule out")]
+            return [Fault(self.path(study, settings), f"{RULE} finds no joint in the train", "leave the rule out")]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
             return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
