@@ -1,7 +1,7 @@
 """Rule `universal-joints`: makers' limits of non-uniformity, accelerations, speed times angle, and tube speed."""
 
 import math
-from collections import deque
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -92,16 +92,15 @@ def _cannot_bend(train: Train, parts: tuple[int, ...]) -> str:
 
 def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
     """What lies on the way from one station to another, along springs and shafts."""
-    pieces: list[Spring | Bar] = [*train.springs, *train.bars]
-    near: dict[int, list[tuple[int, Spring | Bar]]] = {}
+    near = defaultdict[int, list[tuple[int, Spring | Bar]]](list)
+    pieces: tuple[Spring | Bar, ...] = (*train.springs, *train.bars)
     for piece in pieces:
-        near.setdefault(piece.driving, []).append((piece.driven, piece))
-        near.setdefault(piece.driven, []).append((piece.driving, piece))
+        near[piece.driving].append((piece.driven, piece))
+        near[piece.driven].append((piece.driving, piece))
     reached: dict[int, tuple[int, Spring | Bar] | None] = {start: None}
-    queue = deque([start])
-    while queue and end not in reached:
-        here = queue.popleft()
-        for there, piece in near.get(here, ()):
+    queue = [start]
+    for here in queue:  # which grows meanwhile: breadth first
+        for there, piece in near[here]:
             if there not in reached:
                 reached[there] = (here, piece)
                 queue.append(there)
@@ -164,8 +163,10 @@ class UniversalJoints(Rule):
             for joint in found.joints:
                 value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
                 rows.append(_verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed))
-        every = [_critical(tube, evidence.get(Lateral)) for tube in tubes(evidence.study.train) if not tube.lacks]
-        return (*rows, *(_bending(one, settings.critical_share, speed) for one in every if one is not None))
+        for tube in tubes(evidence.study.train):
+            if not tube.lacks:
+                rows += _bending(tube, evidence.get(Lateral), settings.critical_share, speed)
+        return tuple(rows)
 
 
 def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed: float) -> Iterator[Check]:
@@ -196,36 +197,22 @@ def _steepest(joint: JointFound, first: JointFound, speed: float) -> float:
     return joint.steepest * (speed * float(first.ratio)) ** 2
 
 
-def _bending(one: "_CriticalSpeed", share: float, speed: float) -> Check:
-    """Speed of a tube against a share of its critical bending speed."""
-    own, critical = speed * float(one.tube.ratio) * RPM, one.first * RPM
-    twice = "passes it within the speeds" if own >= one.second * RPM else "stays below it"
+def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Iterator[Check]:
+    """Speed of a tube against a share of its critical bending speed, that of a tube on supports as it was computed."""
+    first, second, origin = tube.critical, tube.critical / 2.0, "simply supported at the joints"
+    if tube.has_support:
+        if bent is None:
+            return
+        known = [one for shaft in bent.shafts if set(shaft.parts) & set(tube.parts) for one in shaft.critical]
+        first, second = (min((one.speed for one in known if one.order == order), default=math.inf) for order in (1, 2))
+        origin = "bending of the shaft on its supports, order 1"
+    own, critical = speed * float(tube.ratio) * RPM, first * RPM
+    twice = "passes it within the speeds" if own >= second * RPM else "stays below it"
     standing: Standing = TO_BE_VERIFIED if share == SHARE_OF_CRITICAL else "setting"
-    words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({one.origin})"
+    words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({origin})"
     couple = f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}"
     limit = share * critical, standing, words
-    return _verdict("n_crit", one.tube.name, "speed of the tube", own, "rpm", limit, speed, after=couple)
-
-
-@dataclass(frozen=True)
-class _CriticalSpeed:
-    """The critical bending speed of a tube, rad/s of its own: met once and twice a revolution."""
-
-    tube: Tube
-    first: float
-    second: float
-    origin: str
-
-
-def _critical(tube: Tube, bent: "Lateral | None") -> _CriticalSpeed | None:
-    """By the bending analysis of a tube on supports, else by the formula; None where bending was not computed."""
-    if not tube.has_support:
-        return _CriticalSpeed(tube, tube.critical, tube.critical / 2.0, "simply supported at the joints")
-    if bent is None:
-        return None
-    known = [one for shaft in bent.shafts if set(shaft.parts) & set(tube.parts) for one in shaft.critical]
-    first, second = (min((one.speed for one in known if one.order == order), default=math.inf) for order in (1, 2))
-    return _CriticalSpeed(tube, first, second, "bending of the shaft on its supports, order 1")
+    yield _verdict("n_crit", tube.name, "speed of the tube", own, "rpm", limit, speed, after=couple)
 
 
 def _verdict(
