@@ -148,23 +148,22 @@ class Compared:
         return bool(self.failed)
 
 
-def check(study: Study, requested: CheckSettings | None = None, *, progress: Progress | None = None) -> Compared:
+def check(study: Study, requested: CheckSettings | None = None, *, progress: Progress = silent) -> Compared:
     """Every requested model against the exact one, for the modes and the orders that the study says.
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
-    settings, report = requested or CheckSettings(), progress or (silent)
+    settings = requested or CheckSettings()
     if not has_shafts(study.train):
         return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
-    faults = loop_faults(study, ("links",))
-    if faults:
+    if faults := loop_faults(study, ("links",)):
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
     harmonics, top, lacking = operating_harmonics(study, assembled(replace(study, model="lumped")))
     names = [name for name in get_args(Model) if name != "exact" and name in (settings.models or get_args(Model))]
     found = list[_Solved]()
     for place, name in enumerate(("exact", *names)):
-        report(f"check: {name}", place / (len(names) + 1))
+        progress(f"check: {name}", place / (len(names) + 1))
         found.append(_solved(replace(study, model=name), count, top, harmonics))
     exact = found[0]
     highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
