@@ -87,7 +87,7 @@ def _writing(study: Study, refusal: str, remedy: str = "") -> Iterator[None]:
         raise located(error, study) from None
 
 
-def joint(file: str | Path, *, turns: int | None = None) -> Findings:
+def joint(file: str | Path, *, turns: int | None = None, progress: Progress = silent) -> Findings:
     """Read a scene and compute its joints alone, with the rules that judge them; nothing is written.
 
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
@@ -103,7 +103,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
     rules = tuple((name, given) for name, given in study.rules if name in JOINT_RULES)
-    findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",))
+    findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",), progress=progress)
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
     supported = [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks] if rules else []
     unjudged = tuple((f"{JOINT_RULES[0]}: bending of {name}", ON_SUPPORTS) for name in supported)

@@ -1,6 +1,5 @@
 """The manual of the file, as Markdown, from the same declarations that read it and that make the JSON Schema."""
 
-from importlib.resources import files
 from string import Template
 
 from torsion import units
@@ -13,6 +12,7 @@ from torsion.components.material import STEEL, Material
 from torsion.fields import Declared
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
+from torsion.schema import template
 from torsion.schema.declaration_keys import declarations, keys_of, mappings_of, quantities_of, table_of
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements, Operation
@@ -62,8 +62,7 @@ NOTES = {  # what the keys of a kind need of each other
 
 def manual() -> str:
     """The text of docs/format.md."""
-    template = files("torsion.schema").joinpath("templates", "manual.md").read_text(encoding="utf-8")
-    return Template(template).substitute(
+    return Template(template("manual.md")).substitute(
         quantities=_quantities(),
         top=table_of(Scene).replace("see meaning", "section below"),
         material=table_of(Material),
