@@ -19,14 +19,9 @@ Named = Callable[[str, str, int, Callable[[], System]], Candidate]  # of method,
 COUNT = 6  # elastic modes, where neither the file nor an excitation says how many
 
 
-def has_shafts(train: Train) -> bool:
-    """Some shaft has inertia, so that its models differ."""
-    return any(bar.density > 0 for bar in train.bars)
-
-
 def loop_faults(study: Study, path: Path) -> list[Fault]:
     """The fault of closed loops in a train whose shafts have inertia: there is no exact model of it."""
-    if not has_shafts(study.train) or all(part.path[0] != "links" for part in study.train.parts):
+    if not (study.train.has_shafts and study.train.has_loops):
         return []
     message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
     return [Fault(path, message, "leave `links` or the check out")]
@@ -35,7 +30,7 @@ def loop_faults(study: Study, path: Path) -> list[Fault]:
 def plain(study: Study) -> Study:
     """The study in the exact model, its shafts without a number of segments of their own, sections already solved."""
     train = divided(resolved(study.train), None)
-    return replace(study, train=train, model="exact" if has_shafts(train) else "lumped", fem=FiniteElements())
+    return replace(study, train=train, model="exact" if train.has_shafts else "lumped", fem=FiniteElements())
 
 
 def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:

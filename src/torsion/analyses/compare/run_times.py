@@ -15,7 +15,6 @@ from torsion.analyses.compare.candidates import (
     candidates,
     counted,
     doubled,
-    has_shafts,
     loop_faults,
     lumped,
     plain,
@@ -95,7 +94,7 @@ def study_times(
     effort = QUICK if quick else FULL
     bare = plain(study)
     quantities, remarks = list[TimedQuantity](), list[str]()
-    if has_shafts(bare.train):
+    if bare.train.has_shafts:
         quantities.append(timed_frequencies(bare, highest, count, effort, progress))
     else:
         remarks.append(NOTHING_TO_DIVIDE)
@@ -193,7 +192,7 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
     speeds = study.operation.speeds
     if speeds is None:
         raise SolveError("a response over speed needs the speeds; give `operation: speeds`")
-    if has_shafts(study.train):  # as they are divided by themselves and twice as finely
+    if study.train.has_shafts:  # as they are divided by themselves and twice as finely
         coarse, fine = (found.system for found in reference(study, highest, 1))
     else:
         coarse = fine = ready(study.train, "lumped")
@@ -215,7 +214,7 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
         "them together, sources and mean torque counted as assembly."
     )
     return TimedQuantity(
-        "response", "Response torques", f"{MEANING} {compared}", DIVIDED if has_shafts(study.train) else AS_GIVEN,
+        "response", "Response torques", f"{MEANING} {compared}", DIVIDED if study.train.has_shafts else AS_GIVEN,
         bound, given.highest, lines, rows, (*lost, *((JOINTS,) if has_joints else ()), *remarks),
     )  # fmt: skip
 
@@ -238,7 +237,7 @@ def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, 
 
 def _curves(case: _Case, effort: Effort) -> list[list[Candidate]]:
     train = case.study.train
-    if not has_shafts(train):
+    if not train.has_shafts:
         bare = partial(ready, train, "lumped")
         swept = case.named(ELIMINATION, "as given", 1, bare)
         return [[swept], *_superpositions(case, effort), [case.named(DENSE, "as given", 1, bare, solved, dense)]]

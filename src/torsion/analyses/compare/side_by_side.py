@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self, get_args
 import numpy as np
 from pydantic import model_validator
 
-from torsion.analyses.compare.candidates import COUNT, has_shafts, loop_faults
+from torsion.analyses.compare.candidates import COUNT, loop_faults
 from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
 from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.compare.torque_methods import Harmonics, Loaded, Torques, driving_ends, elimination, loaded
@@ -154,7 +154,7 @@ def check(study: Study, requested: CheckSettings | None = None, *, progress: Pro
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
     settings = requested or CheckSettings()
-    if not has_shafts(study.train):
+    if not study.train.has_shafts:
         return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
     if faults := loop_faults(study, ("links",)):
         raise InputError(faults)
