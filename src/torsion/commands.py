@@ -1,7 +1,7 @@
 """A file to its findings and its report: what the command does."""
 
 from collections.abc import Collection, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` reports the joints alone; `torsion solve` does the rest")
 ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
+OTHER_FOLDER = " (choose another folder with -o)"
 ELSEWHERE = ("natural frequencies", "damped modes", "response over speed", "critical speeds", "mean torque", "rules")
 
 
@@ -66,22 +67,17 @@ def write(findings: Findings, folder: Path, report: str = "solve", *, also: Coll
     """
     from torsion.output.write import write as write_report
 
-    with _writing_report(findings, folder):
+    with _writing(findings.study, "the report", folder, OTHER_FOLDER):
         return write_report(findings, folder, report, also=also)
 
 
-def _writing_report(findings: Findings, folder: Path) -> AbstractContextManager[None]:
-    """As `_writing` of a report into its folder."""
-    return _writing(findings.study, f"the report cannot be written to {folder}", " (choose another folder with -o)")
-
-
 @contextmanager
-def _writing(study: Study, refusal: str, remedy: str = "") -> Iterator[None]:
-    """Raise InputError, with the `refusal`, where something cannot be written; locate other faults in the file."""
+def _writing(study: Study, what: str, place: Path, remedy: str = "") -> Iterator[None]:
+    """Raise InputError where something cannot be written to its place; locate other faults in the file."""
     try:
         yield
     except OSError as error:
-        message = f"{refusal}: {error.strerror or error}"
+        message = f"{what} cannot be written to {place}: {error.strerror or error}"
         raise InputError([Fault((), message)], message + remedy) from None
     except InputError as error:
         raise located(error, study) from None
@@ -172,7 +168,7 @@ def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Docume
     """Write study.html, study.json and study.csv; the report. Raises InputError where the folder cannot be written."""
     from torsion.output.pages.comparison_pages import write_study as write_pages
 
-    with _writing_report(findings, folder):
+    with _writing(findings.study, "the report", folder, OTHER_FOLDER):
         return write_pages(findings, timings, folder)
 
 
@@ -189,7 +185,7 @@ def write_matrices(findings: Findings, file: Path) -> str:
 
     study, system, speed = findings.study, findings.system.whole, findings.study.operation.speed
     following = [damper for damper in system.dampers if damper.torque_factor or damper.speed_factor]
-    with _writing(study, f"the matrices cannot be written to {file}"):
+    with _writing(study, "the matrices", file):
         if following and not speed:
             name = system.stations[following[0].station].name
             message = f"the damping of '{name}' follows from the speed, and so do the matrices; none is given"

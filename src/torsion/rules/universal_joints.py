@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Annotated
 
 from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
+from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
@@ -66,7 +67,8 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     names = ", ".join(bar.name for bar in bars)
     ratio, bar, parts = train.stations[bars[0].driving].ratio, bars[0], tuple(bar.part for bar in bars)
     if any(train.shaft(bar).support for bar in bars):
-        return Tube(names, parts, ratio, math.nan, _cannot_bend(train, parts), has_support=True)
+        lacking = (shaft.lacks for shaft in bending_shafts(train)[0] if shaft.lacks and set(shaft.parts) & set(parts))
+        return Tube(names, parts, ratio, math.nan, "; ".join(lacking), has_support=True)
     lacks, critical = "", math.nan
     material = train.materials[train.shaft(bar).material]
     if len(bars) > 1 or any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces):
@@ -80,14 +82,6 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     else:
         critical = critical_speed(bar.length, bar.outer[0], bar.bore[0], material.youngs_modulus, material.density)
     return Tube(names, parts, ratio, critical, lacks)
-
-
-def _cannot_bend(train: Train, parts: tuple[int, ...]) -> str:
-    """Why the bending of shafts on supports is not computed; empty where it is."""
-    from torsion.analyses.lateral.bending_shafts import bending_shafts
-
-    shafts, _ = bending_shafts(train)
-    return "; ".join(shaft.lacks for shaft in shafts if shaft.lacks and set(shaft.parts) & set(parts))
 
 
 def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:

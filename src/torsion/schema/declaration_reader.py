@@ -1,16 +1,16 @@
-"""Faults in an engineer's words from what a declaration refuses."""
+"""What the file says as an instance of its declaration, or faults in an engineer's words from what that refuses."""
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic import BaseModel, BeforeValidator, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails, PydanticCustomError, PydanticUndefined
 
 from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import Declared, Quantity, shown
-from torsion.schema.declaration_keys import items_of, keys_of, mappings_of
 
 Read = TypeVar("Read", bound=Declared)
 
@@ -85,6 +85,29 @@ def unknown(path: Path, what: str, word: str, candidates: list[str]) -> Fault:
     near = nearest(word, candidates)
     hint = f"did you mean `{near}`?" if near else f"there is {', '.join(candidates)}"
     return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
+
+
+def keys_of(declared: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The keys of a declaration as the file writes them."""
+    return {field.alias or name: field for name, field in declared.model_fields.items()}
+
+
+def items_of(annotation: Any) -> Iterator[Any]:
+    """Everything that a field or an annotation is made of."""
+    if isinstance(annotation, FieldInfo):
+        for item in (annotation.annotation, *annotation.metadata):
+            yield from items_of(item)
+        return
+    yield annotation
+    if isinstance(annotation, BeforeValidator) and annotation.json_schema_input_type is not PydanticUndefined:
+        yield from items_of(annotation.json_schema_input_type)
+    for part in get_args(annotation):
+        yield from items_of(part)
+
+
+def mappings_of(annotation: Any) -> Iterator[type[Declared]]:
+    """Declarations of the mappings in a field or an annotation."""
+    return (item for item in items_of(annotation) if isinstance(item, type) and issubclass(item, Declared))
 
 
 def _empty(value: object, path: Path = ()) -> Iterator[Path]:

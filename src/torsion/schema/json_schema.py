@@ -9,7 +9,7 @@ from torsion.analyses import MODELS, settings_classes
 from torsion.components import KINDS
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
-from torsion.schema.declaration_keys import declarations
+from torsion.schema.manual import declarations
 from torsion.schema.scene_reader import LINKS, Scene
 
 Schema = dict[str, Any]
