@@ -14,7 +14,7 @@ from torsion.analyses.compare.model_errors import over_largest, relative_errors,
 from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.compare.torque_methods import Harmonics, Loaded, Torques, driving_ends, elimination, loaded
 from torsion.analyses.discretisation import assembled, discretisation_words
-from torsion.analyses.response.harmonic_components import Line, excitations
+from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.arrays import FloatArray
@@ -51,25 +51,11 @@ class TorquesCompared:
 
     error: FloatArray = result("1", ("speed",), "relative, the largest of all orders; null where it is not known")
     largest: float  # of all; NaN where there is none
-    speed: int  # position of the speed at which it stands
-    line: Line | None
+    worst_speed: int | None = result("", (), "position of the speed of the largest error, or null")
+    worst_order: Fraction | None = result("", (), "its order of the reference, or null")
+    worst_frequency: float | None = result("Hz", (), "its fixed frequency, or null")
     component: str = result("", (), "component of the largest error", key="worst_component")
     left_out: int = result("", (), "speeds and orders at which a model has no answer that can be trusted")
-
-    @derived("", (), "position of the speed of the largest error, or null")
-    def worst_speed(self) -> int | None:
-        """Among those compared."""
-        return None if self.line is None else self.speed
-
-    @derived("", (), "its order of the reference, or null")
-    def worst_order(self) -> Fraction | None:
-        """Exact."""
-        return None if self.line is None else self.line.order
-
-    @derived("Hz", (), "its fixed frequency, or null")
-    def worst_frequency(self) -> float | None:
-        """Of a torque of fixed frequency."""
-        return None if self.line is None else self.line.frequency
 
 
 @reported
@@ -242,12 +228,11 @@ def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
     error[unknown] = np.nan
     over_lines, left_out = np.fmax.reduce(error, axis=1), int(np.count_nonzero(unknown))
     if np.isnan(error).all():
-        return TorquesCompared(over_lines, math.nan, 0, None, "", left_out)
-    speed, line = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
-    end = int(np.argmax(np.abs(found[line, speed] - wanted[line, speed])))
-    return TorquesCompared(
-        over_lines, float(error[speed, line]), speed, given.loads[line].line, given.ends.name[end], left_out
-    )
+        return TorquesCompared(over_lines, math.nan, None, None, None, "", left_out)
+    speed, row = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
+    end, line = int(np.argmax(np.abs(found[row, speed] - wanted[row, speed]))), given.loads[row].line
+    largest = float(error[speed, row])
+    return TorquesCompared(over_lines, largest, speed, line.order, line.frequency, given.ends.name[end], left_out)
 
 
 def _count_below(found: Modes, highest: float) -> int:
