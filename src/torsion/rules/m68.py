@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -123,13 +123,11 @@ def _settings_faults(settings: M68Settings, shafts: Mapping[str, ShaftRecord], w
     return found
 
 
-def limits(evidence: Results, shaft: str, settings: M68Settings | None = None) -> Limits:
+def limits(evidence: Results, shaft: str) -> Limits:
     """Stress and limits of one shaft over speed, with the study's own settings. Raises KeyError for another name."""
-    own = settings or next((given for name, given in evidence.study.rules if name == RULE), M68Settings())
-    for classed in classed_shafts(evidence.study, cast(M68Settings, own)):
-        if classed.name == shaft:
-            return _limits(evidence, classed)
-    raise KeyError(shaft)
+    settings = next((given for _, given in evidence.study.rules if isinstance(given, M68Settings)), M68Settings())
+    shafts = {classed.name: classed for classed in classed_shafts(evidence.study, settings)}
+    return _limits(evidence, shafts[shaft])
 
 
 def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:

@@ -53,14 +53,8 @@ ASSUMED: Mapping[Role, Detail] = {  # for a shaft whose features are not given
     "thrust": Detail(0.85, 1.10, condition="thrust collar assumed"),
     "propeller": Detail(0.55, 1.26, condition="kind of propeller mounting not given, the least favourable taken"),
 }
-STRENGTH_CAP: Mapping[tuple[Role, bool], float] = {  # N/mm2 by role and whether the steel is alloyed (rule text)
-    ("intermediate", False): 600.0,
-    ("intermediate", True): 800.0,
-    ("thrust", False): 600.0,
-    ("thrust", True): 800.0,
-    ("propeller", False): 600.0,
-    ("propeller", True): 600.0,
-}
+STRENGTH_CAP = 600.0  # N/mm2, the greatest tensile strength that counts (rule text)
+ALLOY_STRENGTH_CAP = 800.0  # N/mm2, of intermediate and thrust shafts of alloy steel (rule text)
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
 SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
 DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified)
@@ -68,7 +62,7 @@ DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified
 
 def used_strength(strength: float, role: Role, *, alloy: bool) -> float:
     """The tensile strength that may be used (rule text)."""
-    return min(strength, STRENGTH_CAP[role, alloy])
+    return min(strength, ALLOY_STRENGTH_CAP if alloy and role != "propeller" else STRENGTH_CAP)
 
 
 def size_factor(diameter: float) -> float:

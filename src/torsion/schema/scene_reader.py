@@ -244,13 +244,9 @@ def _unknown_names(
     known = kinds_by_name(data.get("train"))
     if known is None:
         return
-    named: list[tuple[str, Path]] = []
-    for place, link in enumerate(links):
-        for side, end in enumerate(() if link is None else link.between):
-            named.append((end, ("links", place, "between", side)))
-    for place, excitation in enumerate(excitations):
-        if excitation is not None:
-            named.append((excitation.at, ("excitations", place, "at")))
+    ends = ((place, side, end) for place, link in enumerate(links) if link for side, end in enumerate(link.between))
+    named: list[tuple[str, Path]] = [(end, ("links", place, "between", side)) for place, side, end in ends]
+    named += [(one.at, ("excitations", place, "at")) for place, one in enumerate(excitations) if one is not None]
     found = [name_fault(name, path, known) for name, path in named]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         found.append(name_fault(reference, ("operation", "at"), known, point=False))

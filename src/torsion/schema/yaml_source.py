@@ -53,12 +53,11 @@ def read_source(path: str | FilePath) -> Source:
     name = str(path)
     try:
         content = FilePath(path).read_bytes()
-    except FileNotFoundError:
-        raise _without_place(name, "the file does not exist") from None
-    except IsADirectoryError:
-        raise _without_place(name, "this is a folder, not a file") from None
     except (OSError, ValueError) as error:
-        raise _without_place(name, f"the file cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        known = {FileNotFoundError: "the file does not exist", IsADirectoryError: "this is a folder, not a file"}
+        cause = f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
+        message = known.get(type(error), cause)
+        raise InputError([Fault((), message)], f"{name}: {message}") from None
     try:
         return parse_source(content.decode(), name)
     except UnicodeDecodeError as error:
@@ -254,7 +253,3 @@ def _mark(event: Any) -> tuple[int, int]:
 
 def _place(mark: Any) -> tuple[int, int]:
     return (mark.line + 1, mark.column + 1) if mark else (1, 1)
-
-
-def _without_place(name: str, message: str) -> InputError:
-    return InputError([Fault((), message)], f"{name}: {message}")
