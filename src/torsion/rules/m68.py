@@ -14,11 +14,9 @@ from torsion.components.material import STEEL
 from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.findings import Results
-from torsion.rules import judgement
-from torsion.rules import m68_formulas as formulas
+from torsion.rules import judgement, m68_shafts
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Curve, curve_of, in_rpm, judge, rated_speed, worst_of
-from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS, barred_range, may_be_barred
-from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, judged, stress_modulus
+from torsion.rules.m68_shafts import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS, PA, ClassedShaft, M68Settings
 from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Rule, verdict_of
 from torsion.study import Study
 
@@ -54,7 +52,7 @@ class M68(Rule):
 
     def faults(self, study: Study, settings: M68Settings) -> list[Fault]:
         """What the file lacks for this rule."""
-        classed, where = judged(study.train), self.path(study, settings)
+        classed, where = m68_shafts.judged(study.train), self.path(study, settings)
         if not classed:
             hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
             return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
@@ -93,7 +91,7 @@ class M68(Rule):
     def speeds_between(self, evidence: Results, settings: M68Settings) -> FloatArray:
         """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
         found, ends = [], list[float]()
-        for shaft in classed_shafts(evidence.study, settings):
+        for shaft in m68_shafts.classed_shafts(evidence.study, settings):
             curve, barred, ruled = _judged(evidence, shaft, settings)
             found += [(curve, ruled), (curve, ruled & ~barred.passed)]
             ends += [end for one in barred.permitted for end in (one.lower, one.upper)]
@@ -102,7 +100,7 @@ class M68(Rule):
     def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above 1.05; least diameter; of every shaft."""
         found: list[Check | None] = []
-        for shaft in classed_shafts(evidence.study, settings):
+        for shaft in m68_shafts.classed_shafts(evidence.study, settings):
             found += [*_stresses(evidence, shaft, settings), _diameter(evidence, shaft, settings)]
         return tuple(line for line in found if line is not None)
 
@@ -126,17 +124,17 @@ def _settings_faults(settings: M68Settings, shafts: Mapping[str, ShaftRecord], w
 def limits(evidence: Results, shaft: str) -> Limits:
     """Stress and limits of one shaft over speed, with the study's own settings. Raises KeyError for another name."""
     settings = next((given for _, given in evidence.study.rules if isinstance(given, M68Settings)), M68Settings())
-    shafts = {classed.name: classed for classed in classed_shafts(evidence.study, settings)}
+    shafts = {classed.name: classed for classed in m68_shafts.classed_shafts(evidence.study, settings)}
     return _limits(evidence, shafts[shaft])
 
 
 def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:
     response, synthesis = evidence.need(Response), evidence.need(Synthesis)
-    spans, modulus = stress_modulus(evidence.system, shaft)
+    spans, modulus = m68_shafts.stress_modulus(evidence.system, shaft)
     tau = np.max(synthesis.half_range[:, spans] / modulus * PA, axis=1)
     ratio = response.speed / rated_speed(evidence.study)
     made_of = shaft.strength, shaft.diameter, shaft.c_k
-    return Limits(response.speed, formulas.tau_c(*made_of, ratio), formulas.tau_t(*made_of, ratio), tau)
+    return Limits(response.speed, m68_shafts.tau_c(*made_of, ratio), m68_shafts.tau_t(*made_of, ratio), tau)
 
 
 def _judged(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> tuple[Curve, Barring, BoolArray]:
@@ -196,10 +194,10 @@ def _diameter(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> 
     every = judgement.rated_torque(evidence)
     if every is None:
         return None
-    factor = formulas.drive_factor(shaft.role, smooth=settings.drive != "other")
+    factor = m68_shafts.drive_factor(shaft.role, smooth=settings.drive != "other")
     load = float(np.max(every[judgement.spans_of(evidence.system, shaft.part)])) * KW_PER_RPM
     ends = [
-        (outer, formulas.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
+        (outer, m68_shafts.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
         for outer, bore in shaft.ends
     ]
     diameter, least = max(ends, key=lambda end: end[1] / end[0])
@@ -226,10 +224,10 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
     exceeds = np.isfinite(curve.limit) & (share > 1.0)
     for first, end in np.flatnonzero(np.diff(exceeds, prepend=False, append=False)).reshape(-1, 2).tolist():
         critical = float(curve.speed[first + worst_of(share[first:end], curve.value[first:end])])
-        lower, upper = barred_range(critical, rated)
+        lower, upper = m68_shafts.barred_range(critical, rated)
         lower = min(lower, _crossing(curve, first, first - 1)) * (1.0 - tolerance)
         upper = max(upper, _crossing(curve, end - 1, end)) * (1.0 + tolerance)
-        if may_be_barred(upper / rated):
+        if m68_shafts.may_be_barred(upper / rated):
             permitted.append(BarredRange(lower, upper, critical, shaft))
         else:
             refused.append(BarredRange(lower, upper, critical, shaft))

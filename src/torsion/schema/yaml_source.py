@@ -54,9 +54,10 @@ def read_source(path: str | FilePath) -> Source:
     try:
         content = FilePath(path).read_bytes()
     except (OSError, ValueError) as error:
-        known = {FileNotFoundError: "the file does not exist", IsADirectoryError: "this is a folder, not a file"}
-        cause = f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
-        message = known.get(type(error), cause)
+        message = f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
+        if isinstance(error, FileNotFoundError | IsADirectoryError):
+            is_folder = isinstance(error, IsADirectoryError)
+            message = "this is a folder, not a file" if is_folder else "the file does not exist"
         raise InputError([Fault((), message)], f"{name}: {message}") from None
     try:
         return parse_source(content.decode(), name)
