@@ -153,15 +153,14 @@ def _tolerance(given: str | float) -> float:
     """A relative error above 0 and below 1; raises InputError."""
     from torsion.units import UnitFault, to_si
 
+    message = f"the tolerance {given} is out of range: more than 0 and less than 100 %"
     try:
         value = to_si(given, "1") if isinstance(given, str) else given
+        if 0.0 < value < 1.0:
+            return value
     except UnitFault as fault:
         message = f"the tolerance: {fault.message} (write 0.1 % or 1e-3)"
-        raise InputError([Fault((), message)], message) from None
-    if not 0.0 < value < 1.0:
-        message = f"the tolerance {given} is out of range: more than 0 and less than 100 %"
-        raise InputError([Fault((), message)], message)
-    return value
+    raise InputError([Fault((), message)], message)
 
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":

@@ -3,12 +3,11 @@
 What was not looked at of the operation is not passed.
 """
 
-from collections.abc import Iterator
 from operator import itemgetter
 
 import numpy as np
 
-from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
+from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.lateral.tilt_stability import Tilting
 from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
@@ -116,14 +115,14 @@ class StableBending(Rule):
 
 def bending_checks(found: Lateral, operation: Operation) -> tuple[Check, ...]:
     """One for the whirl and one for the tilting of every shaft whose speeds are known."""
-    return tuple(check for shaft in found.shafts for check in _checks(shaft, operation))
-
-
-def _checks(shaft: ShaftFound, operation: Operation) -> Iterator[Check]:
-    if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():
-        yield _whirl(shaft.name, shaft.whirl.speed / float(shaft.ratio), shaft.whirl.log_decrement, operation)
-    if shaft.tilting is not None:
-        yield _tilting(shaft.name, shaft.tilting, operation)
+    checks = []
+    for shaft in found.shafts:
+        if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():
+            speed = shaft.whirl.speed / float(shaft.ratio)
+            checks.append(_whirl(shaft.name, speed, shaft.whirl.log_decrement, operation))
+        if shaft.tilting is not None:
+            checks.append(_tilting(shaft.name, shaft.tilting, operation))
+    return tuple(checks)
 
 
 def _operated(speed: FloatArray, operation: Operation) -> tuple[float, float, bool]:

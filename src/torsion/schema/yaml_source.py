@@ -208,21 +208,16 @@ def resolved(text: str) -> str | int | float | bool | None:
     """What a plain scalar stands for by the core rules of YAML 1.2, with underscores between digits."""
     if text in _WORDS:
         return _WORDS[text]
-    if _WHOLE.fullmatch(text):
-        return _whole(text)
+    if _WHOLE.fullmatch(text):  # one so long that no float is becomes infinite
+        if text[:2] in {"0x", "0o"}:
+            return int(text, 0) if len(text) <= 250 else math.inf
+        return int(text) if len(text) <= 300 else float(text)
     if _DECIMAL.fullmatch(text):
         return float(text)
     found = _NOT_FINITE.fullmatch(text)
     if found:
         return math.nan if found[1] is None else float(f"{found[1]}inf")
     return text
-
-
-def _whole(text: str) -> int | float:
-    """A whole number; as a float if it is so long that no float is (which is then not finite)."""
-    if text[:2] in {"0x", "0o"}:
-        return int(text, 0) if len(text) <= 250 else math.inf
-    return int(text) if len(text) <= 300 else float(text)
 
 
 def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:

@@ -93,15 +93,11 @@ def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, M
     """The lowest `count` modes (None: those up to `highest`, Hz) of the exact model, and of twice as many pieces."""
     system = assembled(study, highest)
     if count is None:
-        count = _count_up_to(system, highest)
+        count = COUNT
+        if highest > 0.0 and system.condensed_shafts is not None:
+            from torsion.analyses.bars import reach
+
+            count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
     found = modes(system, count)
     finer = ready(divided(study.train, {name: 2 * n for name, n in found.system.segments.items()}), "exact")
     return found, modes_as_discretised(finer, count)
-
-
-def _count_up_to(system: System, highest: float) -> int:
-    if highest <= 0.0 or system.condensed_shafts is None:
-        return COUNT
-    from torsion.analyses.bars import reach
-
-    return max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)

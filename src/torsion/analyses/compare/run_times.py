@@ -59,6 +59,10 @@ MEANING = (
     "to the largest amplitude of that torque over the compared speeds; the worst of all torques counts. Where "
     "a shaft is lumped, the torque at its end is that of the last segment and of the inertia of half a segment beyond."
 )
+ENCLOSED = (
+    "Reference: the exact model in twice as many pieces. Its bound is the larger of half its certified enclosure, "
+    "of the difference to the exact model in half as many pieces, and of the rounding unit."
+)
 DIVIDED = (
     "Reference: two-sided elimination of the exact model in twice as many pieces. Its bound is the larger of "
     "the difference to the exact model in half as many pieces and of the worst residual."
@@ -130,19 +134,13 @@ def timed_frequencies(
     rows, remarks = timed(curves, effort, "natural frequencies", progress)
     number = len(wanted)
     whole = "the first elastic mode" if number == 1 else f"the first {number} elastic modes"
-    return TimedQuantity(
-        "frequencies",
-        "Natural frequencies",
+    meaning = (
         f"The error is the largest relative error of {whole}, shapes and torques included in the time. Where a "
-        "discretisation has fewer modes it has no error and is not drawn.",
-        "Reference: the exact model in twice as many pieces. Its bound is the larger of half its certified enclosure, "
-        "of the difference to the exact model in half as many pieces, and of the rounding unit.",
-        bound,
-        highest if count is None and highest > 0.0 else float(wanted[-1]),
-        tuple(f"mode {k + 1}, {f:.6g} Hz" for k, f in enumerate(wanted.tolist())),
-        rows,
-        remarks,
+        "discretisation has fewer modes it has no error and is not drawn."
     )
+    columns = tuple(f"mode {k + 1}, {f:.6g} Hz" for k, f in enumerate(wanted.tolist()))
+    last = highest if count is None and highest > 0.0 else float(wanted[-1])
+    return TimedQuantity("frequencies", "Natural frequencies", meaning, ENCLOSED, bound, last, columns, rows, remarks)
 
 
 def machine(packages: Sequence[str] = ("numpy", "scipy", "scikit-fem")) -> tuple[tuple[str, str], ...]:
