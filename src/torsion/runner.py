@@ -7,7 +7,7 @@ from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Findings, Progress, Unanswered, Work, silent
-from torsion.rules import judged_speeds
+from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
@@ -31,7 +31,7 @@ def run(
     """
     if memory is not None:
         study = replace(study, memory=bytes_of(memory))
-    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judged_speeds)
+    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judgement)
     errors = []
     try:
         for name in ordered({key: ANALYSES[key] for key in _with_needs(only)} if only else ANALYSES):

@@ -49,6 +49,16 @@ class Train:
         """Every component of a kind with its position in `parts`."""
         return ((number, part) for number, part in enumerate(self.parts) if part.kind == kind)
 
+    @property
+    def has_shafts(self) -> bool:
+        """A shaft has an inertia of its own, so that the models of shafts differ."""
+        return any(bar.density > 0 for bar in self.bars)
+
+    @property
+    def has_loops(self) -> bool:
+        """A component of `links` closes a loop."""
+        return any(part.path[:1] == ("links",) for part in self.parts)
+
     def shaft(self, bar: Bar) -> ShaftRecord:
         """What is known of the shaft that a `Bar` is of; raises LookupError where it is of another component."""
         if (found := self.parts[bar.part].shaft) is None:

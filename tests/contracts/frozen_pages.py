@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS
 from torsion.output.results_json import results
 
+ROOT = Path(__file__).parents[2]
 DIGITS = 6  # of a figure's or a file's numbers, of the largest in their list
 NOTHING = 1e-10  # a list of smaller numbers alone is rounding
 LEFT_OUT = {  # chapters and keys that hold times or versions, or digits of an iteration that ends where it may
@@ -36,7 +38,7 @@ def digest(value: Any) -> str:
 
 def _rounded(value: Any) -> Any:
     if isinstance(value, str):
-        return NOISE.sub("~0", value)
+        return NOISE.sub("~0", value.replace(f"{ROOT}/", ""))
     if value is None or isinstance(value, bool | int):
         return value
     if is_dataclass(value):

@@ -52,7 +52,7 @@ def no_response(study: Study, system: System, ruled: Ruled) -> str:
 
 def has_inertia(system: System) -> bool:
     """Something can vibrate."""
-    if any(bar.density > 0 for bar in system.train.bars):
+    if system.train.has_shafts:
         return True
     return bool(np.any(np.isfinite(system.inertia) & (system.inertia > 0)))
 

@@ -5,18 +5,30 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
+from torsion.analyses import ANALYSES, UNBUILT
 from torsion.components.harmonic_torques import Excitation
+from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, InputError, Path
-from torsion.fields import Declared, given, required
+from torsion.fields import Declared, given, required, shown
 from torsion.primitives import SectionMesh
-from torsion.schema import scene_sections as sections
-from torsion.schema.declaration_reader import declared
-from torsion.schema.fault_text import input_error
+from torsion.rules import RULES
+from torsion.rules import settings as rule_settings
+from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
+from torsion.schema.fault_text import Source, input_error
 from torsion.schema.study_faults import study_faults
-from torsion.schema.train_reader import components, kinds_by_name, repeated_names
-from torsion.schema.yaml_source import Source, parse_source, read_source
-from torsion.study import FiniteElements, Operation, Study
+from torsion.schema.train_reader import components, kinds_by_name, one_component, repeated_names
+from torsion.schema.yaml_source import parse_source, read_source
+from torsion.study import FiniteElements, Operation, ShaftModel, Study
 from torsion.train import Link, Train, lowered, name_fault
+
+LINKS = ("coupling", "shaft")  # kinds that can close a loop
+EXAMPLES = {  # of the sections that are mappings of names, and of those that are lists
+    "materials": (dict, "`my-steel: {shear_modulus: 79.3 GPa, ...}`"),
+    "links": (list, "`- {between: [a, b], coupling: {stiffness: 2e4}}`"),
+    "excitations": (list, "`- {at: motor-1, order: 2, torque: 100 N*m}`"),
+    "analyses": (dict, "`modes: {count: 6}`"),
+    "rules": (list, "`rules: [iacs-m68]`"),
+}
 
 
 class Scene(Declared):
@@ -89,18 +101,16 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     scene = declared(Scene, _top(data), (), faults)
     if not isinstance(data, dict):
         return None
-    materials = sections.materials(data.get("materials"), faults)
+    materials = _materials(data, faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
-    analyses = sections.analyses(data.get("analyses"), faults)
-    model = sections.shaft_model(data.get("analyses"), faults)
-    rules = sections.rules(data.get("rules"), faults)
-    found = _train(data, materials, operation, faults)
-    if found is None:
+    analyses, model, rules = _analyses(data, faults), _shaft_model(data, faults), _rules(data, faults)
+    train = _train(data, materials, operation, faults)
+    if train is None:
         return None
     return Study(
-        name=scene.name if scene is not None else "",
-        description=scene.description if scene is not None else "",
-        train=found,
+        name="" if scene is None else scene.name,
+        description="" if scene is None else scene.description,
+        train=train,
         operation=operation or Operation(),
         model=model.model,
         fem=model.fem or FiniteElements(),
@@ -119,12 +129,102 @@ def _top(data: object) -> object:
     return {key: value if key in plain or value is None else "present" for key, value in data.items()}
 
 
+def _entries(data: dict[str, Any], section: str, faults: list[Fault]) -> Iterator[tuple[Path, Any]]:
+    """Place and content of every entry of a section; none where it is not the mapping or list that it must be."""
+    body, (kind, example) = data.get(section), EXAMPLES[section]
+    if body is not None and not isinstance(body, kind):
+        what = "mapping" if kind is dict else "list"
+        faults.append(Fault((section,), f"{shown(body)} is not a {what}", f"for example {example}"))
+        return
+    for step, entry in entries_of(body):
+        yield (section, step), entry
+
+
+def _materials(data: dict[str, Any], faults: list[Fault]) -> dict[str, Material]:
+    """The materials; steel stands in for a faulty one, so that the train can still be looked at."""
+    found = _entries(data, "materials", faults)
+    return {str(path[-1]): declared(Material, body, path, faults) or STEEL for path, body in found}
+
+
+def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
+    kinds = [key for key in entry if key != "between"] if isinstance(entry, dict) else []
+    if not isinstance(entry, dict) or len(kinds) != 1:
+        faults.append(Fault(path, "a link has `between` and one kind", "`{between: [a, b], coupling: {...}}`"))
+        return None
+    before = len(faults)
+    ends = entry.get("between")
+    if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(end, str) for end in ends):
+        where = (*path, "between") if "between" in entry else path
+        faults.append(Fault(where, "`between` is a list of the names of two points", "`between: [a, b]`"))
+    kind = kinds[0]
+    if kind in ("gear", "joint"):
+        faults.append(unbuilt((*path, kind), f"a {kind} that closes a loop"))
+    elif kind not in LINKS:
+        faults.append(unknown((*path, kind), "link", kind, list(LINKS)))
+    else:
+        read = one_component(kind, entry[kind], (*path, kind), faults)
+        if read is not None and len(faults) == before and isinstance(ends, list):
+            return Link((ends[0], ends[1]), read)
+    return None
+
+
+def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
+    """The settings of every analysis that is named; defaults where it is named without any."""
+    read: dict[str, Declared] = {}
+    for path, body in _entries(data, "analyses", faults):
+        name = str(path[-1])
+        if name in ShaftModel.model_fields:
+            continue
+        if name in UNBUILT:
+            faults.append(unbuilt(path, f"`{name}`"))
+        elif name not in ANALYSES or not ANALYSES[name].settings:
+            known = [key for key, analysis in ANALYSES.items() if analysis.settings]
+            faults.append(unknown(path, "analysis", name, [*ShaftModel.model_fields, *known]))
+        elif (settings := declared(ANALYSES[name].settings_class(), body, path, faults)) is not None:
+            read[name] = settings
+    return read
+
+
+def _shaft_model(data: dict[str, Any], faults: list[Fault]) -> ShaftModel:
+    """The model of the shafts; the lumped model where the section `analyses` names none."""
+    stated = dict(entries_of(data.get("analyses")))
+    named = {key: stated[key] for key in ShaftModel.model_fields if key in stated}
+    if "fem" in named:
+        named["fem"] = {} if named["fem"] is None else named["fem"]
+    return declared(ShaftModel, named, ("analyses",), faults) or ShaftModel()
+
+
+def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declared]]:
+    """The rules with their settings, in the order of the file."""
+    read: list[tuple[str, Declared]] = []
+    seen: set[str] = set()
+    for place, entry in _entries(data, "rules", faults):
+        if isinstance(entry, str):
+            name, body, path = entry, None, place
+        elif isinstance(entry, dict) and len(entry) == 1:
+            ((name, body),) = entry.items()
+            path = (*place, name)
+        else:
+            hint = "`- iacs-m68`, or `- gear-hammer: {limit: 0.35}`"
+            faults.append(Fault(place, f"{shown(entry)} is not a rule", hint))
+            continue
+        if name not in RULES:
+            faults.append(unknown(path, "rule", name, list(RULES)))
+            continue
+        if name in seen:
+            faults.append(Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True))
+        seen.add(name)
+        if (settings := declared(rule_settings(name), body, path, faults)) is not None:
+            read.append((name, settings))
+    return read
+
+
 def _train(
-    data: dict[str, Any], materials: dict[str, Any], operation: Operation | None, faults: list[Fault]
+    data: dict[str, Any], materials: dict[str, Material], operation: Operation | None, faults: list[Fault]
 ) -> Train | None:
     """The train as a whole, without the links and excitations that are faulty; None where a component is."""
-    excitations = sections.excitations(data.get("excitations"), faults)
-    links = sections.links(data.get("links"), faults)
+    excitations = [declared(Excitation, body, path, faults) for path, body in _entries(data, "excitations", faults)]
+    links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
     before = len(faults)
     parts = components(data["train"], ("train",), faults) if data.get("train") is not None else ()
     reference = None if operation is None else operation.at
@@ -144,13 +244,9 @@ def _unknown_names(
     known = kinds_by_name(data.get("train"))
     if known is None:
         return
-    named: list[tuple[str, Path]] = []
-    for place, link in enumerate(links):
-        for side, end in enumerate(() if link is None else link.between):
-            named.append((end, ("links", place, "between", side)))
-    for place, excitation in enumerate(excitations):
-        if excitation is not None:
-            named.append((excitation.at, ("excitations", place, "at")))
+    ends = ((place, side, end) for place, link in enumerate(links) if link for side, end in enumerate(link.between))
+    named: list[tuple[str, Path]] = [(end, ("links", place, "between", side)) for place, side, end in ends]
+    named += [(one.at, ("excitations", place, "at")) for place, one in enumerate(excitations) if one is not None]
     found = [name_fault(name, path, known) for name, path in named]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         found.append(name_fault(reference, ("operation", "at"), known, point=False))

@@ -8,7 +8,7 @@ from torsion.components import KINDS, UNBUILT, component
 from torsion.components.component import Component
 from torsion.errors import Fault, Path
 from torsion.fields import shown
-from torsion.schema.declaration_reader import declared, unbuilt, unknown
+from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.train import taken
 
 
@@ -31,11 +31,10 @@ def repeated_names(entries: object) -> Iterator[Fault]:
 
 
 def _names(body: object, path: Path) -> Iterator[tuple[str, Path]]:
-    if isinstance(body, dict | list):
-        for step, item in body.items() if isinstance(body, dict) else enumerate(body):
-            if step == "name" and isinstance(item, str):
-                yield item, (*path, step)
-            yield from _names(item, (*path, step))
+    for step, item in entries_of(body):
+        if step == "name" and isinstance(item, str):
+            yield item, (*path, step)
+        yield from _names(item, (*path, step))
 
 
 def kinds_by_name(entries: object) -> dict[str, tuple[str, bool]] | None:

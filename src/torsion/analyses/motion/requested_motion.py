@@ -59,10 +59,10 @@ class StabilitySettings(Declared):
 
 def motion_faults(study: Study, path: Path) -> list[Fault]:
     """Why a train has no exact motion: its model of shafts, or its closed loops; at the place that requests it."""
-    if study.model != "lumped" and any(bar.density > 0 for bar in study.train.bars):
+    if study.model != "lumped" and study.train.has_shafts:
         message = f"the exact motion of joints is built for the model lumped, and this is {study.model}"
         return [Fault(path, message, "model: lumped")]
-    if any(part.path and part.path[0] == "links" for part in study.train.parts):
+    if study.train.has_loops:
         message = "the exact motion of joints takes no closed loops, and `links` closes one"
         return [Fault(path, message, "leave one out")]
     return []

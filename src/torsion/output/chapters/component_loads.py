@@ -203,8 +203,6 @@ def _heat(findings: Findings, spans: list[int]) -> FloatArray:
     """(speeds,) W; NaN where the response has no reliable value."""
     from torsion.rules.coupling_maker import heat
 
-    response, system = findings.need(Response), findings.system
-    laws = ((float(system.flexibility[s]), float(system.viscous[s]), float(system.loss_factor[s]), s) for s in spans)
     with np.errstate(all="ignore"):
-        power = np.sum([heat(response, *law) for law in laws], axis=0)
+        power = heat(findings.need(Response), findings.system, np.array(spans))
     return np.where(unreliable(findings), np.nan, power)

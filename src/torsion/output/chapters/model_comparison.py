@@ -94,11 +94,11 @@ def _counts(found: Compared) -> Paragraph:
 def _worst(model: ModelCompared, found: Compared) -> str:
     """Where the torques of a model are farthest from the exact ones; empty where none were compared."""
     torques = model.torques
-    if torques is None or torques.line is None or found.speed is None:
+    if torques is None or torques.worst_speed is None or found.speed is None:
         return ""
-    line = torques.line
-    what = f"order {order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
-    at = rpm(float(found.speed[torques.speed]))
+    fixed = f"{number(torques.worst_frequency)} Hz"
+    what = fixed if torques.worst_order is None else f"order {order(torques.worst_order)}"
+    at = rpm(float(found.speed[torques.worst_speed]))
     return f"{model.model}: {_percent(torques.largest)} % at {at} rpm, {what}, largest in {torques.component}"
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.components.shaft import Feature
-from torsion.rules import m68_formulas as m68
+from torsion.rules import m68_shafts as m68
 
 VECTORS = [  # sigma_B, d, C_K, lambda, C_D, tau_C, tau_T
     (600, 400, 1.0, 0.5, 0.63059, 66.56219, 113.15573),
