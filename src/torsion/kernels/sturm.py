@@ -202,13 +202,13 @@ def enclose(
     unlikely = ~(half <= widest)
     if unlikely.any():
         half[unlikely] = expected_width(tree, frequency, 0.0)[unlikely]
-    (lower, upper), left = np.empty((2, len(frequency))), np.arange(len(frequency))
-    proven = np.zeros(len(frequency), dtype=np.bool_)
+    left, proven = np.arange(len(frequency)), np.zeros(len(frequency), dtype=np.bool_)
+    lower = upper = frequency
     while len(left):
-        lower[left], upper[left] = frequency[left] * (1.0 - half[left]), frequency[left] * (1.0 + half[left])
+        lower, upper = frequency * (1.0 - half), frequency * (1.0 + half)
         at_most, at_least = count_bounds(tree, lower[left], upper[left])
         proven[left] = (at_most <= left + rigid) & (at_least > left + rigid)
-        half *= 2.0
+        half = np.where(proven, half, 2.0 * half)
         left = np.flatnonzero(~proven & (half <= widest))
     return lower, upper, proven
 

@@ -81,33 +81,39 @@ def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
     """The two sweeps at angular frequencies `w` (m,), station by station."""
     square, h, near, far = w * w, tree.flexibilities, dict[int, FloatArray](), dict[int, FloatArray]()
     with np.errstate(all="ignore"):
-        own = list(tree.own_stiffness(square))
-        z, (zz, zd, y) = own.copy(), ([np.zeros(len(w))] * tree.size for _ in range(3))
-        ends = z_end, zz_end, zd_end, y_end = z, zz, zd, y
+        own = tree.own_stiffness(square)
+        whole, zd = np.zeros((3, *own.shape)), [np.zeros(len(w))] * tree.size
+        whole[0] = own
+        own_rows, z, zz, y = list(own), *map(list, whole)
+        z_end, zz_end, zd_end, y_end = z, zz, zd, y
         if tree.shafts is not None:
             flexibility, inner, outer = tree.shafts.at(square)
-            node, h, ends = tree.shafts.node.tolist(), h.copy(), (z.copy(), zz.copy(), zd.copy(), y.copy())
+            node, h, ends = tree.shafts.node.tolist(), h.copy(), np.zeros((4, *own.shape))
             near, far = (dict(zip(node, part * square, strict=True)) for part in (inner, outer))
-            z_end, zz_end, zd_end, y_end = ends
+            z_end, zz_end, zd_end, y_end = map(list, ends)
             for station, row in zip(node, flexibility, strict=True):
                 h[station] = row
-        parents, add, reciprocal = tree.parents, np.add, np.reciprocal
+        parents, add, subtract, reciprocal = tree.parents, np.add, np.subtract, np.reciprocal
         for i in range(tree.size - 1, -1, -1):
             parent = parents[i]
-            z_end[i] = z[i] - far[i] if i in far else z[i]
+            z_end[i] = subtract(z[i], far[i], z_end[i]) if i in far else z[i]
             if parent >= 0:
-                zz[i] = reciprocal(add(h[i], reciprocal(z_end[i])))
-                zz_end[i] = zz[i] - near[i] if i in near else zz[i]
-                z[parent] = add(z[parent], zz_end[i])
+                reciprocal(add(h[i], reciprocal(z_end[i], zz[i]), zz[i]), zz[i])
+                zz_end[i] = subtract(zz[i], near[i], zz_end[i]) if i in near else zz[i]
+                add(z[parent], zz_end[i], z[parent])
         for i, children in enumerate(tree.children):
             if children:
-                share(children, zz_end, zd, own[i] + y_end[i])
+                share(children, zz_end, zd, own_rows[i] + y_end[i])
             for child in children:
-                zd_end[child] = zd[child] - near[child] if child in near else zd[child]
-                y[child] = reciprocal(add(h[child], reciprocal(zd_end[child])))
-                y_end[child] = y[child] - far[child] if child in far else y[child]
-        seen = [np.array(rows) for rows in (z, zz, zd, y)]
-    return TwoSides(*seen, *(seen if tree.shafts is None else (np.array(rows) for rows in ends)))
+                zd_end[child] = subtract(zd[child], near[child], zd_end[child]) if child in near else zd[child]
+                reciprocal(add(h[child], reciprocal(zd_end[child], y[child]), y[child]), y[child])
+                y_end[child] = subtract(y[child], far[child], y_end[child]) if child in far else y[child]
+    seen = whole[0], whole[1], np.array(zd), whole[2]
+    if tree.shafts is None:
+        return TwoSides(*seen, *seen)
+    for part, same in zip(ends, seen, strict=True):
+        part[tree.springs] = same[tree.springs]
+    return TwoSides(*seen, *ends)
 
 
 def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -116,22 +122,21 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
     The torque is that in the flexibility of a span, as it acts on the side of the leaves. Each side is a stiffness and
     a source (Norton), and both meet at either end: with ff, zz and fd, zd at the root end (fd zz - ff zd)/(zz + zd).
     """
-    own, source = list(torque), list(torque)
-    passed, rest, back = ([np.zeros(torque.shape[1])] * tree.size for _ in range(3))
+    f, (ff, g), rest = torque.copy(), np.zeros((2, *torque.shape)), [np.zeros(torque.shape[1])] * tree.size
+    own, source, passed, back, parents = list(torque), list(f), list(ff), list(g), tree.parents
     with np.errstate(all="ignore"):
         to_leaves, to_root = list(sides.to_leaves), list(sides.to_root)
         for i in range(tree.size - 1, -1, -1):
-            parent = tree.parents[i]
+            parent = parents[i]
             if parent >= 0:
-                passed[i] = source[i] * to_leaves[i]
-                source[parent] = source[parent] + passed[i]
+                np.multiply(source[i], to_leaves[i], passed[i])
+                np.add(source[parent], passed[i], source[parent])
         for i, children in enumerate(tree.children):
             if children:
                 share(children, passed, rest, own[i] + back[i])
             for child in children:
-                back[child] = rest[child] * to_root[child]
-        f, ff, fd, g = (np.array(rows) for rows in (source, passed, rest, back))
-        z, zz, zd, y = sides.branch_end, sides.passed, sides.rest_end, sides.returned
+                np.multiply(rest[child], to_root[child], back[child])
+        fd, z, zz, zd, y = np.array(rest), sides.branch_end, sides.passed, sides.rest_end, sides.returned
         at_parent, at_station = (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / (z + y)
         span, angle = np.where(np.abs(zd) <= np.abs(z), at_parent, at_station), (f + g) / sides.total
     if tree.holds:
