@@ -185,7 +185,9 @@ def _mode(chain: Chain, counts: Counts, mode: int, guess: float) -> ChainMode:
         shape = _finite_shape(chain, counts.factor, low + 0.5 * (high - low))
         found = _counted(chain, counts, mode)
     scale = 1.0 / math.sqrt(shape.generalised)
-    return ChainMode(*found, shape.angle * scale, shape.torque * scale)
+    np.multiply(shape.angle, scale, out=shape.angle)
+    np.multiply(shape.torque, scale, out=shape.torque)
+    return ChainMode(*found, shape.angle, shape.torque)
 
 
 @dataclass(frozen=True)
