@@ -8,9 +8,15 @@ import pytest
 
 from torsion.kernels.lapack import is_expected
 from torsion.kernels.long_chain.long_chain_modes import sums_in_groups
-from torsion.kernels.long_chain.lowest_modes import Counts, _counted, factor_of
+from torsion.kernels.long_chain.lowest_modes import (
+    Counts,
+    _counted,
+    are_available,
+    factor_of,
+    negative_count,
+    twisted_vector,
+)
 from torsion.kernels.long_chain.temple import Chain, quotient, running_sum
-from torsion.kernels.long_chain.twisted import are_available, negative_count, twisted_vector
 
 DOUBLES = "__pyx_t_5scipy_6linalg_13cython_lapack_d *"
 

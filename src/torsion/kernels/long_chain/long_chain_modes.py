@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.long_chain.lowest_modes import lowest_modes
+from torsion.kernels.long_chain.lowest_modes import are_available, lowest_modes
 from torsion.kernels.long_chain.temple import Chain
-from torsion.kernels.long_chain.twisted import are_available
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.repeated import orthogonalise
 from torsion.kernels.rerooting import rerooted_at_end
