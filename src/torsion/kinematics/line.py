@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kinematics.cross import Transfer, behind, rapidity, transfer
 
-Variable = Literal["phase", "plane", "angle"]
+Variable = Literal["phase", "angle", "plane"]
 _STARTS = 8  # spread starts besides the line as it is; polygons bent back on themselves are saddles
 _LIMIT = np.radians(89.99)  # of a joint's angle
 

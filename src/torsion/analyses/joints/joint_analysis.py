@@ -19,6 +19,7 @@ from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Work
 from torsion.kinematics.cross import fluctuation
+from torsion.kinematics.line import Variable
 from torsion.study import Operation
 from torsion.train import Train
 
@@ -29,7 +30,7 @@ _SAMPLES = 720  # of a tripod's turn; symmetry puts the extremes of its speed at
 class JointsSettings(Declared):
     """Settings of `joints`."""
 
-    optimise: Literal["phase", "angle", "plane"] | None = given("which quantity of the joints is to be chosen best")
+    optimise: Variable | None = given("which quantity of the joints is to be chosen best")
     joint: str | None = given("the one joint that may be changed (default: every joint of its line but the first)")
     turns: Annotated[int, Field(ge=1, le=100)] = given("turns of the driving shaft that are shown", 1)
     steps: Annotated[int, Field(ge=8, le=10_000)] = given("angles per revolution", 360)
