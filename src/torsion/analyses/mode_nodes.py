@@ -27,7 +27,9 @@ def nodes(system: System, tree: Tree, chords: IntArray, shape: FloatArray, squar
     tree: the undamped one with its distributed shafts; chords: spans that close loops; square: (modes,) rad2/s2.
     """
     station = np.arange(tree.size)
-    rigid = (tree.parent >= 0) & (tree.flexibility == 0.0) & (np.array(tree.shaft_of) < 0)
+    rigid = (tree.parent >= 0) & (tree.flexibility == 0.0)
+    if tree.shafts is not None:
+        rigid[tree.shafts.node] = False
     body = _followed(np.where(rigid, tree.parent, station))  # the first of the stations that are joined rigidly
     own, held = np.flatnonzero((tree.parent >= 0) & ~rigid), tree.held[body]
     above = station.copy()
