@@ -1,4 +1,4 @@
-"""The digits of results, in few words: written anew by `python -m tests.contracts.frozen` where they are to change."""
+"""Digits of results and pages of reports, in few words: `python -m tests.contracts.frozen` writes them anew."""
 
 import hashlib
 import json
@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tests.contracts.frozen_pages import of_pages, packed
 
 import torsion
 from torsion.findings import Findings
@@ -13,7 +14,7 @@ from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 from torsion.output.results_json import results
 
-FILE = Path(__file__).with_name("frozen_digits.json")
+FILE, PAGES = (Path(__file__).with_name(f"frozen_{what}.json") for what in ("digits", "pages"))
 SCENES = {path.stem: path for path in sorted((Path(__file__).parents[2] / "shafting_specs").glob("**/*.yaml"))}
 TAKEN = {  # of the results of a scene
     "modes": ("frequency_Hz", "lower_Hz", "upper_Hz", "torque_Nm"),
@@ -66,7 +67,13 @@ def of_trains() -> dict[str, Digits]:
     return taken
 
 
+def write(file: Path, values: dict[str, Any]) -> None:
+    """One line for each scene."""
+    lines = (f'"{name}": {json.dumps(value, ensure_ascii=False)}' for name, value in values.items())
+    file.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+
+
 if __name__ == "__main__":
-    every = {name: of_scene(torsion.run(torsion.read(path))) for name, path in SCENES.items()}
-    lines = (f'"{name}": {json.dumps(value)}' for name, value in {**every, "random trains": of_trains()}.items())
-    FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    every = {name: torsion.run(torsion.read(path)) for name, path in SCENES.items()}
+    write(FILE, {**{name: of_scene(found) for name, found in every.items()}, "random trains": of_trains()})
+    write(PAGES, {name: packed(of_pages(found)) for name, found in every.items()})

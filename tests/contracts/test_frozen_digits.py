@@ -1,13 +1,15 @@
 """Rebuilding the house changes no digit: every bit, or 1e-13 of the sums where the order of a sum may change."""
 
 import json
+from itertools import zip_longest
 
 import pytest
-from tests.contracts.frozen import FILE, SCENES, of_scene, of_trains
+from tests.contracts.frozen import FILE, PAGES, SCENES, of_scene, of_trains
+from tests.contracts.frozen_pages import of_pages
 
 import torsion
 
-KNOWN = json.loads(FILE.read_text(encoding="utf-8"))
+KNOWN, KNOWN_PAGES = (json.loads(file.read_text(encoding="utf-8")) for file in (FILE, PAGES))
 
 
 def _equal(found: dict, known: dict) -> None:
@@ -22,8 +24,18 @@ def _equal(found: dict, known: dict) -> None:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_digits_of_a_scene_are_the_frozen_ones(scene: str) -> None:
-    _equal(of_scene(torsion.run(torsion.read(SCENES[scene]))), KNOWN[scene])
+def test_digits_and_pages_of_a_scene_are_the_frozen_ones(scene: str) -> None:
+    found = torsion.run(torsion.read(SCENES[scene]))
+    _equal(of_scene(found), KNOWN[scene])
+    pages, known = of_pages(found), KNOWN_PAGES[scene]
+    assert list(pages) == list(known)
+    changed = [
+        f"{chapter}: {name}"
+        for chapter, blocks in pages.items()
+        for (name, digest), before in zip_longest(blocks.items(), known[chapter].split(), fillvalue=("another", ""))
+        if digest != before
+    ]
+    assert not changed, f"changed: {changed}; where that is meant, `python -m tests.contracts.frozen`"
 
 
 def test_digits_of_random_trains_are_the_frozen_ones() -> None:
