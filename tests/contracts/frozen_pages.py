@@ -44,7 +44,7 @@ def _rounded(value: Any) -> Any:
     if is_dataclass(value):
         value = vars(value) if hasattr(value, "__dict__") else asdict(value)
     if isinstance(value, Mapping):
-        return {str(key): _rounded(one) for key, one in value.items()}
+        return {str(key): _rounded(value[key]) for key in sorted(value, key=str)}
     try:
         array = np.array(value, dtype=complex if np.iscomplexobj(value) else float)
     except (TypeError, ValueError):
