@@ -139,11 +139,6 @@ class Study:
         """A universal joint stands in the train."""
         return any(part.joint for part in self.train.parts)
 
-    @property
-    def has_meshed_sections(self) -> bool:
-        """A shaft has a `section` by mesh."""
-        return any(bar.section is not None for bar in self.train.bars)
-
     def setting(self, *place: str) -> Any:
         """What the file says at a place of `operation` or `analyses`; None where it says nothing."""
         found: Any = self

@@ -1,5 +1,6 @@
 """The train: its components as placed, its stations with their speed ratios, and its primitives."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -7,9 +8,8 @@ from typing import Any
 
 from torsion.components.component import Component, lower_line
 from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import Arrival, Lowering, Part
+from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
 from torsion.components.material import STEEL, Material
-from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
 
@@ -53,6 +53,11 @@ class Train:
     def has_shafts(self) -> bool:
         """A shaft has an inertia of its own, so that the models of shafts differ."""
         return any(bar.density > 0 for bar in self.bars)
+
+    @property
+    def has_meshed_sections(self) -> bool:
+        """A shaft has a `section` by mesh."""
+        return any(bar.section is not None for bar in self.bars)
 
     @property
     def has_loops(self) -> bool:
@@ -201,3 +206,44 @@ def taken(name: str, path: Path, by: Path, *, given: bool = True) -> Fault:
     if given:
         return Fault((*path, "name"), f"the name '{name}' is taken", "names are unique", other=by)
     return Fault(path, f"its name would be '{name}', which is taken", "give one of the two another `name`", other=by)
+
+
+Rigid = dict[int, list[tuple[int, Spring | Constraint]]]  # of each station: (the other one, the rigid span between)
+
+
+def fixed_point_faults(train: Train) -> list[Fault]:
+    """A fault for every fixed point that rigid spans alone join to an earlier one."""
+    held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
+    if len(held) < 2:
+        return []
+    near: Rigid = {}
+    spans: list[Spring | Constraint] = [*train.springs, *train.constraints]
+    for span in spans:
+        if span.flexibility == 0:
+            near.setdefault(span.driving, []).append((span.driven, span))
+            near.setdefault(span.driven, []).append((span.driving, span))
+    return [fault for station in sorted(held) for fault in _fault(train, station, held, near)]
+
+
+def _fault(train: Train, station: int, held: set[int], near: Rigid) -> Iterator[Fault]:
+    """The fault of a fixed station, by the shortest rigid way to one before it."""
+    way: dict[int, list[Spring | Constraint]] = {station: []}
+    for here in (met := [station]):
+        for other, span in near.get(here, []):
+            if other not in way:
+                way[other] = [*way[here], span]
+                met.append(other)
+    before = [other for other in met if other in held and other < station]
+    if not before:
+        return
+    part, earlier = (train.parts[train.stations[one].part] for one in (station, before[0]))
+    uneven = [span for span in way[before[0]] if isinstance(span, Constraint) and span.error]
+    hint = "put a stiffness between them, or fix one of them only"
+    if uneven:
+        joint = train.parts[uneven[-1].part]
+        ends = f"'{earlier.name}' and '{part.name}'"
+        message = f"'{joint.name}' cannot turn: {ends} are fixed, with nothing elastic between"
+        yield Fault(joint.path, message, hint)
+    else:
+        message = f"'{part.name}' is fixed, and rigid parts alone join it to '{earlier.name}', which is fixed too"
+        yield Fault((*part.path, "held"), message, hint)

@@ -7,8 +7,7 @@ from scipy.linalg import solve_banded
 import torsion
 from torsion.analyses.response.over_speed import response, response_at
 from torsion.assembly import assemble
-from torsion.assembly.segment_groups import condensed
-from torsion.assembly.system import System
+from torsion.assembly.system import System, condensed
 from torsion.study import Study
 
 SEGMENTS, GROUPS = 600, 50

@@ -4,7 +4,7 @@ import numpy as np
 
 from torsion.findings import Findings
 from torsion.output.chapters.forced_response import local_maxima
-from torsion.output.elastic_elements import elements
+from torsion.output.selection import elements
 from torsion.output.station_layout import layout
 
 

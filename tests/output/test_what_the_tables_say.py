@@ -11,7 +11,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table
 from torsion.output.chapters import component_loads, mass_elastic
 from torsion.output.chapters.natural_frequencies import holzer_table
-from torsion.output.elastic_elements import elements
+from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
 
 GEARED = """

@@ -64,7 +64,7 @@ class Analysis:
 ANALYSES: dict[str, Analysis] = {
     "sections": Analysis(
         "cross-sections", "torsion.analyses.discretisation", "run_sections",
-        wanted=lambda study: study.has_meshed_sections,
+        wanted=lambda study: study.train.has_meshed_sections,
     ),
     "assembly": Analysis(
         "assembly", "torsion.analyses.discretisation", "run_assembly", needs=("sections",), wanted=always

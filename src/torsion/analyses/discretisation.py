@@ -9,8 +9,7 @@ from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.undamped_modes import Modes, Ruled, condensed_modes, modes, modes_settings
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
-from torsion.assembly.segment_groups import MOST_GROUPS, condensed
-from torsion.assembly.system import System
+from torsion.assembly.system import MOST_GROUPS, System, condensed
 from torsion.findings import Work
 from torsion.study import Study
 

@@ -4,7 +4,6 @@ import math
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
-from torsion.assembly.section.solved_sections import resolved
 from torsion.errors import Fault, InputError, SolveError
 
 if TYPE_CHECKING:
@@ -38,7 +37,11 @@ def assemble(
         raise InputError([Fault(("model",), f"no model is called '{model}'", f"give {', '.join(MODELS)}")])
     from torsion.assembly.system import Discretisation
 
-    system: System = resolve_name(MODELS[model])(resolved(train), Discretisation(frequency, degree, elements))
+    if train.has_meshed_sections:
+        from torsion.assembly.section.solved_sections import resolved
+
+        train = resolved(train)
+    system: System = resolve_name(MODELS[model])(train, Discretisation(frequency, degree, elements))
     return system
 
 

@@ -6,7 +6,7 @@ rigid gear a rigid span: products only, so nothing is lost. The softest spans th
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,13 +14,12 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.distributed_spans import BarSpans
-from torsion.assembly.fixed_points import fixed_point_faults
-from torsion.assembly.spans import Row, SegmentGroups, Span
+from torsion.assembly.spans import Row, Runs, SegmentGroups, Span
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
 from torsion.kernels.tree import Tree
 from torsion.primitives import Damper, Station
-from torsion.train import Train
+from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.segment_chains import SegmentChains
@@ -306,3 +305,40 @@ def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolAr
     tree = Tree(np.where(parent >= 0, place[parent], -1), flexible, inertia, system.held[source])
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
     return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
+
+
+MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about so many groups
+
+
+def segment_groups(system: System, most: int) -> SegmentGroups:
+    """At most about `most` groups of every shaft; its last segment is one of its own."""
+    station, span, inside, longest = system.own_stations, len(system.own_spans), system.own_stations, 1
+    stations, spans, rows = [np.arange(station)], [np.arange(span)], list[Row]()
+    for row in system.rows:
+        step = 1 if row.number <= most else -(-(row.number - 1) // most)
+        starts = np.append(np.arange(0, row.number - 1, step), row.number - 1)
+        stations.append(station - 1 + starts[1:])
+        spans.append(span + starts)
+        edges = (*starts.tolist(), row.number)
+        whole = tuple(row.edges[edge] for edge in edges) if row.edges else edges
+        rows.append(Row(row.bar, len(starts), inside, row.begin, whole))
+        station, span, inside = station + row.number - 1, span + row.number, inside + len(starts) - 1
+        longest = max(longest, step)
+    kept = Runs(system.own_spans, [(row.number, row.span) for row in rows])
+    return SegmentGroups(np.concatenate(stations), np.concatenate(spans), kept, tuple(rows), len(system.spans), longest)
+
+
+def condensed(system: System, most: int = MOST_GROUPS) -> System:
+    """The system with groups in place of the segments of its long shafts; itself where it has none, or closed loops.
+
+    Inertia and flexibility of a group are reported as sums. The whole system stays at hand as `uncondensed`.
+    """
+    groups = segment_groups(system, most)
+    if groups.is_whole or system.bars is not None or system.condensed.extra.size:
+        return system
+    stations = Runs(system.stations[: system.own_stations], [(row.number - 1, row.station) for row in groups.rows])
+    return replace(
+        system, groups=groups, uncondensed=system, rows=groups.rows, stations=stations, spans=groups.kept,
+        inertia=groups.over_stations(system.inertia), flexibility=groups.over_spans(system.flexibility),
+        viscous=system.viscous[groups.spans], loss_factor=system.loss_factor[groups.spans],
+    )  # fmt: skip

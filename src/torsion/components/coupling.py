@@ -7,8 +7,7 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering
-from torsion.components.part_records import CouplingRatings
+from torsion.components.lowering import CouplingRatings, Lowering
 from torsion.fields import Quantity, given, refuse
 from torsion.primitives import Spring
 

@@ -9,8 +9,7 @@ import numpy as np
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.coupling import Pair
-from torsion.components.lowering import Lowering
-from torsion.components.part_records import JointRecord
+from torsion.components.lowering import JointRecord, Lowering
 from torsion.errors import SolveError
 from torsion.fields import Quantity, given, refuse, required
 from torsion.kinematics import cross, tripod

@@ -8,8 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering
-from torsion.components.part_records import PropellerRecord
+from torsion.components.lowering import Lowering, PropellerRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Damper, Inertia, Torque
 

@@ -7,8 +7,7 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering
-from torsion.components.part_records import ShaftRecord, Support
+from torsion.components.lowering import Lowering, ShaftRecord, Support
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 

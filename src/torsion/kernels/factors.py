@@ -10,8 +10,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.kernels.lapack import bidiagonal_singular_values, call, jacobi_svd
 from torsion.kernels.reduction import ReducedTrain
-from torsion.kernels.rerooting import rerooted_at_middle
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, rerooted_at_middle
 
 _BODIES_FOR_JACOBI = 30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
 _BODIES_FOR_SQUARE = 150  # above, the eigenvalues of the square take a third of the time of a decomposition (measured)

@@ -14,9 +14,8 @@ from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
 from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
-from torsion.kernels.rerooting import Rerooted
 from torsion.kernels.spanning_forest import closing_no_loop, walk
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Rerooted, Tree
 from torsion.kernels.tree_response import TreeResponse, pose, residual_of, tree_response
 from torsion.kernels.two_sides import forced, two_sides
 

@@ -21,9 +21,8 @@ from torsion.kernels.mode_shapes import (
 )
 from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
-from torsion.kernels.rerooting import rerooted_at_middle
 from torsion.kernels.sturm import bisect, brackets, enclose
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, rerooted_at_middle
 
 _SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
 _STEPS = 3  # more; Rayleigh quotients converge cubically, and a start that needs more is bisected instead

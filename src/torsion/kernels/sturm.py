@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.layers import sweep_to_roots
-from torsion.kernels.rerooting import by_layers
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, by_layers
 
 SHARE_OF_LIMIT = 0.95  # of the frequency from which counts of distributed shafts would need a correction
 _OCTAVES = 332  # searched below the limit; with squares, end inertias and stiffnesses in range

@@ -10,8 +10,8 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.elastic_elements import Element
 from torsion.output.numbers import RPM, given, number
+from torsion.output.selection import Element
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 if TYPE_CHECKING:

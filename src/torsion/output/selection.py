@@ -1,18 +1,63 @@
-"""What every output shows of the stations and spans of a train, and how values over them are reduced to that."""
+"""What every output shows of a train: elastic elements, stations, spans, and values over them reduced to that."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.segment_groups import MOST_GROUPS, segment_groups
 from torsion.assembly.spans import SegmentGroups
-from torsion.assembly.system import System
-from torsion.output.elastic_elements import Element, elements
+from torsion.assembly.system import MOST_GROUPS, System, segment_groups
 from torsion.output.numbers import NONE, SI, Scale, rpm, scale
 from torsion.results import Quantity
+
+
+@dataclass(frozen=True)
+class Element:
+    """A coupling, shaft, gear mesh, joint or other link, with the spans that it was divided into."""
+
+    name: str
+    kind: str  # the component's keyword
+    part: int
+    spans: Sequence[int]
+    ratio: float  # speed at which its torque is stated / reference speed
+
+    def largest(self, values: FloatArray) -> FloatArray:
+        """The largest over the element's spans of values (..., spans)."""
+        return np.asarray(values[..., list(self.spans)].max(axis=-1))
+
+
+def elements(system: System) -> tuple[Element, ...]:
+    """Every element in the order of the train; points that are rigidly joined have none between them."""
+    bars = {bar.part: bar.name for bar in system.train.bars}
+    found: dict[tuple[int, str], list[int]] = {}
+    for index, span in enumerate(system.own_spans):
+        if not _joins_points_rigidly(system, index):
+            found.setdefault((span.part, bars.get(span.part, span.name)), []).append(index)
+    named: list[tuple[int, str, Sequence[int]]] = [(part, name, tuple(spans)) for (part, name), spans in found.items()]
+    first = len(system.own_spans)
+    for row in system.rows:
+        named.append((row.bar.part, row.bar.name, range(first, first + row.number)))
+        first += row.number
+    made = [
+        Element(name, system.train.parts[part].kind, part, spans, float(system.span_ratio[spans[0]]))
+        for part, name, spans in named
+    ]
+    return tuple(sorted(made, key=lambda element: (element.part, element.spans[0])))
+
+
+def damps(system: System, element: Element) -> bool:
+    """Its internal damping takes energy out of a vibration."""
+    first = element.spans[0]
+    return bool(system.loss_factor[first] > 0 or system.viscous[first] > 0)
+
+
+def _joins_points_rigidly(system: System, index: int) -> bool:
+    span = system.spans[index]
+    return system.train.parts[span.part].is_point and bool(system.flexibility[index] == 0)
+
 
 NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}

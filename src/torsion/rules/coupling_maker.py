@@ -9,8 +9,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.components.lowering import Part
-from torsion.components.part_records import CouplingRatings
+from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results

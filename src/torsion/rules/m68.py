@@ -10,8 +10,8 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import SAME_SPEED
 from torsion.arrays import BoolArray, FloatArray
+from torsion.components.lowering import ShaftRecord
 from torsion.components.material import STEEL
-from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.rules import judgement, m68_shafts

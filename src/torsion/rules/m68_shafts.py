@@ -15,7 +15,7 @@ from pydantic import model_validator
 from torsion import fields
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.components.part_records import ShaftRecord
+from torsion.components.lowering import ShaftRecord
 from torsion.fields import Declared, OneOrMany, given, refuse, required
 from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Bar

@@ -5,10 +5,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from importlib import import_module
 from typing import Any
 
-from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.errors import Fault
 from torsion.rules import lacking, needed
 from torsion.study import Study
+from torsion.train import fixed_point_faults
 
 _SPEEDS = "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`"
 _RATED = "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"

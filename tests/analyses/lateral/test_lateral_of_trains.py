@@ -14,8 +14,8 @@ from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
 from torsion.components.gear import Gear
 from torsion.components.joint import Joint
+from torsion.components.lowering import Support
 from torsion.components.material import Material
-from torsion.components.part_records import Support
 from torsion.components.shaft import Shaft
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status

@@ -14,8 +14,7 @@ from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse, con
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
-from torsion.analyses.statics import statics
-from torsion.analyses.steady import steady
+from torsion.analyses.steady import statics, steady
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from torsion.kernels.tree_response import Status
-from torsion.output.json_text import SERIES, lines, listed, pieces, write_json
 from torsion.output.plain import numbers
+from torsion.output.results_json import SERIES, lines, listed, pieces, write_json
 from torsion.results import words
 
 

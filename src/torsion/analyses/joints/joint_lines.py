@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from torsion.analyses.joints.joint_results import Extreme, LineFound, OptimumFound
 from torsion.arrays import FloatArray
-from torsion.components.part_records import JointRecord
+from torsion.components.lowering import JointRecord
 from torsion.kinematics.cross import Transfer, behind, greatest_curvature, transfer
 from torsion.kinematics.line import Line, Variable, classical_angle, index_over, optimise, resultant
 from torsion.kinematics.tripod import exact_motion

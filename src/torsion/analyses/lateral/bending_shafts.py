@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.analyses.lateral.beam_elements import Segment
 from torsion.analyses.lateral.beam_matrices import Beam, Point
-from torsion.components.part_records import Support
+from torsion.components.lowering import Support
 from torsion.errors import Fault, Path
 from torsion.kernels.spanning_forest import connected
 from torsion.primitives import Bar

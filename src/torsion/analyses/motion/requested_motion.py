@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
-from torsion.components.part_records import JointRecord
+from torsion.components.lowering import JointRecord
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Work

@@ -15,8 +15,7 @@ from torsion.kernels.long_chain.lowest_modes import are_available, lowest_modes
 from torsion.kernels.long_chain.temple import Chain
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.repeated import orthogonalise
-from torsion.kernels.rerooting import rerooted_at_end
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, rerooted_at_end
 
 _CLOSE = 1e-2  # relative distance of frequencies, beyond which shapes differ by themselves
 _SAME = 1e-6  # inner product of two shapes, from which each is taken to hold a part of the other

@@ -11,7 +11,6 @@ from torsion.arrays import FloatArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.elastic_elements import Element, damps, elements
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
@@ -22,7 +21,7 @@ from torsion.output.reported_values import (
     synthesis,
     unreliable,
 )
-from torsion.output.selection import highest, largest, torques, worst
+from torsion.output.selection import Element, damps, elements, highest, largest, torques, worst
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 

@@ -12,7 +12,6 @@ from torsion.analyses.response.synthesis import common_cycle, extremes
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, RPM, Scale, counted, distinct_texts, number, order, rpm, scale
 from torsion.output.reported_values import (
     amplitude,
@@ -23,7 +22,7 @@ from torsion.output.reported_values import (
     without,
     worth_a_figure,
 )
-from torsion.output.selection import highest, largest, torques
+from torsion.output.selection import Element, elements, highest, largest, torques
 
 MOST_ROWS = 60
 MOST_FIGURES = 6

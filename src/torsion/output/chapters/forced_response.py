@@ -13,7 +13,6 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -30,7 +29,7 @@ from torsion.output.reported_values import (
     without,
     worth_a_figure,
 )
-from torsion.output.selection import NO_VALUE, highest, largest, strongest, torques
+from torsion.output.selection import NO_VALUE, Element, elements, highest, largest, strongest, torques
 from torsion.rules import needed
 
 MOST_LINES = 8  # orders in one figure

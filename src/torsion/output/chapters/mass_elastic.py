@@ -9,8 +9,8 @@ from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, exact, given, number, scale
+from torsion.output.selection import elements
 from torsion.primitives import SectionMesh
 
 

@@ -8,9 +8,9 @@ from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
-from torsion.output.elastic_elements import Element, elements
 from torsion.output.numbers import RPM, number, rpm, scale
 from torsion.output.reported_values import rated, rated_rpm
+from torsion.output.selection import Element, elements
 
 MOST_LINES = 10  # in the figure: the largest
 SAME = 1e-9  # of the largest torque: neighbours that differ by less are one line

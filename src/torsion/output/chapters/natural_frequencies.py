@@ -8,11 +8,11 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.holzer import holzer
 from torsion.analyses.undamped_modes import Modes
-from torsion.assembly.segment_groups import segment_groups
+from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, counted, number, rpm
+from torsion.output.selection import elements
 from torsion.output.station_layout import MOST_NAMES, layout
 
 MOST_MODES = 12  # of which plots and tables are printed

@@ -10,7 +10,6 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, on_terminal, table
 from torsion.output.chapters.model_comparison import conclusion as compared_models
-from torsion.output.elastic_elements import elements
 from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order, rpm
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -23,7 +22,7 @@ from torsion.output.reported_values import (
     reference,
     unreliable,
 )
-from torsion.output.selection import highest
+from torsion.output.selection import elements, highest
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
 MOST_LISTED = 8  # orders to be measured, ranges of speed without a reliable value
