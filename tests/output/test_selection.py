@@ -68,6 +68,15 @@ def test_a_lossy_or_a_viscous_coupling_damps() -> None:
     ]  # fmt: skip
 
 
+def test_the_largest_of_an_element_is_that_of_all_its_segments() -> None:
+    shaft = "shaft: {name: s, length: 1 m, diameter: 50 mm, segments: 3}"
+    text = f"name: x\ntrain: [disc: {{inertia: 1}}, {shaft}, disc: {{inertia: 1}}]\n"
+    system = torsion.assemble(torsion.parse(text).train)
+    (element,) = elements(system)
+    assert len(element.spans) == 3
+    assert element.largest(np.array([[1.0, 7.0, 2.0], [5.0, 4.0, 3.0]])).tolist() == [7.0, 5.0]
+
+
 def test_places_of_an_axis_without_names_count_from_one() -> None:
     found = torsion.run(torsion.parse(TRAIN)).having(heights=Heights(2, np.array([3.0, 4.0])))
     blocks = chapter(Analysis("heights", "x", results={"heights": "x:Heights"}), found)
