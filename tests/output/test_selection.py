@@ -64,6 +64,7 @@ def test_the_strongest_curves_stand_in_their_own_order() -> None:
     assert strongest(values, 3) == [1, 3, 4]
     assert strongest(values, 9) == [0, 1, 3, 4]
     assert strongest(np.array([[0.1, 0.3, 0.2]]), 2) == [1, 2]
+    assert strongest(np.array([[math.nan, 0.3, 0.2]]), 2) == [1, 2]
 
 
 def test_a_lossy_or_a_viscous_coupling_damps() -> None:
