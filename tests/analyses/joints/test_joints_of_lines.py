@@ -21,7 +21,6 @@ from torsion.components.motor import Motor
 from torsion.components.propeller import Propeller
 from torsion.components.shaft import Shaft
 from torsion.errors import InputError
-from torsion.output.chapters.joint_tables import in_short
 from torsion.study import Operation
 from torsion.train import train
 
@@ -254,9 +253,3 @@ def test_scene_of_joints_alone_is_solved_and_the_rest_left_out_with_its_reason()
     assert result.get(Response) is None
     why = dict(result.plan.left_out)
     assert why["natural frequencies"] == why["response over speed"] == "no component has an inertia"
-
-
-def test_a_line_that_turns_unevenly_is_stated_as_one_joint() -> None:
-    crosses = [Joint(angle="5 deg"), Joint(angle="3 deg")]
-    uneven = joints(train(crosses), NONE)
-    assert "its cross joints act as one of" in " ".join(in_short(uneven, uneven.lines[0]))
