@@ -135,12 +135,12 @@ def _mark(one: UnstableRange, side: int) -> str:
 
 def _beyond(one: UnstableRange) -> list[str]:
     """What is said of the ends that are no boundaries, in sentences without their stop."""
-    said, ends = [], ((one.first, "below"), (one.last, "above"))
-    for (end, way), unknown, is_open in zip(ends, one.unknown, one.is_open, strict=True):
-        if unknown is not None:
+    said = []
+    for side, (end, way) in enumerate(((one.first, "below"), (one.last, "above"))):
+        if (unknown := one.unknown[side]) is not None:
             low, high = sorted((end, unknown))
             said.append(f"from {given_rpm(low)} to {given_rpm(high)} rpm nothing is known")
-        elif is_open:
+        elif one.is_open[side]:
             said.append(f"it goes on {way} {given_rpm(end)} rpm, where stability was not requested")
     return said
 
@@ -286,7 +286,7 @@ def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Tabl
         for zone in tilting.zones:
             low, worst, up = zone.lower, zone.worst, zone.upper
             inside = speeds is None or (low < speeds.last and up > speeds.first)
-            ends = [rpm(w, 9) + (" (open)" if open_ else "") for w, open_ in zip((low, up), zone.is_open, strict=True)]
+            ends = [rpm(w, 9) + (" (open)" if zone.is_open[side] else "") for side, w in enumerate((low, up))]
             kind = TILT_ZONES.get(zone.kind, zone.kind)
             rows.append((name, *ends, kind, number(zone.rate), rpm(worst), "UNSTABLE" if inside else "outside"))
     return table(
