@@ -99,8 +99,8 @@ def _near(shaft: ShaftFound, speeds: Range) -> list[Critical]:
     if speeds is None:
         return list(shaft.critical)
     highest = FARTHEST * speeds[1]
-    lower = [[other.order for other in shaft.critical[:k]].count(one.order) for k, one in enumerate(shaft.critical)]
-    return [one for one, count in zip(shaft.critical, lower, strict=True) if one.speed <= highest or count < 2]
+    orders = [one.order for one in shaft.critical]
+    return [one for k, one in enumerate(shaft.critical) if one.speed <= highest or orders[:k].count(one.order) < 2]
 
 
 def _inside(one: Critical, speeds: Range) -> bool:
@@ -118,7 +118,7 @@ def sense(direction: float) -> str:
 
 def unstable(decrement: FloatArray) -> np.ndarray:
     """Where the motion grows by itself."""
-    return np.asarray(np.nan_to_num(decrement, nan=0.0) < UNSTABLE)
+    return np.asarray(decrement < UNSTABLE)
 
 
 def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
@@ -157,7 +157,7 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
 def _whirl_rows(shaft: ShaftFound, over: Whirl) -> Iterator[tuple[str, ...]]:
     """Every mode by its frequency at the highest speed."""
     speed = over.speed
-    ascending = np.argsort(np.nan_to_num(over.frequency[-1], nan=np.inf), kind="stable")
+    ascending = np.argsort(over.frequency[-1], kind="stable")  # what does not oscillate last
     for position, k in enumerate(ascending.tolist(), start=1):
         decrement, grows = over.log_decrement[:, k], unstable(over.log_decrement[:, k])
         if not np.isfinite(decrement).any():
@@ -210,8 +210,7 @@ def _forces(found: Shafts) -> Table:
 
 def _sound(answer: Answer, values: FloatArray) -> FloatArray:
     """Values (speeds, ...) without those whose status is not ok."""
-    bad = answer.status != Status.OK
-    return np.where(bad.reshape(-1, *[1] * (values.ndim - 1)), np.nan, values)
+    return np.where(answer.status == Status.OK, values.T, np.nan).T
 
 
 def _worst(shaft: ShaftFound, answer: Answer, values: FloatArray) -> tuple[str, str, str]:
@@ -230,18 +229,15 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
     def over(of: Callable[[Answer], FloatArray]) -> list[FloatArray]:
         return [of(one).max(axis=1) for one in shaft.answers]
 
-    curves = [over(lambda one: extent(one.moment)), over(lambda one: extent(one.force))]
-    moment, force = (
-        scale(unit, [highest(_sound(one, curve)) for one, curve in zip(shaft.answers, every, strict=True)])
-        for unit, every in zip(("N m", "N"), curves, strict=True)
-    )
+    moment = scale("N m", [highest(_sound(one, extent(one.moment))) for one in shaft.answers])
+    force = scale("N", [highest(_sound(one, extent(one.force))) for one in shaft.answers])
     values = {
         "speed": [one.speed * RPM for one in shaft.answers],
         "orders": [f"order {one.order}" + ("" if one.order else ", at rest") for one in shaft.answers],
         "panels": [
             ("displacement,\nµm", over(lambda one: MICRO * one.orbit)),
-            (f"bending moment,\n{moment.unit}", [moment.factor * one for one in curves[0]]),
-            (f"force on a joint\nor support, {force.unit}", [force.factor * one for one in curves[1]]),
+            (f"bending moment,\n{moment.unit}", over(lambda one: moment.factor * extent(one.moment))),
+            (f"force on a joint\nor support, {force.unit}", over(lambda one: force.factor * extent(one.force))),
         ],
         "near": [one.status == Status.NEAR_SINGULAR for one in shaft.answers],
         "singular": [one.status == Status.SINGULAR for one in shaft.answers],
