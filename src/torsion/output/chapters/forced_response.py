@@ -13,7 +13,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
+from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
@@ -115,7 +115,7 @@ def _status(findings: Findings, response: Response) -> Paragraph:
 
 def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     response, made = findings.need(Response), findings.get(Synthesis)
-    mean = scale("N m", np.abs(response.mean).max(axis=0).tolist())
+    mean = torques([np.abs(response.mean)])
     rows, nothing = [], rounding(findings)
     for element in found:
         here = nothing[list(element.spans)]
@@ -295,7 +295,7 @@ def _largest(
 
 def _curves(findings: Findings, name: str, what: str, curves: dict[str, FloatArray], unit: Scale) -> Figure:
     sweep, modes = findings.need(FrequencyResponse), findings.get(Modes)
-    values, names = np.array(list(curves.values())).reshape(len(curves), -1), list(curves)
+    values, names = np.array(list(curves.values())), list(curves)
     drawn = {
         "frequency": sweep.frequency, "bad": sweep.status != Status.OK,
         "natural": [] if modes is None else modes.frequency.tolist(), "quantity": f"{what}, {unit.unit}",
