@@ -59,7 +59,7 @@ def _introduction(modes: Modes) -> Paragraph:
 
 
 def _frequencies(modes: Modes) -> Table:
-    bounds = zip(modes.frequency.tolist(), modes.lower.tolist(), modes.upper.tolist(), modes.nodes, strict=True)
+    bounds = np.transpose([modes.frequency, modes.lower, modes.upper, modes.nodes]).tolist()
     return table(
         "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | Nodes -> | "
         "Lower bound [Hz] | Upper bound [Hz] | Width / frequency",
@@ -74,7 +74,7 @@ def _frequencies(modes: Modes) -> Table:
 
 
 def _damped(damped: DampedModes) -> Iterator[Block]:
-    roots = zip(damped.frequency.tolist(), damped.damping_ratio.tolist(), damped.eigenvalue.real.tolist(), strict=True)
+    roots = np.transpose([damped.frequency, damped.damping_ratio, damped.eigenvalue.real]).tolist()
     title = "Damped natural frequencies" + (f", damping as at {rpm(damped.speed)} rpm" if damped.speed > 0 else "")
     yield table(
         "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Damping ratio [%] -> damping ratio, % | "
@@ -124,7 +124,8 @@ def holzer_table(findings: Findings, modes: Modes, mode: int) -> Table:
     columns = found.referred_inertia, found.inertia_torque, found.flexibility, found.twist
     sums = [np.add.reduceat(column[:end], starts).tolist() for column in columns]
     rows = []
-    for row, inertia, torque, flexibility, twist in zip(printed.tolist(), *sums, strict=True):
+    for place, row in enumerate(printed.tolist()):
+        inertia, torque, flexibility, twist = (column[place] for column in sums)
         span, through = int(found.span[row]), [NONE] * 4
         if span >= 0:
             name = bars.get(system.spans[span].part, system.spans[span].name)

@@ -1,0 +1,321 @@
+"""Every cell, word and curve of the chapter on natural frequencies, against the modes and the laws of a train."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
+from torsion.output.chapters.natural_frequencies import chapter, holzer_table
+
+RPM = 30.0 / math.pi
+GEARED = """
+name: a shaft, a rigid mesh at 5/2, a branch at twice the speed of its end and a spring to ground
+materials: {alloy: {shear_modulus: 80 GPa, density: 7850}}
+train:
+- disc: {name: wheel, inertia: 2}
+- shaft: {name: line, length: 2 m, diameter: 30 mm, segments: 5, material: alloy}
+- gear:
+    name: stage
+    ratio: 5/2
+    inertia: [0.5, 1.5]
+    branches: [{ratio: 2, train: [coupling: {name: side, stiffness: 500}, disc: {name: pump, inertia: 0.3}]}]
+- coupling: {name: soft, stiffness: 800}
+- disc: {name: screw, inertia: 12, stiffness: 30}
+analyses: {modes: {count: 3}}
+"""
+SPEED = {"stage end": 0.4, "screw": 0.4, "screw ground": 0.4, "stage wheel 2": 0.5, "pump": 0.5}  # of the wheel's
+CHAIN = "name: chain\ntrain: [disc: {{name: d0, inertia: 1}}{rest}]\nanalyses: {{modes: {{count: {count}}}}}\n"
+
+
+def value(text: str) -> float:
+    """A cell as a number."""
+    mantissa, _, power = text.replace("−", "-").partition("·10")
+    return float(mantissa) * 10.0 ** int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0)
+
+
+def chain(couplings: int, count: int, end: str = "") -> Findings:
+    rest = "".join(f", coupling: {{name: c{k}, stiffness: 100}}, disc: {{name: d{k}, inertia: 2}}"
+                   for k in range(1, couplings + 1))  # fmt: skip
+    return torsion.run(torsion.parse(CHAIN.format(rest=rest + end, count=count)))
+
+
+@pytest.fixture(scope="module")
+def geared() -> Findings:
+    return torsion.run(torsion.parse(GEARED))
+
+
+@pytest.fixture(scope="module")
+def long() -> Findings:
+    """Of 16 discs and 15 modes."""
+    return chain(15, 15)
+
+
+def table(blocks: list[Block], words: str) -> Table:
+    return next(block for block in blocks if isinstance(block, Table) and words in block.caption)
+
+
+def texts(blocks: list[Block]) -> list[str]:
+    return [block.text for block in blocks if isinstance(block, Paragraph)]
+
+
+def with_modes(findings: Findings, **changed: Any) -> Findings:
+    return findings.having(modes=replace(findings.need(Modes), **changed))
+
+
+def damped(speed: float, overdamped: int) -> DampedModes:
+    """Two modes of 5 and 7 Hz, the second without damping, and so many real roots, 10, 20, ... /s."""
+    none = np.empty(0)
+    roots = np.array([-2.5 + 31.0j, 0.0 + 44.0j])
+    return DampedModes(
+        np.array([5.0, 7.0]), np.array([0.08, 0.0]), roots, none, none, 10.0 * np.arange(1.0, overdamped + 1), speed
+    )
+
+
+def test_blocks_of_the_chapter_in_their_order(geared: Findings) -> None:
+    blocks = list(chapter(geared))
+    each = [Heading, Figure, Table]
+    assert [type(block) for block in blocks] == [Heading, Paragraph, Table, Heading, Table, *each * 3]
+    hertz = [f"{one:.5g}" for one in geared.need(Modes).frequency]
+    assert [(block.text, block.level) for block in blocks if isinstance(block, Heading)] == [
+        ("Natural frequencies", 1), ("Energy shares", 2), *((f"Mode {k + 1}: {hertz[k]} Hz", 2) for k in range(3))
+    ]  # fmt: skip
+    assert [(block.name, block.caption.split(":")[0]) for block in blocks if isinstance(block, Figure)] == [
+        (f"mode-{k + 1}", f"Mode {k + 1}, {hertz[k]} Hz") for k in range(3)
+    ]
+    assert [block.caption.split(",")[0] for block in blocks if isinstance(block, Table)][2:] == [
+        f"Holzer table of mode {k}" for k in (1, 2, 3)
+    ]
+    assert list(chapter(geared.having(modes=None))) == []
+    none = np.empty(0)
+    bare = with_modes(geared, frequency=none, lower=none, upper=none)
+    assert [type(block) for block in chapter(bare)] == [Heading, Paragraph]
+
+
+@pytest.mark.parametrize(
+    ("rigid", "words"),
+    [
+        (0, "The train has no rigid motion; 3 elastic modes of"), (2, "2 rigid motions of exactly 0 Hz; 3 elastic"),
+        (1, "The train turns freely: one rigid motion of exactly 0 Hz; 3 elastic modes of the undamped train."),
+    ],
+)  # fmt: skip
+def test_rigid_motions_and_the_certificate_in_words(geared: Findings, rigid: int, words: str) -> None:
+    for certified, more in ((True, "Counts of eigenvalues"), (False, "The bounds of these frequencies were not")):
+        text = texts(list(chapter(with_modes(geared, rigid=rigid, certified=certified))))[0]
+        assert text.startswith(words)
+        assert more in text
+
+
+def test_frequencies_with_their_bounds_and_nodes(geared: Findings) -> None:
+    hertz, wide = geared.need(Modes).frequency, np.array([1e-3, 2e-3, 4e-3])
+    found = with_modes(geared, lower=hertz * (1.0 - wide), upper=hertz * (1.0 + 2.0 * wide))
+    rows = table(list(chapter(found)), "Natural frequencies of").rows
+    assert [(row[0], row[4]) for row in rows] == [("1", "0"), ("2", "1"), ("3", "2")]
+    for row, f, away in zip(rows, hertz, wide, strict=True):
+        wanted = [f, 60.0 * f, 2.0 * math.pi * f, f * (1.0 - away), f * (1.0 + 2.0 * away), 3.0 * away]
+        assert [value(row[k]) for k in (1, 2, 3, 5, 6, 7)] == pytest.approx(wanted, rel=1e-6)
+        assert [len(row[k].replace(".", "").lstrip("0")) for k in (1, 2, 3, 5, 6)] == [7, 7, 7, 10, 10]
+    assert [row[7] for row in rows] == ["0.0030", "0.0060", "0.012"]
+
+
+def test_damped_frequencies_and_what_decays_without_oscillation(geared: Findings) -> None:
+    blocks = list(chapter(geared.having(damped_modes=damped(100.0, 9))))
+    found = table(blocks, "Damped natural frequencies")
+    assert found.rows == (
+        ("1", "5.000000", "300.0000", "8.000", "6.250", "2.500"), ("2", "7.000000", "420.0000", "0", "∞", "0")
+    )  # fmt: skip
+    assert found.caption == found.short == "Damped natural frequencies, damping as at 954.93 rpm"
+    listed = ", ".join(f"{k}0.00" for k in range(1, 9))
+    assert texts(blocks)[1] == f"Motions that decay without oscillation (overdamped): {listed}, … 1/s."
+    blocks = list(chapter(geared.having(damped_modes=damped(0.5, 8))))
+    assert table(blocks, "Damped natural").caption == "Damped natural frequencies, damping as at 4.7746 rpm"
+    assert texts(blocks)[1] == f"Motions that decay without oscillation (overdamped): {listed} 1/s."
+    blocks = list(chapter(geared.having(damped_modes=damped(0.0, 0))))
+    assert (table(blocks, "Damped natural").caption, len(texts(blocks))) == ("Damped natural frequencies", 1)
+
+
+def test_shares_of_energy_of_a_shaft_are_those_of_its_segments_together(geared: Findings) -> None:
+    """Less than half a percent of a mode is left blank, and who has no more in any mode is left out."""
+    modes, system = geared.need(Modes), geared.system
+    names = [station.name for station in system.stations]
+    inner = [k for k, name in enumerate(names) if name.startswith("line ") and "/" in name]
+    assert len(inner) == 4
+    kinetic, elastic = np.array(modes.kinetic), np.array(modes.elastic)
+    wanted = {f"kinetic: {name}": kinetic[k] for k, name in enumerate(names[:7])}
+    wanted["kinetic: line (inner segments)"] = kinetic[inner].sum(axis=0)
+    spans = {span.name: elastic[k] for k, span in enumerate(system.spans)}
+    wanted |= {f"elastic: {name}": spans[name] for name in ("soft", "side", "screw to ground")}
+    wanted["elastic: line"] = sum(spans[f"line [{k}]"] for k in range(1, 6))
+    found = table(list(chapter(geared)), "Shares of the kinetic")
+    cells = {row[0]: list(row[1:]) for row in found.rows}
+    shown = {name: [f"{100.0 * one:.1f}" if one > 0.005 else "" for one in share] for name, share in wanted.items()}
+    assert cells == {name: row for name, row in shown.items() if any(row)}
+    assert any("" in row for row in cells.values())
+    assert "kinetic: screw ground" not in cells
+    assert found.caption.endswith("; below 0.5 % left blank")
+    assert [column.title for column in found.columns] == ["Part", "Mode 1", "Mode 2", "Mode 3"]
+
+
+def test_a_share_of_exactly_half_a_percent_is_printed() -> None:
+    found = chain(1, 1)
+    modes = replace(found.need(Modes))
+    vars(modes).update(kinetic=np.array([[0.005], [0.0049]]), elastic=np.array([[0.0049]]))
+    shares = table(list(chapter(found.having(modes=modes))), "Shares of the kinetic")
+    assert shares.rows == (("kinetic: d0", "0.5"),)
+
+
+def test_of_more_than_twelve_modes_twelve_are_shown(long: Findings) -> None:
+    blocks = list(chapter(long))
+    assert len([block for block in blocks if isinstance(block, Figure)]) == 12
+    assert texts(blocks)[-1] == "Plots and tables of modes 13 to 15 are left out; see results.json."
+    assert len(table(blocks, "Natural frequencies of").rows) == 15
+    assert len(table(blocks, "Shares of the kinetic").columns) == 13
+
+
+@pytest.mark.parametrize("mode", [0, 1, 2])
+def test_holzer_table_obeys_the_laws_of_a_geared_train(geared: Findings, mode: int) -> None:
+    """A row's angle is its own over its speed; a link carries what stands before it, and k times its twist.
+
+    The shaft's flexibility is L/(G I_p), 2 m/(80 GPa pi 0.03^4/32 m4).
+    """
+    modes, system = geared.need(Modes), geared.system
+    names = [station.name for station in system.stations]
+    block = holzer_table(geared, modes, mode)
+    rows = {row[0]: row[1:] for row in block.rows}
+    assert list(rows) == ["wheel", "line end", "stage end", "screw", "screw ground", "stage wheel 2", "pump"]
+    first, square = modes.shape[0, mode], (2.0 * math.pi * modes.frequency[mode]) ** 2
+    angle = {name: modes.shape[k, mode] / SPEED.get(name, 1.0) / first for k, name in enumerate(names)}
+    inertia = {name: system.lumped_inertia[k] * SPEED.get(name, 1.0) ** 2 for k, name in enumerate(names)}
+    inner = [f"line {k}/5" for k in (1, 2, 3, 4)]
+    torque = {name: square * inertia[name] * angle[name] for name in names if name != "screw ground"}
+    torque["screw ground"] = 0.0
+    before = torque["wheel"] + sum(torque[name] for name in inner)
+    for name, row in rows.items():
+        more = inner if name == "line end" else []
+        assert value(row[1]) == pytest.approx(angle[name], rel=2e-5, abs=1e-12)
+        assert row[1] == "0" or len(row[1].lstrip("−0.").replace(".", "")) == 6
+        wanted = torque[name] + sum(torque[one] for one in more)
+        assert value(row[2]) == pytest.approx(wanted, rel=1e-4, abs=1e-12)
+        if name == "screw ground":
+            assert row[0] == "held"
+        else:
+            assert value(row[0]) == pytest.approx(inertia[name] + sum(inertia[one] for one in more), rel=1e-4)
+    assert rows["wheel"][3:] == ("–", "–", "–", "–")
+    soft = 2.0 / (80e9 * math.pi * 0.03**4 / 32.0)
+    links = {
+        "line end": ("line", "wheel", soft), "screw": ("soft", "stage end", 1.0 / 800.0 / 0.16),
+        "screw ground": ("screw to ground", "screw", 1.0 / 30.0 / 0.16),
+        "pump": ("side", "stage wheel 2", 1.0 / 500.0 / 0.25),
+    }  # fmt: skip
+    for name, (through, other, flexible) in links.items():
+        twist = angle[other] - angle[name]
+        assert rows[name][3] == through
+        wanted = [before if name == "line end" else twist / flexible, flexible, twist]
+        assert [value(cell) for cell in rows[name][4:]] == pytest.approx(wanted, rel=1e-4)
+    branch = value(rows["pump"][2])
+    ahead = before + torque["line end"] + branch
+    assert [rows["stage end"][k] for k in (3, 5, 6)] == ["stage", "rigid", "0"]
+    assert value(rows["stage end"][4]) == pytest.approx(ahead, rel=1e-4, abs=1e-4 * abs(branch))
+    assert [rows["stage wheel 2"][k] for k in (3, 5, 6)] == ["stage wheel 2", "rigid", "0"]
+    assert value(rows["stage wheel 2"][4]) == pytest.approx(-branch, rel=1e-4)
+    assert block.caption == (
+        f"Holzer table of mode {mode + 1}, referred to the reference speed, first amplitude 1 rad. A shaft's segments "
+        "are summed up in the row of its end."
+    )
+
+
+@pytest.mark.parametrize(("heavy", "first"), [(6.647, "largest"), (6.640, "first")])
+def test_holzer_table_of_a_first_station_that_hardly_moves_is_scaled_by_the_largest(heavy: float, first: str) -> None:
+    """The discs of 1 and 2 kg m2 swing against one another, and the first a thousand times less."""
+    text = f"""
+name: heavy
+train: [disc: {{name: a, inertia: {heavy}}}, coupling: {{name: k, stiffness: 10}}, disc: {{name: b, inertia: 1}},
+        coupling: {{name: m, stiffness: 1000}}, disc: {{name: c, inertia: 2}}]
+analyses: {{modes: {{count: 2}}}}
+"""
+    found = torsion.run(torsion.parse(text))
+    modes = found.need(Modes)
+    block = holzer_table(found, modes, 1)
+    shape = modes.shape[:, 1] / (np.abs(modes.shape[:, 1]).max() if first == "largest" else modes.shape[0, 1])
+    shape *= np.sign(shape[0])
+    square = (2.0 * math.pi * modes.frequency[1]) ** 2
+    assert square * heavy / 10.0 - 1.0 == pytest.approx(1000.5 if first == "largest" else 999.5, abs=0.3)
+    assert [value(row[2]) for row in block.rows] == pytest.approx(shape, rel=1e-4)
+    assert [value(row[3]) for row in block.rows] == pytest.approx(square * shape * [heavy, 1.0, 2.0], rel=1e-4)
+    for row, k, twist in zip(block.rows[1:], (10.0, 1000.0), -np.diff(shape), strict=True):
+        assert [value(row[j]) for j in (5, 6, 7)] == pytest.approx([k * twist, 1.0 / k, twist], rel=1e-4)
+    assert block.caption == f"Holzer table of mode 2, referred to the reference speed, {first} amplitude 1 rad."
+
+
+def test_holzer_table_of_a_loop_without_segments_says_nothing_of_them() -> None:
+    text = """
+name: two discs and three couplings
+train: [disc: {name: a, inertia: 1}, coupling: {stiffness: 1e4}, disc: {name: b, inertia: 2}]
+links: [{between: [a, b], coupling: {stiffness: 2e4}}, {between: [a, b], coupling: {stiffness: 3e4}}]
+"""
+    assert table(list(chapter(torsion.run(torsion.parse(text)))), "Holzer").caption.endswith("amplitude 1 rad.")
+
+
+def test_pieces_of_a_shaft_with_distributed_inertia_are_named_so() -> None:
+    text = GEARED.replace("count: 3}", "count: 1}, model: exact").replace("30 mm", "90 mm")
+    blocks = list(chapter(torsion.run(torsion.parse(text))))
+    assert "kinetic: line (between its pieces)" in [row[0] for row in table(blocks, "Shares of").rows]
+    assert table(blocks, "Holzer").caption.endswith(
+        "1 rad. A shaft's pieces, each the spring between two inertias that it is at this frequency, are summed up in "
+        "the row of its end."
+    )
+
+
+def test_plot_of_a_mode_is_referred_and_relative_to_its_largest(geared: Findings) -> None:
+    """Points of the branch stand beside the main line and have no name on it."""
+    modes, system = geared.need(Modes), geared.system
+    names = [station.name for station in system.stations]
+    drawn = next(block for block in chapter(geared) if isinstance(block, Figure))
+    values = dict(drawn.values)
+    angle = modes.shape[:, 0] / np.array([SPEED.get(name, 1.0) for name in names])
+    assert values["angle"] == pytest.approx(angle / angle[np.abs(angle).argmax()])
+    inside = {"soft": 0.4, "screw to ground": 0.4, "side": 0.5}
+    torque = modes.torque[:, 0] * np.array([inside.get(span.name, 1.0) for span in system.spans])
+    assert values["torque"] == pytest.approx(torque / np.abs(torque).max())
+    assert values["marked"].tolist() == [name in names[:7] for name in names]
+    ends = [[names[k] for k in pair] for pair in values["ends"].tolist()]
+    assert ends[0] == ["stage wheel 2", "pump"]
+    line = ["wheel", *(f"line {k}/5" for k in (1, 2, 3, 4)), "line end"]
+    assert ends[-5:] == [[a, b] for a, b in pairwise(line)]
+    place = dict(zip(names, values["x"].tolist(), strict=True))
+    links = {"line": ("wheel", "line end"), "stage": ("line end", "stage end"), "soft": ("stage end", "screw")}
+    middle = {name: (place[a] + place[b]) / 2.0 for name, (a, b) in links.items()}
+    wanted = {"wheel": place["wheel"], **middle, "screw": place["screw"]}
+    assert {name: x for x, name in values["ticks"]} == pytest.approx(wanted)
+    assert dict(zip(names, values["row"].tolist(), strict=True))["pump"] == 1.0
+    assert drawn.caption.endswith("angle and torque referred to the reference speed, relative to their largest value")
+
+
+@pytest.mark.parametrize(("couplings", "named"), [(6, 14), (7, 9)])
+def test_links_are_named_in_a_plot_of_at_most_fourteen_components(couplings: int, named: int) -> None:
+    """A disc on the last one makes fourteen components, or sixteen."""
+    more = chain(couplings, 1, ", disc: {name: end, inertia: 1}")
+    drawn = next(block for block in chapter(more) if isinstance(block, Figure))
+    assert len(drawn.values["ticks"]) == named
+
+
+def test_of_a_shaft_of_502_segments_every_second_is_drawn() -> None:
+    text = (
+        "name: long\ntrain: [disc: {inertia: 1}, shaft: {length: 9, diameter: 0.1, segments: N}, disc: {inertia: 2}]\n"
+    )
+    for segments, spans, words in (
+        (502, 252, "; of long shafts every 2th segment is drawn"),
+        (500, 500, "largest value"),
+    ):
+        found = torsion.run(torsion.parse(text.replace("N", str(segments)) + "analyses: {modes: {count: 1}}\n"))
+        drawn = next(block for block in chapter(found) if isinstance(block, Figure))
+        assert len(drawn.values["torque"]) == spans
+        assert len(drawn.values["x"]) == len(drawn.values["angle"]) == len(drawn.values["row"]) == spans + 1
+        assert drawn.caption.endswith(words)
