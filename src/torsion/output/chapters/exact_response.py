@@ -1,5 +1,6 @@
 """Chapter: the exact periodic response of a train with joints, beside the first-order one."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -43,13 +44,13 @@ class Compared:
 
     element: Element
     order: Fraction | None
-    first: Point | None  # in the response
-    exact: Point | None  # in the periodic response
+    first: Point | None  # in the response; None where it has no reliable largest value
+    exact: Point  # in the periodic response
 
     @property
     def excess(self) -> float:
-        """(exact - first order)/first order; NaN where one is missing or nothing."""
-        if self.first is None or self.exact is None or self.first[0] == 0:
+        """(exact - first order)/first order; NaN where the first order is missing or nothing."""
+        if self.first is None or self.first[0] == 0:
             return np.nan
         return self.exact[0] / self.first[0] - 1.0
 
@@ -78,12 +79,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
             "Periodic motions found at the same speed, at the highest peaks",
         )
     if rows:
-        unit = scale("N m", [point[0] for row in rows for point in (row.first, row.exact) if point is not None])
+        unit = scale("N m", [point[0] for row in rows for point in (row.first or row.exact, row.exact)])
         yield _table(findings, rows, unit)
         size: dict[Element, float] = {}
         for row in rows:
-            if row.exact is not None:
-                size[row.element] = max(size.get(row.element, 0.0), row.exact[0])
+            size[row.element] = max(row.exact[0], size.get(row.element, row.exact[0]))
         yield from (_figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES))
 
 
@@ -109,7 +109,8 @@ def _flagged(found: PeriodicResponse) -> BoolArray:
 def _flagged_table(found: PeriodicResponse, bad: Sequence[int]) -> Table:
     """The speeds without a periodic motion, with a coarse or an unstable one."""
     rows, marks, shown = [], [], bad[:MOST_FLAGGED]
-    for k, speed in zip(shown, distinct_texts((found.speed[shown] * RPM).tolist()), strict=True):
+    for place, speed in enumerate(distinct_texts((found.speed[shown] * RPM).tolist())):
+        k = shown[place]
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
         why = found.why[k] or ("small deviations grow: the train does not settle in this motion" if unstable else
@@ -149,8 +150,8 @@ def _table(findings: Findings, compared: tuple[Compared, ...], unit: Scale) -> T
             (NONE, NONE) if point is None else (unit.text(point[0]), rpm(float(speed[point[1]])))
             for point, speed in ((row.first, response.speed), (row.exact, exact.speed))
         ]
-        remark = "" if row.exact is not None else "no periodic motion"
-        if row.exact is not None and bad[row.exact[1]]:
+        remark = ""
+        if bad[row.exact[1]]:
             remark = "unstable there" if exact.is_unstable[row.exact[1]] else "coarse there"
         change = _signed(row.excess) if np.isfinite(row.excess) else NONE
         line = "all" if row.order is None else order(row.order)
@@ -200,13 +201,13 @@ def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
     found = findings.need(PeriodicResponse)
     turns, harmonics = common_cycle(list(found.orders))
-    torque = np.moveaxis(found.torque[:, :, list(spans)], 1, 2)
+    torque = found.torque[:, :, list(spans)].swapaxes(1, 2)
     if turns == 0:
         return np.asarray(np.abs(torque).sum(axis=2).max(axis=1))
     known = found.status != Found.NONE
-    out = np.full(len(found.speed), np.nan)
-    highest, lowest = extremes(torque[known].reshape(-1, len(found.orders)), harmonics)
-    out[known] = ((highest - lowest) / 2.0).reshape(-1, len(spans)).max(axis=1)
+    out, shape = np.full(len(found.speed), np.nan), (known.sum(), len(spans))
+    highest, lowest = extremes(torque[known].reshape(math.prod(shape), len(harmonics)), harmonics)
+    out[known] = ((highest - lowest) / 2.0).reshape(shape).max(axis=1)
     return out
 
 
@@ -226,25 +227,25 @@ def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iter
     top = highest(exact)
     if top == 0.0:
         return
-    exact = _where_found(without(exact, here))
     if None not in orders:
-        both = synthesis(findings, spans), _where_found(exact_half_range(findings, spans))
-        yield Compared(element, None, *(_largest(without(half, here)) for half in both))
+        half = without(exact_half_range(findings, spans), here)
+        yield Compared(element, None, _largest(without(synthesis(findings, spans), here)), _largest_found(half))
     for k, one in enumerate(findings.need(PeriodicResponse).orders):
         mine = None if one not in orders else _largest(first[:, orders.index(one)])
-        found = _largest(exact[:, k])
-        if max((point[0] for point in (mine, found) if point is not None), default=0.0) >= SMALLEST * top:
+        found = _largest_found(without(exact[:, k], here))
+        if max(mine or found, found)[0] >= SMALLEST * top:
             yield Compared(element, one, mine, found)
-
-
-def _where_found(values: FloatArray) -> FloatArray:
-    """The values with the least of all for NaN, so that the largest is that of the speeds with a periodic motion."""
-    return np.where(np.isnan(values), -np.inf, values)
 
 
 def _largest(values: FloatArray) -> Point | None:
     at = largest(values)
     return None if at is None else (float(values[at]), at)
+
+
+def _largest_found(values: FloatArray) -> Point:
+    """Of the speeds with a periodic motion."""
+    at = int(np.nanargmax(values))
+    return float(values[at]), at
 
 
 def first_order_judged(findings: Findings) -> str:
@@ -255,7 +256,7 @@ def first_order_judged(findings: Findings) -> str:
     together = [row for row in rows if row.order is None] or rows
     text = "The rules and the synthesis judge the first-order response, not the exact periodic one."
     worst = max((row for row in together if np.isfinite(row.excess)), key=lambda row: row.excess, default=None)
-    if worst is None or worst.first is None or worst.exact is None:
+    if worst is None or worst.first is None:
         return text
     response, exact = findings.need(Response), findings.need(PeriodicResponse)
     return (
