@@ -68,16 +68,15 @@ def _inertias(findings: Findings) -> Table:
 
 def _water(findings: Findings) -> Iterator[str]:
     """What entrained water adds to the propellers, in a sentence each."""
-    for part in findings.study.train.parts:
-        if part.propeller is None:
-            continue
-        dry, water = part.propeller.inertia, part.propeller.water
-        if water is None:
-            yield f"{part.name}: J dry, no entrained water is given."
-            continue
-        share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
-        parts = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m²"
-        yield f"{part.name}: J {parts} ({share})."
+    parts = findings.study.train.parts
+    for name, dry, water in (
+        (p.name, p.propeller.inertia, p.propeller.water) for p in parts if p.propeller is not None
+    ):
+        said = "dry, no entrained water is given"
+        if water is not None:
+            share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
+            said = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
+        yield f"{name}: J {said}."
 
 
 def _springs(findings: Findings) -> Table:

@@ -63,20 +63,19 @@ def conclusion(found: Compared) -> Paragraph:
 def _summary(found: Compared) -> Table:
     """The largest errors of every model and its verdict."""
     exact, *_ = _all(found)
-    rows, marks = [], []
+    rows = []
     for model in _all(found):
-        mark = "" if model is exact else ("fail" if model.model in found.failed else "pass")
-        errors = [_percent(error) if mark else NONE for error in model.largest]
+        verdict = NONE if model is exact else ("FAIL" if model.model in found.failed else "PASS")
+        errors = [NONE if model is exact else _percent(error) for error in model.largest]
         times = " + ".join(number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds))
-        rows.append((model.model, *errors, model.below, times, mark.upper() or NONE))
-        marks.append(mark)
+        rows.append((model.model, *errors, str(model.below), times, verdict))
     return table(
         "< Model -> | Frequency [%] -> frequency, % | 1 − MAC [%] -> 1 − MAC, % | Torques [%] -> torques, % | "
         "Modes -> | Time [ms] -> ms | < Verdict ->",
         rows,
         f"Largest errors against the exact model, of {len(exact.frequency)} modes; modes below "
         f"{number(found.highest)} Hz; times of one run of the modes and of the torques",
-        marks=marks,
+        marks=[row[-1].lower().strip(NONE) for row in rows],
         short="Largest errors against the exact model",
     )
 
