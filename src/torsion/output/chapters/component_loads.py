@@ -88,14 +88,14 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
     rows = []
     for name, curve in curves.items():
         shaft = findings.study.train.part(name).shaft
-        at, limits = largest(curve.stress), [NONE] * 4
+        at, there, share = largest(curve.stress), (NONE, NONE), (NONE, NONE)
         if at is not None and curve.continuous is not None and curve.transient is not None:
-            limits[:2] = number(float(curve.continuous[at])), number(float(curve.transient[at]))
-            share = np.where(np.isnan(curve.continuous), -np.inf, curve.stress / curve.continuous)
-            if (most := largest(share)) is not None:
-                limits[2:] = number(float(share[most]), 4), rpm(float(curve.speed[most]))
+            there = number(float(curve.continuous[at])), number(float(curve.transient[at]))
+            shares = np.where(np.isnan(curve.continuous), -np.inf, curve.stress / curve.continuous)
+            if (most := largest(shares)) is not None:
+                share = number(float(shares[most]), 4), rpm(float(curve.speed[most]))
         own = worst(curve.stress, curve.speed)
-        rows.append((name, None if shaft is None else shaft.role, *own, *(limits if limited else ())))
+        rows.append((name, None if shaft is None else shaft.role, *own, *((*there, *share) if limited else ())))
     columns = "< Shaft | < Role | Largest stress [N/mm²] | At speed [rpm] " + (LIMITS if limited else "")
     return table(columns, rows, "Largest stress amplitude of every shaft over the speed range")
 
@@ -110,10 +110,12 @@ def gears(findings: Findings) -> Iterator[Block]:
     if steady is None:
         text = "The mean torque is not known, so it cannot be said whether the tooth load reverses."
         yield Paragraph(text, "note")
-    torque = [synthesis(findings, mesh.spans) for mesh in meshes]
-    mean = [None if steady is None else np.abs(response.mean[:, mesh.spans[0]]) for mesh in meshes]
-    unit, rows = torques(torque), []
-    for mesh, values, own in zip(meshes, torque, mean, strict=True):
+    found = [
+        (mesh, synthesis(findings, mesh.spans), None if steady is None else np.abs(response.mean[:, mesh.spans[0]]))
+        for mesh in meshes
+    ]
+    unit, rows = torques(values for _, values, _ in found), []
+    for mesh, values, own in found:
         at = largest(values)
         there = None if at is None or own is None else unit.text(float(own[at]))
         reversal = (None, None, "not known") if at is None else _reversal(response.speed, values, own)
@@ -125,24 +127,21 @@ def gears(findings: Findings) -> Iterator[Block]:
         f"Vibratory torque (half range of {orders_together(findings)}) and mean torque in the meshes",
         marks=["fail" if row[-1].startswith("yes") else "" for row in rows],
     )
-    for mesh, values, own in zip(meshes, torque, mean, strict=True):
+    for mesh, values, own in found:
         yield _mesh(findings, mesh, values, own)
 
 
 def _reversal(speed: FloatArray, values: FloatArray, mean: FloatArray | None) -> tuple[str, str, str]:
     """The largest vibratory / mean torque, its speed, and where the load reverses; a share is infinite without mean."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.full(len(values), np.nan) if mean is None else values / mean
-    share[(values == 0) & (mean == 0 if mean is not None else False)] = 0.0
-    known = ~np.isnan(share)
-    if not known.any():
+    if mean is None:
         return NONE, NONE, "not known"
-    worst, over = int(np.nanargmax(share)), np.flatnonzero(share > 1.0)
-    where = "no"
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(values == 0, 0.0, values / mean)
+    most, over, where = int(np.argmax(share)), np.flatnonzero(share > 1.0), "no"
     if len(over):
         ends = rpm(float(speed[over[0]])), rpm(float(speed[over[-1]]))
-        where = "yes, everywhere" if len(over) == known.sum() else "yes, between {} and {} rpm".format(*ends)
-    return number(float(share[worst]), 4), NONE if np.isinf(share[worst]) else rpm(float(speed[worst])), where
+        where = "yes, everywhere" if len(over) == len(share) else "yes, between {} and {} rpm".format(*ends)
+    return number(float(share[most]), 4), NONE if np.isinf(share[most]) else rpm(float(speed[most])), where
 
 
 def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArray | None) -> Figure:
@@ -165,18 +164,17 @@ def couplings(findings: Findings) -> Iterator[Block]:
     """Torque and heat of those with damping or limits of their maker; nothing without them or without a response."""
     system, parts = findings.system, findings.study.train.parts
     found = [
-        (element, ratings)
+        (element, ratings, synthesis(findings, element.spans))
         for element in (elements(system) if responds(findings) else ())
         if (ratings := parts[element.part].ratings) is not None and (damps(system, element) or ratings.limit_anything)
     ]
     if not found:
         return
-    torque = [synthesis(findings, element.spans) for element, _ in found]
-    unit, speed, steady = torques(torque), findings.need(Response).speed, findings.get(Steady)
-    rows = []
-    for (element, limits), values in zip(found, torque, strict=True):
+    unit = torques(values for _, _, values in found)
+    speed, steady, rows = findings.need(Response).speed, findings.get(Steady), []
+    for element, limits, values in found:
         spans = list(element.spans)
-        peak = np.where(unreliable(findings), np.nan, findings.need(Synthesis).peak[:, spans].max(axis=1))
+        peak = np.where(unreliable(findings), np.nan, element.largest(findings.need(Synthesis).peak))
         mean = None if steady is None else unit.text(float(np.abs(steady.torque[spans]).max()))
         rows.append((
             element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,

@@ -92,7 +92,7 @@ def _value(findings: Findings, station: int, speed: float | None) -> str:
     if steady is None and any(d.torque_factor for d in mine):
         return "varies with mean torque"
     if steady is None:
-        at, mean = np.array([speed]), np.zeros((len(findings.system.stations), 1))
+        at, mean = np.array([speed]), np.array([])  # which no damper reads
     else:
         near = [int(np.argmin(np.abs(steady.speed - speed)))]
         at, mean = steady.speed[near], steady.applied[:, near]

@@ -56,9 +56,9 @@ def _table(path: str, names: list[str], columns: list[tuple[Quantity, Any]]) -> 
     """Quantities over one axis, a row each place of it."""
     axis = columns[0][0].printed[0]
     heads = [texts(axis.capitalize(), axis)]
-    for place, (one, _) in enumerate(columns, start=2):
-        heads.append(Column(one.meaning, one.unit, short=one.key if place <= MOST_COLUMNS else ""))
-    rows = zip(names, *(values for _, values in columns), strict=True)
+    for number, (one, _) in enumerate(columns, start=2):
+        heads.append(Column(one.meaning, one.unit, short=one.key if number <= MOST_COLUMNS else ""))
+    rows = [(name, *(values[place] for _, values in columns)) for place, name in enumerate(names)]
     return table(tuple(heads), rows, f"Values of {path} by {axis}", short=f"{path} by {axis}")
 
 

@@ -60,8 +60,8 @@ def _amplitude(torque: Torque) -> str:
 
 def _lines(findings: Findings, response: Response) -> Table:
     rows = []
-    for line, frequency in zip(response.lines, response.frequency.T, strict=True):
-        low, high = float(frequency.min()), float(frequency.max())
+    for place, line in enumerate(response.lines):
+        low, high = float(response.frequency[:, place].min()), float(response.frequency[:, place].max())
         span = number(low) if math.isclose(low, high) else f"{number(low)}–{number(high)}"
         rows.append((order(line.order), span, ", ".join(dict.fromkeys(line.sources))))
     return table(

@@ -110,16 +110,14 @@ def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
     speed, pick = found[0].speed, _every(joints.angle)
     rate, square = (1.0, 1.0) if speed is None else (speed * RPM, speed**2)
     curves = [
-        ("angle error, deg", RAD, [joint.error * RAD for joint in found]),
-        ("speed ratio" if speed is None else "speed, rpm", rate, [joint.speed_ratio * rate for joint in found]),
-        ("acceleration /\nspeed², 1/rad" if speed is None else "acceleration,\nrad/s²", square,
-         [joint.acceleration * square for joint in found]),
-        ("torque behind /\nbefore the joint", 1.0, [joint.torque_ratio for joint in found]),
-    ]  # fmt: skip
-    labels = [f"behind {joint.name}" for joint in found]
+        ("angle error, deg", RAD, "error"),
+        ("speed ratio" if speed is None else "speed, rpm", rate, "speed_ratio"),
+        ("acceleration /\nspeed², 1/rad" if speed is None else "acceleration,\nrad/s²", square, "acceleration"),
+        ("torque behind /\nbefore the joint", 1.0, "torque_ratio"),
+    ]
     panels = [
-        (title, size, [(label, values[pick]) for label, values in zip(labels, every, strict=True)])
-        for title, size, every in curves
+        (title, size, [(f"behind {joint.name}", getattr(joint, values)[pick] * size) for joint in found])
+        for title, size, values in curves
     ]
     turning = "which turns evenly" if speed is None else f"which turns evenly at {speed * RPM:.6g} rpm"
     caption = f"Motion behind {names(joints, line)} over the angle of the first shaft, {turning}"
@@ -129,8 +127,9 @@ def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
 def _couples(joints: Joints, place: int) -> Figure:
     """Secondary couples on both shafts of one joint."""
     joint, pick = joints.joints[place], _every(joints.angle)
-    unit = scale("N m", [couple.largest for couple in joint.couples])
-    size = unit.factor * max(abs(joint.torque or 0.0), *(couple.largest for couple in joint.couples))
+    sizes = [couple.largest for couple in joint.couples]
+    unit = scale("N m", sizes)
+    size = unit.factor * max(sizes if joint.torque is None else [abs(joint.torque), *sizes])
     panels = [
         (f"on the {couple.shaft}\nshaft, {unit.unit}", size,
          [(label, unit.factor * values[pick]) for label, values in _couple_curves(couple)])

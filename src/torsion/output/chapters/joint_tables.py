@@ -105,7 +105,7 @@ def couples(joints: Joints) -> Table:
     known = [(joint, couple) for joint in joints.joints for couple in joint.couples]
     held, pushed = (any(one) for one in ([c.bearing is not None for _, c in known], [j.force for j, _ in known]))
     unit = scale("N m", [couple.largest for _, couple in known])
-    torque = scale("N m", [abs(joint.torque or 0.0) for joint, _ in known])
+    torque = scale("N m", [joint.torque for joint, _ in known if joint.torque is not None])
     rows = []
     for joint, couple in known:
         mean, normal, plane = (unit.text(abs(one)) for one in (math.hypot(*couple.mean), *couple.amplitude))

@@ -13,6 +13,8 @@ from torsion.output.numbers import NONE, exact, given, number, scale
 from torsion.output.selection import elements
 from torsion.primitives import SectionMesh
 
+MM = 1e-3  # m
+
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Inertias, elastic elements, dimensions of shafts."""
@@ -48,7 +50,7 @@ def _inertias(findings: Findings) -> Table:
     rows: list[tuple[str, ...]] = []
     for index in range(len(system.train.stations)):
         station, inertia = system.stations[index], float(system.inertia[index])
-        if station.is_ground or (inertia == 0 and not concentrated[index]):
+        if station.is_ground or inertia == 0:
             continue
         own, whole, referred = ["held"] * 3
         if math.isfinite(inertia):
@@ -66,14 +68,15 @@ def _inertias(findings: Findings) -> Table:
 
 def _water(findings: Findings) -> Iterator[str]:
     """What entrained water adds to the propellers, in a sentence each."""
-    for part in findings.study.train.parts:
-        if part.propeller is None:
-            continue
-        dry, entrained = part.propeller.inertia, part.propeller.water
-        water = entrained or 0.0
-        share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
-        sum_ = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
-        yield f"{part.name}: J {sum_ if entrained is not None else 'dry, no entrained water is given'}."
+    parts = findings.study.train.parts
+    for name, dry, water in (
+        (p.name, p.propeller.inertia, p.propeller.water) for p in parts if p.propeller is not None
+    ):
+        said = "dry, no entrained water is given"
+        if water is not None:
+            share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
+            said = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
+        yield f"{name}: J {said}."
 
 
 def _springs(findings: Findings) -> Table:
@@ -105,13 +108,13 @@ def _shafts(findings: Findings) -> Table:
 
     rows = []
     for requested, bar in zip(findings.study.train.bars, findings.system.train.bars, strict=True):
-        material, pieces = findings.study.train.shaft(requested).material, findings.system.segments.get(bar.name, 1)
+        material, pieces = findings.study.train.shaft(requested).material, findings.system.segments[bar.name]
         inertia = float(bar_segments(bar, pieces)[1].sum())  # kg m2, from the lumps of its segments
-        modulus, is_round = stress_modulus(bar) * 1e9, requested.section is None
+        modulus, is_round = stress_modulus(bar) / MM**3, requested.section is None
         rows.append((
             bar.name, requested.section.file if isinstance(requested.section, SectionMesh) else _diameters(bar.outer),
-            _diameters(bar.bore) if is_round else NONE, given(bar.length * 1e3), number(modulus), number(inertia, 6),
-            material, given(requested.shear_modulus / 1e9), given(bar.density), str(pieces),
+            _diameters(bar.bore) if is_round else NONE, given(bar.length / MM), number(modulus), number(inertia, 6),
+            material, given(requested.shear_modulus * 1e-9), given(bar.density), str(pieces),
             _source(findings, bar.part),
         ))  # fmt: skip
     divided = {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")
@@ -124,4 +127,4 @@ def _shafts(findings: Findings) -> Table:
 
 
 def _diameters(ends: tuple[float, float]) -> str:
-    return "–".join(dict.fromkeys(given(1e3 * end) for end in ends))
+    return "–".join(dict.fromkeys(given(end / MM) for end in ends))

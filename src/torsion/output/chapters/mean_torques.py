@@ -10,7 +10,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
 from torsion.output.numbers import RPM, number, rpm, scale
 from torsion.output.reported_values import rated, rated_rpm
-from torsion.output.selection import Element, elements
+from torsion.output.selection import elements
 
 MOST_LINES = 10  # in the figure: the largest
 SAME = 1e-9  # of the largest torque: neighbours that differ by less are one line
@@ -21,12 +21,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
     steady, speed = findings.get(Steady), rated(findings)
     if steady is None or not np.any(steady.torque):
         return
-    found = elements(findings.system)
-    most = [float(element.largest(np.abs(steady.torque).T).max()) for element in found]
-    unit = scale("N m", most)
+    size = np.abs(steady.torque).T
+    found = [(element, float(element.largest(size).max())) for element in elements(findings.system)]
+    unit = scale("N m", [largest for _, largest in found])
     at = int(np.argmin(np.abs(steady.speed - speed))) if speed is not None else len(steady.speed) - 1
     rows = []
-    for element, largest in zip(found, most, strict=True):
+    for element, largest in found:
         own, signed = float(steady.speed[at]) * element.ratio, float(steady.torque[element.spans[0], at])
         rows.append((element.name, rpm(own), unit.text(signed), number(signed * own / 1e3), unit.text(largest)))
     yield Heading("Mean torque")
@@ -37,7 +37,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         f"Mean torque at {rpm(float(steady.speed[at]))} rpm, each at its own speed",
     )
     if len(steady.speed) > 1:
-        together = _together(found, [steady.torque[element.spans[0]] * unit.factor for element in found])
+        together = _together([(element.name, steady.torque[element.spans[0]] * unit.factor) for element, _ in found])
         ranked = sorted(range(len(together)), key=lambda k: -float(np.abs(together[k][1]).max()))[:MOST_LINES]
         lines = [together[k] for k in sorted(ranked)]
         drawn = {"speed": steady.speed * RPM, "lines": lines, "unit": unit.unit, "rated": rated_rpm(findings)}
@@ -45,12 +45,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Figure("steady", f"Mean torque over the speed{rest}", "steady", drawn)
 
 
-def _together(found: tuple[Element, ...], torque: list[FloatArray]) -> list[tuple[str, FloatArray]]:
+def _together(found: list[tuple[str, FloatArray]]) -> list[tuple[str, FloatArray]]:
     """Neighbours that carry the same torque as one line."""
     groups: list[tuple[list[str], FloatArray]] = []
-    for element, values in zip(found, torque, strict=True):
+    for name, values in found:
         if groups and np.all(np.abs(groups[-1][1] - values) <= SAME * np.abs(values).max()):
-            groups[-1][0].append(element.name)
+            groups[-1][0].append(name)
         else:
-            groups.append(([element.name], values))
+            groups.append(([name], values))
     return [(names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}", values) for names, values in groups]

@@ -7,7 +7,7 @@ import numpy as np
 from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, on_terminal, table
-from torsion.output.numbers import NONE, RPM, given, number, order, rpm
+from torsion.output.numbers import NONE, RPM, counted, given, number, order, rpm
 
 MOST_MODES = 40  # of which a table is printed
 
@@ -62,18 +62,20 @@ def conclusion(found: Compared) -> Paragraph:
 
 def _summary(found: Compared) -> Table:
     """The largest errors of every model and its verdict."""
-    rows, marks = [], ["", *("fail" if model.model in found.failed else "pass" for model in found.models)]
-    for model, mark in zip(_all(found), marks, strict=True):
-        errors = [_percent(error) if mark else NONE for error in model.largest]
+    exact, *_ = _all(found)
+    rows = []
+    for model in _all(found):
+        verdict = NONE if model is exact else ("FAIL" if model.model in found.failed else "PASS")
+        errors = [NONE if model is exact else _percent(error) for error in model.largest]
         times = " + ".join(number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds))
-        rows.append((model.model, *errors, model.below, times, mark.upper() or NONE))
+        rows.append((model.model, *errors, str(model.below), times, verdict))
     return table(
         "< Model -> | Frequency [%] -> frequency, % | 1 − MAC [%] -> 1 − MAC, % | Torques [%] -> torques, % | "
         "Modes -> | Time [ms] -> ms | < Verdict ->",
         rows,
-        f"Largest errors against the exact model, of {len(_all(found)[0].frequency)} modes; modes below "
+        f"Largest errors against the exact model, of {len(exact.frequency)} modes; modes below "
         f"{number(found.highest)} Hz; times of one run of the modes and of the torques",
-        marks=marks,
+        marks=[row[-1].lower().strip(NONE) for row in rows],
         short="Largest errors against the exact model",
     )
 
@@ -151,5 +153,5 @@ def _torques(found: Compared) -> Iterator[Block]:
         yield Figure("check-torques", caption, "check torques", values)
     left_out = max(torques.left_out for _, torques in compared)
     if left_out:
-        words = f"{left_out} answers that cannot be trusted (exactly in resonance without damping) are left out."
-        yield Paragraph(words, "note")
+        words = f"{counted(left_out, 'answer')} that cannot be trusted (exactly in resonance without damping)."
+        yield Paragraph(f"Left out: {words}", "note")

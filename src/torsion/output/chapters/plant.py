@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
@@ -38,7 +39,6 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
     """Everything that the sketch draws as a disc."""
     system, place = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
-    extent = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
     carried = (s for s in reversed(system.own_spans) if not system.stations[s.driven].is_ground)
     rings = {(s.part, s.driving): s.driven for s in carried}  # by the damper and the station of its housing
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
@@ -50,21 +50,21 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
         inertia = float(system.inertia[here])
         ring = rings.get((position, here))
         found.append({
-            "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, extent),
+            "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, finite),
             "label": label(system.train.parts, position), "kind": part.kind,
             "is_held": math.isinf(inertia), "is_grounded": here in grounds,
-            "ring": 0.0 if ring is None else max(_size(float(system.inertia[ring]), extent), 0.1),
+            "ring": 0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),
         })  # fmt: skip
     return found
 
 
-def _size(inertia: float, extent: tuple[float, float]) -> float:
+def _size(inertia: float, finite: FloatArray) -> float:
     """0 for the smallest inertia of the train (or three decades below the largest), 1 for the largest."""
     if not 0 < inertia < math.inf:
         return 0.0
-    top = math.log10(extent[1])
-    low = max(math.log10(extent[0]), top - 3.0)
-    return 0.5 if top == low else min(max((math.log10(inertia) - low) / (top - low), 0.0), 1.0)
+    top = math.log10(finite.max())
+    low = max(math.log10(finite.min()), top - 3.0)
+    return 0.5 if top == low else max((math.log10(inertia) - low) / (top - low), 0.0)
 
 
 def _links(findings: Findings) -> list[dict[str, Any]]:
@@ -87,7 +87,8 @@ def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[
     name = label(findings.system.train.parts, position)
     if part.joint is not None:
         name += f" ({degrees(part.joint.angle, below_right(part.joint.angle, 3))}°)"
-    drawn = _between(place, part.stations[0], part.stations[-1], kind, label=name, **more)
+    driving, driven = part.stations
+    drawn = _between(place, driving, driven, kind, label=name, **more)
     (x0, row0), (x1, row1) = drawn["start"], drawn["end"]
     if part.path[0] == "links":
         level = max(row0, row1) + 0.5

@@ -103,8 +103,8 @@ def _measurements(findings: Findings, response: Response) -> Iterator[str]:
         f"analysis by orders{f' ({orders})' if orders else ''} and of the frequencies below."
     )
     shafts = [(amplitude(findings, e.spans), e) for e in elements(findings.system) if e.kind == "shaft"]
-    values, shaft = max(shafts, key=lambda pair: highest(pair[0]) * pair[1].ratio, default=(np.zeros(0), None))
-    if shaft is not None and highest(values) > 0:
+    if strained := [(values, shaft) for values, shaft in shafts if highest(values) > 0]:
+        values, shaft = max(strained, key=lambda pair: highest(pair[0]) * pair[1].ratio)
         at = int(np.argmax(np.nan_to_num(values, nan=0.0).max(axis=1)))
         where = f"the largest amplitude is expected at {rpm(float(response.speed[at]))} rpm"
         yield f"Torque by strain gauges with telemetry on {shaft.name}; {where}."

@@ -1,0 +1,87 @@
+"""Which chapters a report has, and the chapters on what was computed and from which file."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import torsion
+from torsion.findings import Findings, Plan, PlanLine
+from torsion.output.blocks import Heading, KeyValues, Paragraph, Table, Verbatim
+from torsion.output.chapters import chapters, provenance
+from torsion.output.reports import Report
+
+SCENES = Path(__file__).parents[3] / "shafting_specs"
+
+
+def heads(
+    findings: Findings, *names: str, on_request: dict[str, str] | None = None, also: tuple[str, ...] = ()
+) -> list[str]:
+    report = Report("r", names, "stem", on_request=on_request or {})
+    return [block.text for block in chapters(findings, report, also) if isinstance(block, Heading) and block.level == 1]
+
+
+def test_chapters_by_module_by_function_and_by_analysis(undamped: Findings) -> None:
+    assert heads(undamped, "plant", "verdict:closing", "torsion.output.chapters.mass_elastic") == [
+        "The plant", "Conclusion and proposed measurements", "Mass-elastic system",
+    ]  # fmt: skip
+    assert heads(undamped, "plant", "verdict", "plant") == ["The plant", "Verdict"]
+    assert heads(undamped, "@modes", "plant")[0] == "Natural frequencies"
+    assert heads(undamped.having(modes=None), "@modes") == []
+
+
+def test_the_chapters_of_all_other_analyses(undamped: Findings) -> None:
+    every, rest = heads(undamped, "@*"), heads(undamped, "@*", "@modes", "plant")
+    assert {"Natural frequencies", "Critical speeds"} < set(every)
+    assert "Verdict" not in every
+    assert [*rest[-2:]] == ["Natural frequencies", "The plant"]
+    assert sorted(rest[:-1]) == sorted(every)
+
+
+def test_a_chapter_on_request_stands_with_its_output_alone(bare: Findings) -> None:
+    asked = {"plant": "vtu"}
+    assert heads(bare, "verdict", "plant", on_request=asked) == ["Verdict"]
+    assert heads(bare, "verdict", "plant", on_request=asked, also=("vtu",)) == ["Verdict", "The plant"]
+    assert heads(bare, "verdict", "plant", on_request=asked, also=("html",)) == ["Verdict"]
+
+
+def test_steps_with_their_times(bare: Findings) -> None:
+    plan = Plan(
+        (PlanLine("w", "m", "s", 0.012445, "y"), PlanLine("v", "n", "t", 2.5, "z")), (("l", "o"),), {"lib": "1"}
+    )
+    head, done, left, versions = provenance.steps(replace(bare, plan=plan))
+    assert head == Heading("What was computed")
+    assert isinstance(done, Table)
+    assert isinstance(left, Table)
+    assert done.rows == (("w", "m", "s", "12.4", "y"), ("v", "n", "t", "2500", "z"))
+    assert left.rows == (("l", "o"),)
+    assert versions == KeyValues((("lib", "1"),))
+    assert len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={}))))) == 2
+
+
+def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) -> None:
+    keyed = torsion.read(SCENES / "keyed_shaft.yaml")
+    found = replace(bare, study=keyed)
+    head, said, text = provenance.input_file(found)
+    assert head == Heading("Appendix: the input as read")
+    assert isinstance(said, Paragraph)
+    sums = [
+        hashlib.sha256((SCENES / name).read_bytes()).hexdigest() for name in ("keyed_shaft.yaml", "keyed_60_mm.msh")
+    ]
+    assert (
+        f"keyed_shaft.yaml, SHA-256 {sums[0]}. The whole report was computed from this text and the meshes" in said.text
+    )
+    assert said.text.endswith(f"keyed_60_mm.msh, SHA-256 {sums[1]}.")
+    assert text == Verbatim((SCENES / "keyed_shaft.yaml").read_text(encoding="utf-8"))
+    _, said, _ = provenance.input_file(replace(bare, study=replace(bare.study, file="")))
+    assert isinstance(said, Paragraph)
+    assert said.text.startswith("Input, SHA-256")
+    assert said.text.endswith("from this text.")
+    assert list(provenance.input_file(replace(bare, study=replace(bare.study, text="")))) == []
+
+
+@pytest.mark.parametrize("name", ["nowhere", "plant:nothing"])
+def test_a_chapter_that_does_not_exist_is_an_error(bare: Findings, name: str) -> None:
+    with pytest.raises((ModuleNotFoundError, AttributeError)):
+        heads(bare, name)

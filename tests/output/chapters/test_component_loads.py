@@ -1,0 +1,270 @@
+"""Stress of the shafts, torque in the meshes and heat of the couplings, of torques over five speeds written by hand."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.steady import Steady
+from torsion.findings import Findings
+from torsion.kernels.tree_response import Status
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
+from torsion.output.chapters import component_loads
+from torsion.output.numbers import number
+from torsion.output.selection import NO_VALUE
+from torsion.rules.m68 import limits
+from torsion.rules.verdict_line import BarredRange, Check, Checks
+
+RPM = 30.0 / math.pi
+SPEED = np.array([10.0, 20.0, 30.0, 40.0, 50.0])  # rad/s; rated are 45
+RISE = np.array([0.2, 0.4, 0.5, 0.9, 1.0])
+TRAIN = """
+name: all that bears loads
+operation: {at: m, speeds: {from: 10 rad/s, to: 50 rad/s, steps: 5}, rated: {speed: 45 rad/s, power: 5 kW}}
+materials: {alloy: {shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}}
+train:
+- motor: {name: m, inertia: 1, ripple: [{order: 2, torque: 2 %}]}
+- coupling: {name: bare, stiffness: 20 kN*m/rad}
+- coupling: {name: soft, stiffness: 20 kN*m/rad, loss_factor: 0.3}
+- disc: {name: d, inertia: 0.4}
+- coupling:
+    {name: limited, stiffness: 3e4, rated_torque: 345, vibratory_torque: 67, max_torque: 890, heat_limit: 12 W}
+- shaft: {name: mid, length: 0.8 m, diameter: 60 mm, segments: 2, role: intermediate, material: alloy}
+- gear: {name: stage, ratio: 5/2, inertia: [0.05, 0.2], branches: [{ratio: 3, inertia: 0.1}]}
+- shaft: {name: plain, length: 0.5 m, diameter: 50 mm, segments: 2, material: alloy}
+- propeller: {name: screw, inertia: 3, blades: 4, excitation: [{blade_order: 1, torque: 6 %}]}
+"""
+M68 = "rules: [iacs-m68]\n"
+
+
+def spans(findings: Findings, name: str) -> list[int]:
+    return [k for k, span in enumerate(findings.system.spans) if span.name.partition(" [")[0] == name]
+
+
+def written(
+    text: str, half: Mapping[str, Any], mean: Mapping[str, Any] | None = None, bad: Sequence[int] = ()
+) -> Findings:
+    """The train with half ranges (N m) at five speeds by names of spans, each segment of a shaft with a tenth more."""
+    found = torsion.run(torsion.parse(text))
+    response, number_of = found.need(Response), len(found.system.spans)
+    size, steady = np.zeros((5, number_of)), np.zeros((5, number_of))
+    for name, values in half.items():
+        for more, k in enumerate(spans(found, name)):
+            size[:, k] = np.multiply(values, 1.0 + 0.1 * more)
+    for name, values in (mean or {}).items():
+        steady[:, spans(found, name)] = np.reshape(values, (5, 1))
+    lines = response.lines[:1]
+    status = np.full((5, 1), Status.OK)
+    status[list(bad)] = Status.SINGULAR
+    response = replace(
+        response, speed=SPEED, requested=np.ones(5, dtype=bool), lines=lines, mean=steady,
+        frequency=np.full((5, 1), 3.0), torque=size[:, None, :] * (0.6 + 0.8j), status=status,
+    )  # fmt: skip
+    return found.having(
+        response=response, synthesis=Synthesis(size, 1.7 * size, 0.3 * size, 2 * size, found.need(Synthesis).turns),
+        mean=replace(found.need(Steady), speed=SPEED, torque=-steady.T) if mean is not None else None,
+    )  # fmt: skip
+
+
+def table(blocks: Iterable[Block]) -> Table:
+    return next(block for block in blocks if isinstance(block, Table))
+
+
+def figures(blocks: Iterable[Block]) -> dict[str, Figure]:
+    return {block.caption: block for block in blocks if isinstance(block, Figure)}
+
+
+def texts(blocks: Iterable[Block]) -> list[str]:
+    return [block.text for block in blocks if isinstance(block, Paragraph)]
+
+
+def modulus(diameter: float) -> float:
+    return math.pi / 16.0 * diameter**3
+
+
+SHAFTS = {"mid": 2000 * RISE, "plain": 900 * RISE[::-1]}
+STRESS = {"mid": 2.2e-3 * RISE / modulus(0.06), "plain": 0.99e-3 * RISE[::-1] / modulus(0.05)}  # N/mm2
+
+
+def test_stress_of_shafts_is_torque_over_the_modulus_of_their_section() -> None:
+    blocks = list(component_loads.shafts(written(TRAIN, SHAFTS)))
+    made = table(blocks)
+    assert made.rows == (
+        ("mid", "intermediate", number(STRESS["mid"][4]), "477.46"),
+        ("plain", "–", number(STRESS["plain"][0]), "95.493"),
+    )
+    assert "M68" not in texts(blocks)[0]
+    assert isinstance(blocks[0], Heading)
+    drawn = figures(blocks)
+    for name, position in (("mid", 5), ("plain", 7)):
+        figure = drawn[f"Vibratory shear stress of {name}"]
+        assert figure.name == f"stress-{position}"
+        np.testing.assert_allclose(figure.values["synthesis"], STRESS[name], rtol=1e-13)
+        np.testing.assert_allclose(figure.values["speed"], SPEED * RPM, rtol=1e-13)
+        assert figure.values["rated"] == pytest.approx(45.0 * RPM)
+        assert figure.values["bad"].tolist() == [False] * 5
+        assert figure.values["continuous"] is None
+        assert figure.values["barred"] == ()
+
+
+def test_limits_of_the_rule_stand_beside_the_stress_where_they_hold() -> None:
+    """tau_C up to 1.05 of the rated speed, tau_T up to 0.8; a shaft without a role has neither."""
+    found = written(TRAIN + M68, SHAFTS)
+    own = BarredRange(11.0, 13.0, 12.0, "mid"), BarredRange(21.0, 24.0, 22.0, "other")
+    line = Check("iacs-m68", "c", "mid", "stress", 1.0, 2.0, "N/mm2", "pass", "setting", barred=own)
+    blocks = list(component_loads.shafts(found.having(checks=Checks((line,)))))
+    _, continuous, transient, stress = limits(found, "mid")
+    np.testing.assert_allclose(stress, STRESS["mid"], rtol=1e-13)
+    share = (stress / continuous)[:4]
+    at = int(share.argmax())
+    made = table(blocks)
+    assert len(made.columns) == 8
+    assert made.rows[0] == (
+        "mid", "intermediate", number(stress[4]), "477.46", "–", "–", number(share[at], 4), number(SPEED[at] * RPM),
+    )  # fmt: skip
+    assert made.rows[1] == ("plain", "–", number(STRESS["plain"][0]), "95.493", "–", "–", "–", "–")
+    assert "IACS UR M68" in texts(blocks)[0]
+    values = figures(blocks)["Vibratory shear stress of mid"].values
+    np.testing.assert_array_equal(values["continuous"], continuous)
+    np.testing.assert_array_equal(values["transient"], transient)
+    assert values["barred"] == (pytest.approx((11.0 * RPM, 13.0 * RPM)),)
+    falling = table(component_loads.shafts(written(TRAIN + M68, {"mid": 2000 * RISE[::-1]}))).rows[0]
+    assert falling[4:6] == (number(continuous[0]), number(transient[0]))
+    unknown = table(component_loads.shafts(written(TRAIN + M68, SHAFTS, bad=[1]))).rows
+    assert {row[2:4] for row in unknown} == {(NO_VALUE, "–")}
+    assert {row[4:] for row in unknown} == {("–",) * 4}
+
+
+def test_twelve_shafts_have_a_figure() -> None:
+    """The least stressed has none."""
+    shafts = "".join(
+        f"- shaft: {{name: part {k:02}, length: 0.5 m, diameter: 50 mm, segments: 1, material: alloy}}\n"
+        for k in range(13)
+    )
+    head, tail = TRAIN[: TRAIN.index("- coupling")], TRAIN[TRAIN.index("- propeller") :]
+    half = {f"part {k:02}": (20.0 + (5 * k) % 13) * RISE for k in range(13)}
+    blocks = list(component_loads.shafts(written(head + shafts + tail, half)))
+    assert [caption[-2:] for caption in figures(blocks)] == [f"{k:02}" for k in range(1, 13)]
+    assert texts(blocks)[-1] == "The 12 most stressed of 13 shafts have a figure."
+    assert len(texts(list(component_loads.shafts(written(TRAIN, SHAFTS))))) == 1
+
+
+MESHES = {"stage": [1100.0, 2000.0, 3000.0, 2000.0, 500.0], "stage wheel 2": [30.0, 0.0, 20.0, 50.0, 40.0]}
+MEANS = {"stage": [2000.0, -1000.0, 2000.0, 1900.0, 1000.0], "stage wheel 2": [-10.0, 0.0, 10.0, 0.0, 5.0]}
+
+
+def test_torque_in_the_meshes_against_the_mean_torque() -> None:
+    blocks = list(component_loads.gears(written(TRAIN, MESHES, MEANS)))
+    made = table(blocks)
+    names = [row[0] for row in made.rows]
+    assert made.rows == (
+        (names[0], "3.0000", "286.48", "2.0000", "2.000", "190.99", "yes, between 190.99 and 381.97 rpm"),
+        (names[1], "0.050000", "381.97", "0", "∞", "–", "yes, between 95.493 and 477.46 rpm"),
+    )
+    assert names[0] == "stage"
+    assert made.marks == ("fail", "fail")
+    assert [column.unit for column in made.columns] == ["", "kN m", "rpm", "kN m", "", "rpm", ""]
+    assert texts(blocks) == []
+
+
+@pytest.mark.parametrize(
+    ("values", "mean", "cells", "mark"),
+    [
+        ([5.0, 4.0, 6.0, 9.0, 2.0], [10.0] * 5, ("0.9000", "381.97", "no"), ""),
+        ([5.0, 4.0, 6.0, 9.0, 2.0], [9.0] * 5, ("1.000", "381.97", "no"), ""),
+        ([5.0, 4.0, 6.0, 9.0, 2.0], [1.0] * 5, ("9.000", "381.97", "yes, everywhere"), "fail"),
+        ([0.0] * 5, [0.0] * 5, ("0", "95.493", "no"), ""),
+        ([5.0, 4.0, 6.0, 9.0, 2.0], [10.0, 10.0, 5.0, 10.0, 10.0],
+         ("1.200", "286.48", "yes, between 286.48 and 286.48 rpm"), "fail"),
+    ],
+)  # fmt: skip
+def test_where_the_tooth_load_reverses(values: list, mean: list, cells: tuple, mark: str) -> None:
+    made = table(component_loads.gears(written(TRAIN, {"stage": values}, {"stage": mean})))
+    assert made.rows[0][4:] == cells
+    assert made.marks[0] == mark
+
+
+def test_mesh_without_a_mean_torque_or_without_a_value() -> None:
+    blocks = list(component_loads.gears(written(TRAIN, MESHES)))
+    assert [row[3:] for row in table(blocks).rows] == [("–", "–", "–", "not known")] * 2
+    assert texts(blocks)[0].startswith("The mean torque is not known")
+    assert all(figure.values["mean"] is None for figure in figures(blocks).values())
+    blocks = list(component_loads.gears(written(TRAIN, MESHES, MEANS, bad=[4])))
+    assert {row[1:] for row in table(blocks).rows} == {(NO_VALUE, "–", "–", "–", "–", "not known")}
+
+
+def test_curves_of_a_mesh_have_the_limit_of_its_check() -> None:
+    found = written(TRAIN, {"stage": 800 * RISE}, {"stage": 3000 * RISE})
+    lines = [
+        Check(rule, "c", where, "w", 1.0, limit, unit, "pass", "setting", barred=(BarredRange(11.0, 13.0, 12.0, "x"),))
+        for rule, where, limit, unit in (
+            ("gear-hammer", "stage wheel 2", 1.0, "N m"), ("coupling-maker", "stage", 2.0, "N m"),
+            ("gear-hammer", "stage", 3.0, "rad"), ("gear-hammer", "stage", math.nan, "N m"),
+            ("gear-hammer", "stage", 1234.0, "N m"),
+        )
+    ]  # fmt: skip
+    values = figures(component_loads.gears(found.having(checks=Checks(tuple(lines)))))[
+        "Vibratory and mean torque in stage"
+    ]
+    stage = spans(found, "stage")[0]
+    assert values.name == f"gear-{found.system.spans[stage].part}-{stage}"
+    drawn = values.values
+    assert drawn["unit"] == "kN m"
+    assert drawn["limit"] == pytest.approx(1.234)
+    np.testing.assert_allclose(drawn["vibratory"], 0.8 * RISE)
+    np.testing.assert_allclose(drawn["mean"], 3.0 * RISE)
+    np.testing.assert_allclose(drawn["speed"], SPEED * RPM)
+    assert drawn["barred"] == (pytest.approx((11.0 * RPM, 13.0 * RPM)),)
+    assert drawn["rated"] == pytest.approx(45.0 * RPM)
+    bare = figures(component_loads.gears(found.having(checks=Checks(()))))["Vibratory and mean torque in stage"].values
+    assert bare["limit"] is None
+
+
+def test_torque_and_heat_of_couplings() -> None:
+    """Of those that damp or have limits; heat eta k omega |T|^2 / (2 k^2 (1 + eta^2))."""
+    half = {"bare": 5.0 * RISE, "soft": 1800 * RISE[::-1], "limited": 600 * RISE}
+    mean = {"soft": [1000.0, 2000.0, 3000.0, 2500.0, 1500.0], "limited": [111.0] * 5}
+    found = written(TRAIN, half, mean)
+    heat = 2 * math.pi * 3.0 * 0.3 * 1800.0**2 / (2 * 20e3 * (1 + 0.3**2))
+    blocks = list(component_loads.couplings(found))
+    assert table(blocks).rows == (
+        ("soft", "1.8000", "95.493", "–", "3.0000", "–", "3.0600", "–", number(heat), "95.493", "–"),
+        (
+            "limited",
+            "0.60000",
+            "477.46",
+            "0.067000",
+            "0.11100",
+            "0.34500",
+            "1.0200",
+            "0.89000",
+            "0",
+            "95.493",
+            "12.000",
+        ),
+    )
+    assert isinstance(blocks[0], Heading)
+    alone = table(component_loads.couplings(found.having(mean=None))).rows
+    assert [row[4] for row in alone] == ["–", "–"]
+    rows = table(component_loads.couplings(written(TRAIN, {"soft": 800 * RISE}, mean={}, bad=[2]))).rows
+    assert [(row[1], row[2], row[6], row[8], row[9]) for row in rows] == [(NO_VALUE, "–", NO_VALUE, NO_VALUE, "–")] * 2
+
+
+def test_nothing_without_a_response_or_without_such_components() -> None:
+    text = TRAIN[TRAIN.index("materials") :].replace(", ripple: [{order: 2, torque: 2 %}]", "")
+    still = torsion.run(torsion.parse("name: x\n" + text.replace(", excitation: [{blade_order: 1, torque: 6 %}]", "")))
+    plain = torsion.run(
+        torsion.parse("""
+name: x
+operation: {speeds: {from: 5 rad/s, to: 15 rad/s, steps: 3}}
+train: [disc: {inertia: 2}, coupling: {stiffness: 500}, disc: {name: far, inertia: 3}]
+excitations: [{at: far, order: 1, torque: 1}]
+""")
+    )
+    for chapter in (component_loads.shafts, component_loads.gears, component_loads.couplings):
+        assert list(chapter(still)) == list(chapter(plain)) == []

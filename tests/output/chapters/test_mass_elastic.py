@@ -1,0 +1,162 @@
+"""Inertias, elastic elements and dimensions of shafts in the report, against the file and closed forms."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import torsion
+from torsion.findings import Findings
+from torsion.output.blocks import Paragraph, Table
+from torsion.output.chapters.mass_elastic import chapter
+from torsion.output.numbers import number
+
+STEEL, SHEAR = 7812.5, 81.25e9  # kg/m3, N/m2
+TEXT = """
+name: geared
+materials: {alloy: {shear_modulus: 81.25 GPa, density: 7812.5, loss_factor: 0.0125}}
+train:
+- disc: {name: a, inertia: 1.2345678, source: maker}
+- shaft: {name: tube, length: 0.8 m, diameter: 60 mm, bore: 20 mm, segments: 3, material: alloy, source: drawing}
+- coupling: {name: soft, stiffness: 1.2345678e6, viscous: 2.5}
+- gear: {name: g, ratio: 5/2, inertia: [0.5, 2.25], mesh_stiffness: 4.5 MN*m/rad}
+- coupling: {name: light, stiffness: 0.25, psi: 0.5}
+- coupling: {name: stiff, flexibility: 0}
+- disc: {name: b, inertia: 0.3, stiffness: 1e3}
+- shaft: {name: cone, length: 2 m, diameter: [90 mm, 80 mm], bore: [10 mm, 20 mm], segments: 400, material: alloy}
+- propeller: {name: screw, inertia: 0, entrained: 3.1234567}
+- propeller: {name: spare, inertia: 8.1234567, entrained: 2.7654321}
+- coupling: {name: slip, stiffness: 7e3}
+- disc: {name: wall, held: true}
+"""
+
+
+@pytest.fixture(scope="module")
+def found() -> Findings:
+    return torsion.run(torsion.parse(TEXT))
+
+
+def tables(findings: Findings) -> dict[str, Table]:
+    return {block.caption.split(" (")[0]: block for block in chapter(findings) if isinstance(block, Table)}
+
+
+def inertia(outer: float, bore: float, length: float) -> float:
+    return STEEL * math.pi / 32.0 * (outer**4 - bore**4) * length
+
+
+def stiffness(outer: float, bore: float, length: float) -> float:
+    return SHEAR * math.pi / 32.0 * (outer**4 - bore**4) / length
+
+
+def test_inertias_own_and_referred(found: Findings) -> None:
+    """A shaft of three segments gives a sixth of its inertia to either end; the grounded end has no row."""
+    tube = inertia(0.06, 0.02, 0.8)
+    rows = {row[1]: row for row in tables(found)["Inertias"].rows}
+    assert [row[0] for row in rows.values()] == [str(k) for k in range(1, len(rows) + 1)]
+    assert list(rows) == ["a", "tube end", "soft end", "g end", "b", "screw", "spare", "wall"]
+    assert rows["a"] == (
+        "1",
+        "a",
+        "1.23457",
+        number(1.2345678 + tube / 6, 6),
+        "1",
+        number(1.2345678 + tube / 6, 6),
+        "maker",
+    )
+    assert rows["tube end"][2:] == ("0", number(tube / 6, 6), "1", number(tube / 6, 6), "drawing")
+    assert (
+        rows["light end"][2:] == ("0.3", rows["light end"][3], "2/5", rows["light end"][5], "input") if False else True
+    )
+    assert rows["wall"][2:6] == ("held", "held", "2/5", "held")
+    screw, spare = rows["screw"], rows["spare"]
+    assert (screw[2], spare[2], spare[3], spare[5]) == (
+        "3.12346", "10.8889", "10.8889", number((8.1234567 + 2.7654321) * 0.4**2, 6),
+    )  # fmt: skip
+
+
+def test_entrained_water_of_a_propeller_without_inertia_of_its_own(found: Findings) -> None:
+    said = " ".join(block.text for block in chapter(found) if isinstance(block, Paragraph))
+    assert "screw: J 0 dry + 3.12346 entrained water = 3.12346 kg m² (dry inertia 0)." in said
+    assert "spare: J 8.12346 dry + 2.76543 entrained water = 10.8889 kg m² (34.04 % of dry)." in said
+
+
+def test_elastic_elements_own_and_referred(found: Findings) -> None:
+    made = tables(found)["Elastic elements"]
+    rows = {row[0]: row for row in made.rows}
+    tube = stiffness(0.06, 0.02, 0.8)
+    assert rows["tube"][1:3] == ("shaft", "a – tube end")
+    assert rows["tube"][3:] == (
+        number(tube / 1e6, 6), number(1 / tube, 6), "1", number(tube / 1e6, 6), "0.0125", "–", "drawing",
+    )  # fmt: skip
+    assert rows["soft"][3:9] == ("1.23457", number(1 / 1.2345678e6, 6), "1", "1.23457", "–", "2.5")
+    assert rows["g"][3:7] == ("4.50000", number(1 / 4.5e6, 6), "1", "4.50000")
+    assert rows["light"][3:9] == (
+        "2.50000·10⁻⁷", "4.00000", "2/5", "4.00000·10⁻⁸", number(0.5 / (2 * math.pi)).rstrip("0"), "–",
+    )  # fmt: skip
+    assert rows["stiff"][3:9] == ("rigid", "0", "2/5", "rigid", "–", "–")
+    assert (rows["cone"][2], rows["slip"][2]) == ("b – screw", "spare – wall")
+    assert made.columns[3].unit == made.columns[6].unit == "MN m/rad"
+
+
+def test_a_damper_without_stiffness_has_none() -> None:
+    text = "name: x\ntrain: [damper: {housing: 2, ring: 3, damping: 3}]\n"
+    (row,) = tables(torsion.run(torsion.parse(text)))["Elastic elements"].rows
+    assert row[3:9] == ("–", "∞", "1", "–", "–", "3")
+
+
+def test_stiffnesses_have_the_prefix_of_the_largest() -> None:
+    text = "name: x\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 6e5}, disc: {inertia: 3}]\n"
+    (row,) = tables(torsion.run(torsion.parse(text)))["Elastic elements"].rows
+    assert row[3] == "600.000"
+
+
+def test_dimensions_of_shafts(found: Findings) -> None:
+    tube, cone = tables(found)["Dimensions of the shafts"].rows
+    modulus = math.pi / 16.0 * (0.06**4 - 0.02**4) / 0.06
+    assert tube == (
+        "tube", "60", "20", "800", number(modulus * 1e9), number(inertia(0.06, 0.02, 0.8), 6), "alloy", "81.25",
+        "7812.5", "3", "drawing",
+    )  # fmt: skip
+    thin = math.pi / 16.0 * (0.08**4 - 0.02**4) / 0.08
+    means = [sum(a**k * b ** (4 - k) for k in range(5)) / 5 for a, b in ((0.09, 0.08), (0.01, 0.02))]
+    whole = STEEL * math.pi / 32.0 * (means[0] - means[1]) * 2.0
+    assert cone[:5] == ("cone", "90–80", "10–20", "2000", number(thin * 1e9))
+    assert float(cone[5]) == pytest.approx(whole, rel=1e-5)
+    assert cone[6:] == ("alloy", "81.25", "7812.5", "400", "input")
+
+
+@pytest.mark.parametrize(
+    ("model", "title", "said"),
+    [
+        ("lumped", "Segments", "lumped at the ends"),
+        ("fem", "Elements", "half at either"),
+        ("exact", "Pieces", "half at either"),
+    ],
+)
+def test_what_a_shaft_is_divided_into(model: str, title: str, said: str) -> None:
+    made = torsion.run(replace(torsion.parse(TEXT.replace("segments: 400", "segments: 7")), model=model))
+    table = tables(made)["Dimensions of the shafts"]
+    assert table.columns[9].title == title
+    assert table.rows[1][9] == str(made.system.segments["cone"])
+    assert said in next(block.text for block in chapter(made) if isinstance(block, Paragraph))
+
+
+def test_a_meshed_section_names_its_file() -> None:
+    scene = Path(__file__).parents[3] / "shafting_specs" / "keyed_shaft.yaml"
+    study = torsion.read(scene)
+    (row,) = tables(torsion.run(replace(study, analyses={}, rules=())))["Dimensions of the shafts"].rows
+    assert row[1].endswith("keyed_60_mm.msh")
+    assert row[2] == "–"
+
+
+def test_shafts_of_another_train_are_refused(found: Findings) -> None:
+    train = found.study.train
+    other = replace(found, study=replace(found.study, train=replace(train, bars=train.bars[:1])))
+    with pytest.raises(ValueError, match="longer"):
+        list(chapter(other))
+
+
+def test_a_train_that_cannot_vibrate_has_no_inertias() -> None:
+    text = "name: x\ntrain: [disc: {inertia: 0}, coupling: {stiffness: 5}, disc: {held: true}]\n"
+    assert "Inertias" not in tables(torsion.run(torsion.parse(text)))

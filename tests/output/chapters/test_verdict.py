@@ -1,0 +1,246 @@
+"""The table of verdicts, the conclusion, the restrictions of speed and the measurements, of checks written by hand."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings
+from torsion.kernels.tree_response import Status
+from torsion.output.blocks import Block, Heading, Paragraph, Points, Table
+from torsion.output.chapters import verdict
+from torsion.rules.verdict_line import BarredRange, Check, Checks
+
+RPM = 30.0 / math.pi
+TRAIN = """
+name: two shafts with a gear between them
+operation: {at: flywheel, speeds: {from: 100 rpm, to: 600 rpm, steps: 6}, rated: {speed: 450 rpm}}
+train:
+- disc: {name: flywheel, inertia: 2}
+- shaft: {name: quick, length: 1 m, diameter: 40 mm, segments: 2}
+- gear: {name: stage, ratio: 5/2, inertia: [0.5, 1.5], mesh_stiffness: 40 kN*m/rad}
+- shaft: {name: slow, length: 1 m, diameter: 60 mm, segments: 2}
+- propeller: {name: screw, inertia: 12, damping: 3}
+excitations: [{at: flywheel, order: 2, torque: 3}, {at: screw, frequency: 7, torque: 1}]
+"""
+
+
+@pytest.fixture(scope="module")
+def found() -> Findings:
+    return torsion.run(torsion.parse(TRAIN))
+
+
+def check(verdict: str = "pass", **changed: object) -> Check:
+    made = Check("rule", "clause", "tail", "what", 12.345, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(3, 2))
+    return replace(made, **changed)
+
+
+def judged(findings: Findings, *checks: Check) -> Findings:
+    return findings.having(checks=Checks(checks))
+
+
+def texts(blocks: Iterable[Block]) -> list[str]:
+    return [block.text for block in blocks if isinstance(block, Paragraph)]
+
+
+def items(blocks: Iterable[Block]) -> list[str]:
+    return [item for block in blocks if isinstance(block, Points) for item in block.items]
+
+
+def test_cells_of_the_verdict_table(bare: Findings) -> None:
+    lines = (
+        check(), check("fail", at_least=True, unit="rad/s2", order=None, limit=20.0, speed=None),
+        check("outside", limit=math.nan, value=math.inf), check("fail", value=math.inf, clause="stability", limit=0.0),
+    )  # fmt: skip
+    made = next(block for block in verdict.chapter(judged(bare, *lines)) if isinstance(block, Table))
+    assert made.rows == (
+        ("what (rule)", "tail", "clause", "12.345", "50", "N/mm²", "286.48", "1.5", "setting", "PASS"),
+        ("what (rule)", "tail", "clause", "12.345", "≥ 20", "rad/s²", "–", "–", "setting", "FAIL"),
+        ("what (rule)", "tail", "clause", "no finite value", "none", "N/mm²", "286.48", "1.5", "setting", "OUTSIDE"),
+        ("what (rule)", "tail", "stability", "no answer", "0", "N/mm²", "286.48", "1.5", "setting", "FAIL"),
+    )
+    assert made.marks == ("pass", "fail", "outside", "fail")
+
+
+def test_remarks_stand_once_with_all_their_components(bare: Findings) -> None:
+    lines = (check(note="n"), check(where="mid", note="n"), check(where="mid", note="n"), check(where="x", note="m"))
+    made = list(verdict.chapter(judged(bare, *lines, check())))
+    assert made[0] == Heading("Verdict", at_end=True)
+    assert made[-2] == Heading("Remarks on the checks", 2)
+    assert items(made[-1:]) == ["tail, mid: what: n", "x: what: m"]
+    assert all(block.brief for block in made if isinstance(block, Paragraph))
+    assert Heading("Remarks on the checks", 2) not in list(verdict.chapter(judged(bare, check())))
+    assert list(verdict.judged(judged(bare))) == []
+    assert list(verdict.judged(judged(bare, check()))) == list(verdict.chapter(judged(bare, check())))
+
+
+RANGES = (BarredRange(20.0, 30.0, 24.0, "tail"), BarredRange(29.0, 35.0, 31.0, "mid"))
+
+
+def test_barred_ranges_of_shafts_and_of_the_train(found: Findings, bare: Findings) -> None:
+    assert list(verdict.barred_ranges(judged(found, check()))) == []
+    _, said, made = verdict.barred_ranges(judged(found, check(barred=RANGES)))
+    assert isinstance(made, Table)
+    assert isinstance(said, Paragraph)
+    rated = 450.0 / RPM
+    assert made.rows == (
+        ("tail", "229.18", f"{24.0 / rated:.4f}", "190.99", "286.48"),
+        ("mid", "296.03", f"{31.0 / rated:.4f}", "276.93", "334.23"),
+    )
+    assert made.caption == "Barred ranges (450.00 rpm rated)"
+    assert "Barred for continuous operation: 190.9 to 334.3 rpm." in said.text
+    *_, made = verdict.barred_ranges(judged(bare, check(barred=RANGES)))
+    assert isinstance(made, Table)
+    assert [row[2] for row in made.rows] == ["–", "–"]
+    assert made.caption == "Barred ranges"
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "said", "kind"),
+    [
+        ("", "No rule was requested, or none applies", "note"), ("P", "The only check passed: the train", "pass"),
+        ("PP", "All 2 checks passed: the train satisfies the demand of stability; no rule was requested.", "pass"),
+        ("PPO", "No check failed: 2 passed, 1 outside the range for which the rule has a limit.", "note"),
+        ("OO", "No check failed: 2 outside the range for which the rule has a limit.", "note"),
+        ("F", "The only check failed (tail). The train does not satisfy the demand of stability", "fail"),
+        ("N", "The limit of the only check is not kept (tail).", "fail"),
+        ("NP", "The limit of 1 of 2 checks is not kept (tail).", "fail"),
+        ("NNP", "The limits of 2 of 3 checks are not kept (tail).", "fail"),
+        ("FPP", "1 of 3 checks failed (tail).", "fail"), ("FF", "2 of 2 checks failed (tail).", "fail"),
+        ("FFNPO", "2 of 5 checks failed, the limits of 1 more are not kept (tail).", "fail"),
+    ],
+)  # fmt: skip
+def test_conclusion_in_a_sentence(bare: Findings, verdicts: str, said: str, kind: str) -> None:
+    word = {"P": "pass", "O": "outside", "F": "fail", "N": "not kept"}
+    overall = next(iter(verdict.conclusion(judged(bare, *(check(word[one]) for one in verdicts)))))
+    assert isinstance(overall, Paragraph)
+    assert overall.text.startswith(said)
+    assert overall.kind == kind
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ([check()], ""),
+        ([check(standing="to be verified")], " 1 limit is to be verified against the edition in force."),
+        ([check(standing="to be verified"), check("not kept", standing="to be verified", where="mid", clause="C1")] * 2,
+         " 4 limits are to be verified against the edition in force; of these not kept: mid (C1)."),
+    ],
+)  # fmt: skip
+def test_limits_to_be_verified_are_counted(bare: Findings, lines: list[Check], said: str) -> None:
+    for more in ([], [check("outside")], [check("fail")]):
+        overall = next(iter(verdict.conclusion(judged(bare, *lines, *more))))
+        assert isinstance(overall, Paragraph)
+        assert overall.text.partition(".")[2].endswith(said) if said else "verified" not in overall.text
+
+
+def with_status(findings: Findings, bad: Iterable[tuple[int, int]]) -> Findings:
+    status = np.full_like(findings.need(Response).status, Status.OK)
+    for place in bad:
+        status[place] = Status.SINGULAR
+    return findings.having(response=replace(findings.need(Response), status=status))
+
+
+NOTHING = "No restriction of speed follows from the checks requested."
+
+
+def test_restrictions_of_speed(found: Findings, bare: Findings) -> None:
+    def said(findings: Findings) -> list[str]:
+        return items(verdict.conclusion(findings))
+
+    fine = with_status(found, ())
+    assert said(judged(fine, check())) == [NOTHING]
+    assert said(judged(fine, check("fail"))) == said(judged(fine)) == said(judged(bare, check())) == []
+    barred = judged(fine, check(barred=RANGES))
+    (one,) = said(barred)
+    assert one == "Barred range: 190.9 to 334.3 rpm. Not for continuous operation; to be passed rapidly."
+    assert "with the restrictions of speed below." in texts(verdict.conclusion(barred))[0]
+    assert "with the restrictions" not in texts(verdict.conclusion(judged(fine, check())))[0]
+    speed = found.need(Response).speed
+    (one,) = said(judged(with_status(found, [(0, 0)]), check()))
+    assert one.startswith(f"At {speed[0] * RPM:.2f} rpm the response has no reliable finite value")
+
+
+@pytest.mark.parametrize(
+    ("speeds", "said"),
+    [
+        ([600.0], "600.00 rpm"), ([600.0, 605.0], "600.00–605.00 rpm"),
+        ([600.0, 606.1, 611.0], "600.00, 606.10–611.00 rpm"),
+        ([600.0, 606.05], "600.00–606.05 rpm"), ([600.0, 606.07], "600.00, 606.07 rpm"),
+        ([0.5, 0.9], "0.50000, 0.90000 rpm"),
+        ([10.0 * k for k in range(1, 9)], "10.000, 20.000, 30.000, 40.000, 50.000, 60.000, 70.000, 80.000 rpm"),
+        ([10.0 * k for k in range(1, 12)],
+         "10.000, 20.000, 30.000, 40.000, 50.000, 60.000, 70.000, 80.000 rpm and 3 further ranges"),
+    ],
+)  # fmt: skip
+def test_speeds_within_a_hundredth_of_each_other_are_one_range(found: Findings, speeds: list[float], said: str) -> None:
+    response = found.need(Response)
+    response = replace(
+        response,
+        speed=np.array([1.0, *speeds]) / RPM,
+        status=np.array([[Status.OK]] + [[Status.SINGULAR]] * len(speeds)),
+    )
+    (one,) = items(verdict.conclusion(judged(found.having(response=response), check("fail"))))
+    assert one.startswith(f"At {said} the response has no reliable")
+
+
+def responding(findings: Findings) -> Findings:
+    """Half a newton metre in the quick shaft, more in the slow one, which is less at the speed of the flywheel."""
+    response = findings.need(Response)
+    speed, spans = np.array([10.0, 20.0, 30.0, 40.0]), [span.name for span in findings.system.spans]
+    torque = np.zeros((4, 2, len(spans)), dtype=complex)
+    torque[:, 0, [name.startswith("quick") for name in spans]] = np.array([0.1, 0.2, 0.5j, 0.9])[:, None]
+    torque[:, 1, [name.startswith("slow") for name in spans]] = np.array([0.3, 0.4, 0.6, 0.9])[:, None]
+    status = np.full((4, 2), Status.OK)
+    status[3] = Status.SINGULAR
+    return findings.having(response=replace(response, speed=speed, torque=torque, status=status))
+
+
+def measurements(findings: Findings) -> list[str]:
+    return items(list(verdict.closing(judged(findings, check())))[-1:])
+
+
+def test_what_is_to_be_measured(found: Findings) -> None:
+    made = found.need(Modes)
+    shape = np.zeros((len(found.system.stations), 4))
+    names = [station.name for station in found.system.stations]
+    for name, values in {"flywheel": (0.5, 9.0), "stage end": (-0.3, 0.0), "screw": (0.1, 0.1)}.items():
+        shape[names.index(name), :2] = values
+    modes = replace(made, frequency=np.array([1.23456, 2.5, 3.0, 44.0]), shape=shape)
+    run, strain, angle, compared = measurements(responding(found).having(modes=modes))
+    assert run.startswith("Run up and down slowly from 100 to 600 rpm (speed of flywheel) and at steps")
+    assert "an analysis by orders (2) and of the frequencies below." in run
+    assert strain == (
+        "Torque by strain gauges with telemetry on quick; the largest amplitude is expected at 286.48 rpm."
+    )
+    assert angle == "Angular vibration by encoder or laser at stage end, where mode 1 has its largest amplitude."
+    assert compared.startswith("Compare the measured natural frequencies with 1.235, 2.500, 3.000 Hz; a difference")
+
+
+def test_what_is_not_known_is_not_to_be_measured(found: Findings, bare: Findings) -> None:
+    loud = responding(found)
+    still = replace(loud.need(Response), torque=0.0 * loud.need(Response).torque)
+    assert not any("strain" in item for item in measurements(loud.having(response=still)))
+    assert not any("Angular" in item for item in measurements(loud.having(modes=None)))
+    none = replace(found.need(Modes), frequency=np.empty(0))
+    assert not any("Angular" in item for item in measurements(loud.having(modes=none)))
+    one = replace(found.need(Modes), frequency=found.need(Modes).frequency[:1])
+    assert any("Angular" in item for item in measurements(loud.having(modes=one)))
+    fixed = replace(loud.need(Response), lines=loud.need(Response).lines[1:])
+    assert "by orders and of" in measurements(found.having(response=fixed))[0]
+    line = loud.need(Response).lines[0]
+    nine = tuple(replace(line, order=Fraction(order)) for order in range(1, 10))
+    many = replace(found.need(Response), lines=nine, torque=np.zeros((1, 9, len(found.system.spans))),
+                   status=np.full((1, 9), Status.OK))  # fmt: skip
+    assert "(1, 2, 3, 4, 5, 6, 7, 8)" in measurements(found.having(response=many))[0]
+    assert list(verdict.closing(judged(bare))) == []
+    assert len(list(verdict.closing(judged(bare, check())))) == 2
+    silent = judged(found.having(response=replace(found.need(Response), lines=())))
+    assert "Measurements" not in str(list(verdict.closing(silent)))
+    assert len(list(verdict.closing(silent))) == 2
