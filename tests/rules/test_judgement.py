@@ -71,6 +71,20 @@ def test_the_component_with_the_greatest_torque_at_the_worst_speed_is_named(seen
     assert (check.note, check.speed, check.value, check.limit) == (words, 2.0, 2.0, 4.0)
 
 
+def test_the_greatest_torque_is_that_of_any_of_the_spans_judged(study, evidence) -> None:
+    """Of order 4 in the second piece of the shaft, though order 3/2 has more in the first; none of the coupling."""
+    shaft = ("shaft", {"name": "line", "length": 1.0, "diameter": 0.1, "segments": 2})
+    found = evidence(study([*PARTS[:2], PARTS[2], shaft, PARTS[2]]), [300.0], half={})
+    lines = Line(Fraction(4), None, ("screw",)), Line(Fraction(3, 2), None, ("motor",))
+    torque = np.array([[[1.0, 2.0, 7.0], [9.0, 5.0, 6.0]]], dtype=complex)  # (speeds, lines, spans)
+    response = replace(found.need(Response), lines=lines, torque=torque)
+    seen = Results(found.study, {**found.results, "response": response})
+    for spans, words in (([1, 2], "mostly order 4 (screw)"), ([0, 1], "mostly order 3/2 (motor)")):
+        clause = Clause("c", "w", "what", "maker", curve([1.0], 4.0), np.ones(1, bool), notes=(MOSTLY,),
+                        spans=np.array(spans))  # fmt: skip
+        assert judge("rule", clause, seen).note == words
+
+
 def test_a_clause_is_judged_at_its_own_speeds_alone_and_at_none_not_at_all(seen) -> None:
     found, values = seen(np.zeros((3, 2))), curve([5.0, 2.0, 3.0], 4.0)
     clause = Clause("c", "w", "what", "maker", values, np.array([False, True, True]), notes=("", "a", "", "b"))
