@@ -77,7 +77,7 @@ def evidence() -> Callable[..., Results]:
             np.zeros((len(speed), 1)), flags, np.zeros((len(speed), 1)), system,
         )  # fmt: skip
         size = np.abs(torque)
-        together = Synthesis(size, np.abs(steady) + size, size / math.sqrt(2), size, Fraction(1))
+        together = Synthesis(size, np.abs(steady) + size, size / math.sqrt(2), 1.25 * size, Fraction(1))
         still = Steady(speed, steady.T, stations, stations, "by hand")
         bent = joints(study.train, study.operation) if study.has_joints else None
         found = {"system": system, "mean": still, "response": response, "synthesis": together, "joints": bent}

@@ -14,6 +14,7 @@ from torsion.rules import coupling_maker as coupling
 RPM = math.pi / 30.0
 PSI, STIFFNESS, ELASTIC, FREQUENCY = 1.15, 36000.0, 500.0, 20.0  # B20
 LOSS = 79.8611  # W, published
+SETTINGS = coupling.CouplingSettings()
 
 
 def line(**limits):
@@ -53,6 +54,16 @@ def test_heat_is_torque_times_twist_speed_averaged(study, evidence) -> None:
     seen = evidence(scene, [300.0], half={"rubber": torque})
     power = coupling.heat(seen.need(Response), seen.system, np.array([0]))
     assert power == pytest.approx(0.5 * (torque * np.conj(1j * omega * twist)).real, rel=1e-13)
+
+
+def test_heat_of_a_soft_coupling_with_little_loss_counts_in_full(study, evidence) -> None:
+    """k 2, eta 0.25 and c 0.001 at 125.66 rad/s: a loss of 0.62566 N m/rad, less than 1."""
+    seen = evidence(study(line(stiffness=2.0, psi=math.pi / 2)), [300.0, 300.0], half={"rubber": [3.0, 6.0]})
+    omega = 4 * 300.0 * RPM
+    system = replace(seen.system, viscous=np.array([0.001]))
+    loss = 2.0 * 0.25 + 0.001 * omega
+    power = coupling.heat(seen.need(Response), system, np.array([0]))
+    assert power == pytest.approx(0.5 * omega * loss * np.array([9.0, 36.0]) / (4.0 + loss**2), rel=1e-13)
 
 
 def test_damper_without_stiffness_heats_and_a_rigid_coupling_does_not(study, evidence) -> None:
@@ -132,6 +143,7 @@ def test_faults_are_told_where_they_stand(study) -> None:
     rules = [("coupling-maker", requested)]
     bare = coupling.CouplingMaker().faults(study(line(), rules), requested)
     assert [fault.path for fault in bare] == [("rules", 0)]
+    assert "rated_torque, vibratory_torque, max_torque, heat_limit" in bare[0].hint
     full = coupling.CouplingMaker().faults(study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None), requested)
     assert [fault.path for fault in full] == [
         ("rules", 0, "coupling-maker", "continuous"),
@@ -146,6 +158,40 @@ def test_faults_are_told_where_they_stand(study) -> None:
         ("operation", "speeds"),
         ("rules", 0),
     ]
+
+
+def test_what_is_judged_beside_a_mean_torque_must_be_excited(study) -> None:
+    """Of two couplings one has a limit of its mean torque alone, the other one of its vibration."""
+    requested = coupling.CouplingSettings()
+    still = ("disc", {"inertia": 1.0})
+    first, second = line(rated_torque=9.0)[1], ("coupling", {"name": "second", "stiffness": 9.0, "max_torque": 7.0})
+    parts = [still, first, ("disc", {"inertia": 3.0}), second, line()[2]]
+    (fault,) = coupling.CouplingMaker().faults(study(parts, [("coupling-maker", requested)]), requested)
+    assert "nothing excites the train" in fault.message
+
+
+@pytest.mark.parametrize("limits", [{"rated_torque": 9.0}, {"max_torque": 9.0}])
+def test_mean_torque_must_be_known_where_it_is_compared(study, limits) -> None:
+    requested = coupling.CouplingSettings()
+    unknown = {"speed": "900 rpm"}
+    (fault,) = coupling.CouplingMaker().faults(study(line(**limits), rated=unknown), requested)
+    assert fault.path == ("operation", "rated", "power")
+    assert "compares that of 'rubber'" in fault.message
+    assert coupling.CouplingMaker().faults(study(line(heat_limit=9.0), rated=unknown), requested) == []
+
+
+@pytest.mark.parametrize(("size", "verdict"), [(300.0, "pass"), (300.1, "fail")])
+def test_a_maker_s_limit_may_be_used_up(study, evidence, size, verdict) -> None:
+    limits = {"rated_torque": 300.0, "vibratory_torque": 300.0, "max_torque": 300.0}
+    scene, rpm = study(line(**limits)), [300.0, 600.0]
+    mean = coupling.CouplingMaker().check(evidence(scene, rpm, half={}, mean={"rubber": -size}), SETTINGS)
+    assert {check.clause: (check.value, check.verdict) for check in mean} == {
+        "T_KN": (size, verdict), "T_KW": (0.0, "pass"), "T_Kmax": (size, verdict),
+    }  # fmt: skip
+    vibratory = coupling.CouplingMaker().check(evidence(scene, rpm, half={"rubber": size}), SETTINGS)
+    assert {check.clause: check.verdict for check in vibratory} == {
+        "T_KN": "pass", "T_KW": verdict, "T_Kmax": verdict,
+    }  # fmt: skip
 
 
 def test_order_of_the_line_is_exact_in_the_note(study, evidence) -> None:

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from torsion.analyses.response.amplitudes import Response
+from torsion.findings import Results
 from torsion.rules import gear_hammer as gear
 
 RPM = math.pi / 30.0
@@ -87,6 +89,66 @@ def test_every_wheel_is_a_mesh_and_an_idle_one_hammers(study, evidence) -> None:
         ("gearbox", "pass"), ("gearbox", "pass"), ("gearbox wheel 2", "not kept"),
     ]  # fmt: skip
     assert "carries no mean torque" in found[2].note
+
+
+@pytest.mark.parametrize(
+    ("whole", "side", "loaded"),
+    [(1e6, 0.9e-3, False), (1e6, 1.1e-3, True), (1e-3, 0.9e-12, False), (1e-3, 1.1e-12, True), (0.5, 0.25, True)],
+)
+def test_a_mesh_with_less_than_a_billionth_of_the_greatest_torque_is_unloaded(
+    study, evidence, whole, side, loaded
+) -> None:
+    scene = study(line(branches=[{"teeth": 30, "inertia": 0.1}]), load="constant")
+    mean = {"gearbox": whole, "gearbox wheel 2": side}
+    found = gear.GearHammer().check(evidence(scene, RPMS, half={}, mean=mean), gear.GearHammerSettings())
+    of_side = {check.clause: check for check in found if check.where == "gearbox wheel 2"}
+    assert set(of_side) == {"torque reversal", *(["(K_A - 1) T_rated"] if loaded else [])}
+    assert ("the mesh carries no mean torque" in of_side["torque reversal"].note) == (not loaded)
+    if loaded:
+        assert of_side["(K_A - 1) T_rated"].limit == pytest.approx(0.35 * side, rel=1e-12)
+
+
+def test_speeds_outside_continuous_use_count_for_the_rating_alone(study, evidence) -> None:
+    seen = evidence(study(line()), RPMS, half={"gearbox": [400, 200, 300, 30]}, mean={"gearbox": MEAN})
+    requested = gear.GearHammerSettings.model_validate({"continuous": {"from": "400 rpm", "to": "1000 rpm"}})
+    found = verdicts(gear.GearHammer().check(seen, requested))
+    of_rating, reversal = found["(K_A - 1) T_rated"], found["torque reversal"]
+    assert (of_rating.value, of_rating.verdict, of_rating.speed) == (400, "not kept", pytest.approx(250 * RPM))
+    assert of_rating.note == "0.35 (usual K_A 1.35) x 1000 N m; mostly order 4 (screw)"
+    assert reversal.note == "in continuous use, 400 rpm to 1000 rpm; mostly order 4 (screw)"
+    assert (reversal.value, reversal.verdict) == (200, "pass")
+
+
+@pytest.mark.parametrize(
+    ("body", "requested", "words"),
+    [({"application_factor": 1.25}, {}, "0.25 (K_A 1.25) x 1000 N m"), ({}, {"limit": 0.5}, "0.5 (setting `limit`)")],
+)
+def test_note_says_which_share_of_which_torque_is_permissible(study, evidence, body, requested, words) -> None:
+    seen = evidence(study(line(**body)), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN})
+    check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(**requested)))["(K_A - 1) T_rated"]
+    assert check.note.startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("top", "words"), [(1100.0, ""), (950.0, "judged up to 950 rpm only, 0.95 of the rated speed")]
+)
+def test_rating_says_where_the_speeds_end_below_the_rated_one(study, evidence, top, words) -> None:
+    """The mean torque is computed up to the rated speed, the response up to the last speed alone."""
+    seen = evidence(study(line()), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN})
+    short = evidence(study(line()), [*RPMS[:3], top], half={"gearbox": 1.0}, mean={"gearbox": 9.0})
+    together = Results(seen.study, {**seen.results, "response": short.need(Response)})
+    check = verdicts(gear.GearHammer().check(together, gear.GearHammerSettings()))["(K_A - 1) T_rated"]
+    assert check.note == "; ".join(
+        text for text in ("0.35 (usual K_A 1.35) x 1000 N m", words, "mostly order 4 (screw)") if text
+    )
+
+
+def test_a_limit_may_be_used_up(study, evidence) -> None:
+    seen = evidence(study(line(), load="constant"), RPMS, half={"gearbox": 50.0}, mean={"gearbox": 100.0})
+    used = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(limit=0.5)))
+    assert (used["(K_A - 1) T_rated"].value, used["(K_A - 1) T_rated"].verdict) == (50.0, "pass")
+    level = evidence(study(line(), load="constant"), RPMS, half={"gearbox": 100.0}, mean={"gearbox": 100.0})
+    assert verdicts(gear.GearHammer().check(level, gear.GearHammerSettings()))["torque reversal"].verdict == "pass"
 
 
 def test_mesh_without_any_torque_passes(study, evidence) -> None:

@@ -5,10 +5,13 @@ import math
 import numpy as np
 import pytest
 
+import torsion
 from torsion.analyses.response.grid import apart
+from torsion.rules import coupling_maker as coupling
 from torsion.rules import gear_hammer as gear
 from torsion.rules import m68
-from torsion.rules.judgement import FEWEST_JUDGED, Curve, between, judged_speeds
+from torsion.rules.judgement import FEWEST_JUDGED, Curve, between, judged_speeds, speeds_between
+from torsion.study import Operation
 
 RPM = math.pi / 30.0
 PARTS = [
@@ -60,6 +63,86 @@ def test_few_speeds_are_made_as_many_as_the_default(study) -> None:
     found = judged_speeds(scene)
     assert apart(found, even).size == 0
     assert np.all(np.diff(found) > 1e-9 * found[1:])
+
+
+def test_range_without_a_number_of_speeds_is_judged_at_as_many_as_one_that_names_none(study) -> None:
+    assert Operation(speeds={"from": "1 rpm", "to": "2 rpm"}).speeds.steps == FEWEST_JUDGED
+
+
+def test_range_of_as_many_speeds_is_not_made_finer(study) -> None:
+    ends = {"from": "100 rpm", "to": "1100 rpm"}
+    rules = [("coupling-maker", coupling.CouplingSettings())]
+    fine, coarse = (judged_speeds(study(PARTS, rules, speeds={**ends, "steps": n})) / RPM for n in (201, 200))
+    assert fine == pytest.approx([1000])
+    assert coarse == pytest.approx(np.linspace(100, 1100, 201))
+
+
+def test_range_without_a_speed_of_its_own_is_made_even(study) -> None:
+    rules = [("coupling-maker", coupling.CouplingSettings())]
+    ends = {"from": "100 rpm", "to": "1100 rpm", "steps": 2}
+    assert judged_speeds(study(PARTS, rules, speeds=ends, rated=None)) / RPM == pytest.approx(
+        np.linspace(100, 1100, 201)
+    )
+
+
+def test_study_without_speeds_has_none_to_judge(study) -> None:
+    assert judged_speeds(study(PARTS, [("iacs-m68", m68.M68Settings())], speeds=None)).size == 0
+
+
+def test_corners_of_every_table_of_torque_are_computed_at_the_reference_speed(study) -> None:
+    """The table of a component counts its own speed, half that of the reference; the load's that of the reference."""
+    text = """
+name: a table behind a gear
+train: [motor: {inertia: 3}, gear: {ratio: 2}, coupling: {stiffness: 3e4}, disc: {name: end, inertia: 5}]
+excitations: [{at: end, order: 4, torque: [[0 rpm, 1], [210 rpm, 1], [280 rpm, 5], [900 rpm, 6]]}]
+operation: {speeds: {from: 100 rpm, to: 1100 rpm, steps: 300}, load: LOAD}
+"""
+    for load, corners in (
+        ("[[0 rpm, 5], [150 rpm, 50], [777 rpm, 70], [1200 rpm, 9]]", [150, 420, 560, 777]),
+        ("constant", [420, 560]),
+    ):
+        scene = torsion.parse(text.replace("LOAD", load), "scene.yaml")
+        assert judged_speeds(scene) / RPM == pytest.approx(corners, rel=1e-12)
+
+
+def test_share_that_is_a_hundredfold_of_its_limit_is_sought_no_nearer() -> None:
+    speed = np.array([98.0, 99.3, 101.1, 103.0])
+    for height, sought in ((100.0, 1), (np.nextafter(100.0, 200.0), 0)):
+        value = resonance(speed) / resonance(speed).max() * height
+        assert between([(curve(speed, value), np.ones(4, dtype=bool))]).size == sought
+
+
+def test_only_a_vibration_is_sought_between_the_speeds(study, evidence) -> None:
+    """The mean torque has a peak there too; of the vibration the peak of every curve counts, and each once."""
+    rpm = np.array([294.0, 297.9, 303.3, 309.0])
+    peak = resonance(rpm / 3)
+    parts = [
+        ("motor", {"inertia": 1.0, "ripple": [{"order": 4, "torque": 1.0}]}),
+        ("coupling", {"name": "rubber", "stiffness": 3e4, "rated_torque": 2.0}),
+        ("disc", {"inertia": 2.0}),
+    ]
+    rule, requested = coupling.CouplingMaker(), coupling.CouplingSettings()
+    mean = evidence(study(parts), rpm, half={}, mean={"rubber": peak})
+    assert rule.speeds_between(mean, requested).size == 0
+    limited = [parts[0], (parts[1][0], {**parts[1][1], "vibratory_torque": 2.0}), parts[2]]
+    assert rule.speeds_between(evidence(study(limited), rpm, half={"rubber": peak}), requested) / RPM == pytest.approx(
+        [300.0], abs=0.02 * 6
+    )
+
+
+@pytest.mark.parametrize(("first", "last", "sought"), [(460, 540, 2), (480, 540, 1), (460, 520, 1), (480, 520, 0)])
+def test_ends_of_a_barred_range_are_computed_where_they_lie_in_the_range(study, evidence, first, last, sought) -> None:
+    """About 500 of 1000 rpm: 16/17.5 and 17.5/16 times 500 rpm, 457.1 and 546.9."""
+    ends = 500.0 * np.array([16 / 17.5, 17.5 / 16])
+    whole = np.array([ends[0] - 1, 480.0, 500.0, 520.0, ends[1] + 1])
+    rpm = whole[None if first == 460 else 1 : None if last == 540 else 4]
+    torque = np.where(rpm == 500.0, 1e5, 1.0)
+    scene = study(PARTS, [("iacs-m68", m68.M68Settings())])
+    found = speeds_between(evidence(scene, rpm, half={"line": torque})) / RPM
+    inside = [end for end in ends if rpm[0] < end < rpm[-1]]
+    assert len(inside) == sought
+    assert sorted(one for one in found if np.min(np.abs(ends - one)) < 1e-6) == pytest.approx(inside, rel=1e-12)
+    assert ((found > rpm[0]) & (found < rpm[-1])).all()
 
 
 def test_point_within_rounding_of_a_known_one_is_not_apart() -> None:

@@ -97,3 +97,47 @@ def test_ends_of_a_range_are_speeds_of_continuous_use() -> None:
     speed = np.array([400, lower, 500, upper, 600])
     found = barring(Curve(speed, np.array([0.1, 0.9, 1.1, 0.9, 0.1]), np.ones(5), np.zeros(5, dtype=int)), RATED, "x")
     assert found.passed.tolist() == [False, False, True, False, False]
+
+
+def test_range_ends_where_its_flanks_meet_the_limit_even_beside_the_first_and_the_last_speed() -> None:
+    """At 400 and 700 the share is 0.6, between them above 1: straight lines cross it at 3/4 and 1/3 of a step."""
+    speed = np.array([400.0, 500.0, 600.0, 700.0])
+    found = barring(Curve(speed, np.array([0.6, 2.2, 1.2, 0.6]), np.ones(4), np.zeros(4, dtype=int)), 2000.0, "x")
+    (one,) = found.permitted
+    assert [one.lower, one.critical, one.upper] == pytest.approx([425.0, 500.0, 600.0 + 100.0 / 3.0], rel=1e-12)
+    assert found.passed.tolist() == [False, True, True, False]
+
+
+@pytest.mark.parametrize("beyond", [math.nan, math.inf])
+def test_range_reaches_to_the_neighbour_that_has_no_limit(beyond) -> None:
+    """A limit that is not there makes its speed no part of the run, but the line to it is unknown too."""
+    speed = np.array([400.0, 500.0, 600.0])
+    limit = np.array([math.nan, 1.0, math.nan])
+    found = barring(Curve(speed, np.array([beyond, 1.2, 0.5]), limit, np.zeros(3, dtype=int)), 2000.0, "x")
+    assert [(one.lower, one.upper) for one in found.permitted] == [(400.0, 600.0)]
+
+
+def test_three_refused_ranges_that_overlap_are_one_about_the_worst() -> None:
+    found = barring(curve({900: 1.1, 930: 1.4, 960: 1.2}), RATED, "line")
+    (one,) = found.refused
+    assert [one.lower, one.critical, one.upper] == pytest.approx(
+        [barred_range(900, RATED)[0], 930, barred_range(960, RATED)[1]], rel=1e-12
+    )
+    assert (one.shaft, found.permitted) == ("line", ())
+
+
+def test_ranges_that_touch_are_one_and_those_apart_stay_two() -> None:
+    """400: to 440; 484 with its own lower end of 442.06: apart; 480: from 438.4: together."""
+    assert barred_range(400, RATED)[1] == pytest.approx(440.0, rel=1e-12)
+    for second, number in ((470, 1), (480, 1), (490, 2)):
+        found = barring(curve({400: 1.1, second: 1.1}), RATED, "line").permitted
+        assert len(found) == number
+        assert (barred_range(second, RATED)[0] > 440.0) == (number == 2)
+
+
+def test_the_worse_of_two_infinite_shares_is_the_greater_stress() -> None:
+    value = np.full(len(SPEED), 0.3)
+    value[[35, 41]] = 5.0, 7.0  # 450 and 510, where the limit is 0
+    limit = np.where(value > 1, 0.0, 1.0)
+    (one,) = barring(Curve(SPEED, value, limit, np.zeros(96, dtype=int)), RATED, "line").permitted
+    assert one.critical == pytest.approx(510)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from torsion.components.shaft import Feature
 from torsion.rules import m68_shafts as m68
@@ -68,7 +69,8 @@ def test_speed_ratio_of_1_05_survives_the_rounding_of_units() -> None:
     ("role", "alloy", "given", "used"),
     [
         ("intermediate", False, 900, 600), ("intermediate", True, 900, 800), ("thrust", False, 700, 600),
-        ("thrust", True, 700, 700), ("propeller", False, 700, 600), ("propeller", True, 700, 600),
+        ("thrust", True, 700, 700), ("thrust", True, 801, 800), ("thrust", False, 600.5, 600),
+        ("propeller", False, 700, 600), ("propeller", True, 700, 600),
         ("propeller", True, 520, 520),
     ],
 )  # fmt: skip
@@ -77,17 +79,25 @@ def test_strength_is_capped_by_steel_and_role(role, alloy, given, used) -> None:
 
 
 @pytest.mark.parametrize(
-    ("feature", "c_k"),
+    ("feature", "c_k", "k"),
     [
-        ("flange", 1.0), ("shrink fit", 1.0), ("taper keyway", 0.6), ("cylinder keyway", 0.45), ("radial hole", 0.5),
-        ("slot", 0.3), ("thrust collar", 0.85), ("roller bearing", 0.85), ("propeller flange", 0.55),
-        ("propeller keyless", 0.55), ("propeller keyed", 0.55), ("tube shaft", 0.8),
+        ("flange", 1.0, 1.0), ("shrink fit", 1.0, 1.0), ("taper keyway", 0.6, 1.1), ("cylinder keyway", 0.45, 1.1),
+        ("radial hole", 0.5, 1.1), ("slot", 0.3, 1.2), ("thrust collar", 0.85, 1.1), ("roller bearing", 0.85, 1.1),
+        ("propeller flange", 0.55, 1.22), ("propeller keyless", 0.55, 1.22), ("propeller keyed", 0.55, 1.26),
+        ("tube shaft", 0.8, 1.15),
     ],
 )  # fmt: skip
-def test_details_have_the_factors_of_the_table(feature, c_k) -> None:
-    assert m68.DETAILS[feature].c_k == c_k
-    assert m68.DETAILS[feature].c_k_mark == "rule text"
-    assert m68.DETAILS[feature].k_mark == "to be verified"
+def test_details_have_the_factors_of_the_table(feature, c_k, k) -> None:
+    detail = m68.DETAILS[feature]
+    assert (detail.c_k, detail.k) == (c_k, k)
+    assert (detail.c_k_mark, detail.k_mark) == ("rule text", "to be verified")
+    assert detail.has_keyway == ("key" in feature and feature != "propeller keyless")
+
+
+@pytest.mark.parametrize(("role", "c_k", "k"), [("intermediate", 1.0, 1.0), ("thrust", 0.85, 1.1),
+                                                ("propeller", 0.55, 1.26)])  # fmt: skip
+def test_a_shaft_without_features_has_those_of_its_role(role, c_k, k) -> None:
+    assert (m68.ASSUMED[role].c_k, m68.ASSUMED[role].k, m68.ASSUMED[role].has_keyway) == (c_k, k, False)
 
 
 def test_every_feature_of_a_shaft_is_in_the_table() -> None:
@@ -113,3 +123,21 @@ def test_the_stress_of_passing_has_a_limit_up_to_0_8_of_the_rated_speed() -> Non
     limits = m68.tau_t(600, 100, 1.0, at)
     assert np.isfinite(limits).tolist() == [True, True, False]
     assert limits[0] == pytest.approx(1.7 * float(m68.tau_c(600, 100, 1.0, 0.8)), rel=1e-14)
+
+
+EDGE = 1 + 1e-9  # a speed ratio that near to a bound is at the bound
+
+
+def test_bounds_of_the_speed_ratio_hold_but_for_rounding() -> None:
+    last = m68.tau_c(600, 100, 1.0, [1.05 * EDGE, 1.05 * (1 + 2e-9)])
+    assert np.isfinite(last).tolist() == [True, False]
+    passing = m68.tau_t(600, 100, 1.0, [0.8 * EDGE, 0.8 * (1 + 2e-9)])
+    assert np.isfinite(passing).tolist() == [True, False]
+    barred = m68.may_be_barred([0.4, 0.8 * (1 - 2e-9), 0.8 * (1 - 1e-9), 0.8, 0.9])
+    assert barred.tolist() == [True, True, False, False, False]
+
+
+def test_a_slot_is_at_least_as_long_as_it_is_wide() -> None:
+    assert m68.Slot(length=0.02, width=0.02).length == 0.02
+    with pytest.raises(ValidationError, match="shorter than it is wide"):
+        m68.Slot(length=0.02, width=0.021)

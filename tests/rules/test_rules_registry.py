@@ -1,8 +1,13 @@
 """Laws that hold for every rule of the registry."""
 
+from dataclasses import FrozenInstanceError, is_dataclass
+from importlib import import_module
+from pkgutil import iter_modules
+
 import numpy as np
 import pytest
 
+from torsion import rules
 from torsion.fields import Declared
 from torsion.rules import RULES, lacking, needed, not_judged, rule, settings, verdicts
 from torsion.rules.verdict_line import Rule
@@ -57,3 +62,13 @@ def test_a_rule_that_says_nothing_needs_and_finds_nothing() -> None:
     assert (rule.needs, rule.faults(None, None), rule.left_out(None, None), rule.speeds(None, None)) == ((), [], (), ())
     assert rule.speeds_between(None, None).size == 0
     assert rule.check(None, None) == ()
+
+
+def test_data_of_the_rules_cannot_be_changed() -> None:
+    modules = [import_module(found.name) for found in iter_modules(rules.__path__, "torsion.rules.")]
+    data = {kind for module in modules for kind in vars(module).values() if isinstance(kind, type)}
+    own = [kind for kind in data if is_dataclass(kind) and kind.__module__.startswith("torsion.rules.")]
+    assert {"Curve", "Clause", "Detail", "ClassedShaft", "Barring", "Tube"} <= {kind.__name__ for kind in own}
+    for kind in own:
+        with pytest.raises(FrozenInstanceError):
+            object.__new__(kind).other = 1

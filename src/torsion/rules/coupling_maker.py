@@ -59,9 +59,9 @@ class CouplingMaker(RuleOverSpeed):
         """
         steady = evidence.get(Steady)
         for number, part, ratings in _couplings(evidence.study):
-            spans = judgement.spans_of(evidence.system, number)
+            spans = judgement.spans_of(evidence.system, number)  # (1,): a coupling is one spring
             if ratings.rated_torque is not None and steady is not None:
-                mean = curve_of(steady, np.abs(steady.torque[spans]).max(axis=0), ratings.rated_torque)
+                mean = curve_of(steady, np.abs(steady.torque[spans[0]]), ratings.rated_torque)
                 yield Clause("T_KN", part.name, "mean torque", "maker", mean, np.ones(len(mean.speed), dtype=bool))
             if ratings.limit_vibration:
                 yield from _vibration(evidence, part, ratings, spans, settings)
@@ -73,13 +73,13 @@ def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     Of each line omega k eta |twist|^2/2 + omega^2 c |twist|^2/2 with twist = torque/(k (1 + i eta) + i omega c); with
     damping by hysteresis alone it is psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
     """
-    omega, power = 2.0 * math.pi * response.frequency, np.zeros(len(response.speed))
+    omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
     for span in spans[system.flexibility[spans] > 0]:
         stiffness = 1.0 / system.flexibility[span]
         loss = stiffness * system.loss_factor[span] + omega * system.viscous[span]
-        dynamic = stiffness + 1j * loss
-        twist = np.divide(response.torque[:, :, span], dynamic, out=np.zeros(omega.shape, complex), where=loss > 0)
-        power = power + np.sum(0.5 * omega * loss * np.abs(twist) ** 2, axis=1)
+        size, dynamic = np.abs(response.torque[:, :, span]), np.hypot(stiffness, loss)
+        twist = np.divide(size, dynamic, out=np.zeros_like(omega), where=loss > 0)
+        power += np.sum(0.5 * omega * loss * twist**2, axis=1)
     return power
 
 
@@ -94,7 +94,7 @@ def _vibration(
     """The clauses about the vibration of one coupling; that the tolerance of its stiffness was not varied is noted."""
     response, synthesis, tolerance = evidence.need(Response), evidence.need(Synthesis), ratings.tolerance
     use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
-    half_range, peak = synthesis.half_range[:, spans].max(axis=1), synthesis.peak[:, spans].max(axis=1)
+    half_range, peak = synthesis.half_range[:, spans[0]], synthesis.peak[:, spans[0]]
     power = heat(response, evidence.system, spans)
     varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
     rows = (

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -56,7 +56,7 @@ class Clause:
     within: BoolArray  # (speeds,) speeds that are judged
     unit: str = "N m"
     notes: tuple[str, ...] = ()  # empty ones are left out
-    spans: IntArray | None = None  # (spans,) whose vibration it is; None for the mean torque
+    spans: IntArray = field(default_factory=lambda: np.flatnonzero(()))  # whose vibration it is; none of a mean torque
 
 
 class RuleOverSpeed(Rule):
@@ -81,7 +81,7 @@ class RuleOverSpeed(Rule):
     def speeds_between(self, evidence: Results, settings: Any) -> FloatArray:
         """(speeds,) rad/s between those computed at which a vibration may be worse."""
         every = self.clauses(evidence, settings)
-        return between((clause.curve, clause.within) for clause in every if clause.spans is not None)
+        return between((clause.curve, clause.within) for clause in every if clause.spans.size)
 
     def continuous_faults(self, study: Study, settings: Any) -> list[Fault]:
         """A range of continuous use that was not wholly computed cannot be judged."""
@@ -131,7 +131,7 @@ def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
     if not shares:
         return speed
     share = np.array(shares).T[:, None, :]
-    return missed_peaks(speed, share, np.ones((len(speed), 1), dtype=bool))[0]
+    return missed_peaks(speed, share, np.ones(len(speed), dtype=bool)[:, None])[0]
 
 
 def worst_of(share: FloatArray, value: FloatArray) -> int:
@@ -148,10 +148,10 @@ def _status_words(curve: Curve, at: int) -> str:
     return f"the response is {word} at {in_rpm(curve.speed[at])}, which is never a pass"
 
 
-def _largest_component(evidence: Results, at: int, spans: IntArray | None) -> str:
+def _largest_component(evidence: Results, at: int, spans: IntArray) -> str:
     """Words for the harmonic component with the greatest torque in the spans at a speed."""
     response = evidence.need(Response)
-    size = np.abs(response.torque[at][:, slice(None) if spans is None else spans]).max(axis=1, initial=0.0)
+    size = np.abs(response.torque[at][:, spans]).max(axis=1)
     if not np.all(np.isfinite(size)) or not np.any(size > 0):
         return ""
     return f"{MOSTLY} {response.lines[int(np.argmax(size))].words}"
@@ -172,8 +172,8 @@ def judged_speeds(study: Study) -> FloatArray:
 
 def speeds_between(evidence: Results) -> FloatArray:
     """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
-    found = [one.speeds_between(evidence, settings) for one, settings in _vibration_rules(evidence.study)]
-    speed, more = evidence.need(Response).speed, np.unique(np.concatenate([np.empty(0), *found]))
+    found = (one.speeds_between(evidence, settings) for one, settings in _vibration_rules(evidence.study))
+    speed, more = evidence.need(Response).speed, np.unique([place for places in found for place in places])
     return apart(speed, more[(more > speed[0]) & (more < speed[-1])])
 
 

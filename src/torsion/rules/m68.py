@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.steady import SAME_SPEED
 from torsion.arrays import BoolArray, FloatArray
 from torsion.components.lowering import ShaftRecord
 from torsion.components.material import STEEL
@@ -139,11 +138,10 @@ def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:
 
 def _judged(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> tuple[Curve, Barring, BoolArray]:
     """Stress against tau_C, what is barred, and (speeds,) which speeds are not above 1.05."""
-    speed, tau_c, _, tau = _limits(evidence, shaft)
-    rated = rated_speed(evidence.study)
+    _, tau_c, _, tau = _limits(evidence, shaft)
     curve = curve_of(evidence.need(Response), tau, tau_c)
-    barred = barring(curve, rated, shaft.name, settings.tachometer)
-    return curve, barred, speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
+    barred = barring(curve, rated_speed(evidence.study), shaft.name, settings.tachometer)
+    return curve, barred, np.isfinite(tau_c)
 
 
 def _stresses(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Iterator[Check | None]:
@@ -222,7 +220,8 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
     share, none = curve.utilisation(), np.zeros(len(curve.speed), dtype=bool)
     permitted, refused, passed, above = list[BarredRange](), list[BarredRange](), none.copy(), none
     exceeds = np.isfinite(curve.limit) & (share > 1.0)
-    for first, end in np.flatnonzero(np.diff(exceeds, prepend=False, append=False)).reshape(-1, 2).tolist():
+    edges = np.flatnonzero(np.diff(exceeds, prepend=False, append=False))
+    for first, end in edges.reshape(len(edges) // 2, 2).tolist():
         critical = float(curve.speed[first + worst_of(share[first:end], curve.value[first:end])])
         lower, upper = m68_shafts.barred_range(critical, rated)
         lower = min(lower, _crossing(curve, first, first - 1)) * (1.0 - tolerance)
@@ -262,7 +261,7 @@ def _crossing(curve: Curve, above: int, beyond: int) -> float:
     if not 0 <= beyond < len(curve.speed):
         return float(curve.speed[above])
     share = curve.utilisation()[[above, beyond]]
-    if not np.all(np.isfinite(share)) or share[1] > 1.0:
+    if not np.all(np.isfinite(share)):
         return float(curve.speed[beyond])
     step = (share[0] - 1.0) / (share[0] - share[1])
     return float(curve.speed[above] + step * (curve.speed[beyond] - curve.speed[above]))

@@ -34,7 +34,7 @@ BARRED_BELOW = 0.8  # no barred range reaches this speed ratio in normal firing
 ROUNDING = 1e-9  # relative: a speed ratio this near to a bound is at the bound
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Detail:
     """What a design feature does to the permissible stress (C_K) and to the least diameter (k)."""
 
@@ -116,7 +116,7 @@ def slot_concentration(diameter: float, bore: float, length: float, width: float
 
 
 def slot_c_k(concentration: float) -> float:
-    """C_K = 1.45/scf of a longitudinal slot (to be verified)."""
+    """C_K = 1.45/scf of a longitudinal slot (to be verified); at most 1.45/2.15 by the formula above."""
     return 1.45 / concentration
 
 
@@ -255,6 +255,6 @@ def _details(
         if feature == "slot" and name in settings.slots:
             slot = settings.slots[name].length * MM, settings.slots[name].width * MM
             worst = max(slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
-            detail = replace(detail, c_k=min(1.0, slot_c_k(worst)), c_k_mark="to be verified")
+            detail = replace(detail, c_k=slot_c_k(worst), c_k_mark="to be verified")
         found.append((feature, detail))
     return tuple(found)

@@ -3,7 +3,7 @@
 What was not looked at of the operation is not passed.
 """
 
-from operator import itemgetter
+from operator import attrgetter
 
 import numpy as np
 
@@ -40,9 +40,9 @@ def stability_check(found: Stability, operation: Operation) -> Check:
     """
     first, last, is_whole = _operated(found.speed, operation)
     inside = within(operation.speeds, found.speed)
-    known = inside & np.isfinite(found.growth)
-    rates = zip(found.growth[known].tolist(), found.speed[known].tolist(), strict=True)
-    growth, speed = max(rates, key=itemgetter(0), default=(-np.inf, first))
+    rates = np.where(inside & np.isfinite(found.growth), found.growth, -np.inf)
+    at = int(rates.argmax())
+    growth, speed = float(rates[at]), float(found.speed[at])
     unstable = [one for one in found.ranges if one.meets(first, last)]
     for one in unstable:
         if one.growth > growth and (first <= one.at <= last or growth <= 0):
@@ -77,8 +77,7 @@ def _check(
 def _bare(found: Stability, first: float, last: float) -> list[SpeedRange]:
     """What of the operated speeds lies between speeds without a periodic motion and their neighbours that have one."""
     met = [(max(low, first), min(high, last)) for low, high in found.unknown]
-    there = ((found.unsolved >= low) & (found.unsolved <= high) for low, high in met)
-    return [one for one, at in zip(met, there, strict=True) if one[0] < one[1] or at.any()]
+    return [(a, b) for a, b in met if a < b or ((found.unsolved >= a) & (found.unsolved <= b)).any()]
 
 
 def _bare_words(found: Stability, bare: list[SpeedRange]) -> list[str]:
@@ -86,9 +85,9 @@ def _bare_words(found: Stability, bare: list[SpeedRange]) -> list[str]:
     if not bare:
         return []
     if np.isnan(found.growth).all():
-        return [f"no periodic motion was found at any of the {found.speed.size} speeds tried"]
+        return [f"no periodic motion was found at any of the {found.growth.size} speeds tried"]
     where = ", ".join(f"{low * _RPM:.5g} to {high * _RPM:.5g}" for low, high in bare[:MOST])
-    more = f" and in {len(bare) - MOST} further ranges" if len(bare) > MOST else ""
+    more = f", the first {MOST} of {len(bare)} ranges" if len(bare) > MOST else ""
     return [f"no periodic motion was found, and so nothing is known, from {where} rpm{more}"]
 
 
@@ -139,9 +138,9 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
     row = int(known.min(axis=1).argmin())
     least, what = float(known[row].min()), "logarithmic decrement of its whirl"
     notes = ["nothing damps it"] if abs(least) <= ROUNDING else []
-    value, kept = 0.0 if notes else least, is_whole and least >= -ROUNDING
+    value = 0.0 if notes else least
     notes += [] if is_whole else [PART]
-    return _check("whirl", name, what, value, "", float(speed[row]), notes, kept=kept, at_least=True)
+    return _check("whirl", name, what, value, "", float(speed[row]), notes, kept=is_whole and value >= 0, at_least=True)
 
 
 def _tilting(name: str, found: Tilting, operation: Operation) -> Check:
@@ -150,10 +149,13 @@ def _tilting(name: str, found: Tilting, operation: Operation) -> Check:
     first, last, is_whole = _operated(speed, operation)
     grows = np.where(within(operation.speeds, speed), found.growth, -np.inf)
     at = int(np.argmax(grows))
+    growth, where = float(grows[at]), float(speed[at])
     unstable = [zone for zone in found.zones if zone.lower < last and zone.upper > first]
-    growth = min(float(grows[at]), 0.0)
-    if unstable:
-        growth = float(grows[at]) if grows[at] > 0 else max(zone.rate for zone in unstable)
+    if not unstable:
+        growth = min(growth, 0.0)
+    elif growth <= 0:  # it lies between the speeds, or its worst beyond the operation
+        worst = max(unstable, key=attrgetter("rate"))
+        growth, where = worst.rate, min(max(worst.worst, first), last)
     notes = [] if found.is_damped else ["its supports do not damp it in both directions"]
     notes += [] if is_whole else [PART]
-    return _check("tilting", name, what, growth, "1/s", float(speed[at]), notes, kept=is_whole and not unstable)
+    return _check("tilting", name, what, growth, "1/s", where, notes, kept=is_whole and not unstable)

@@ -65,7 +65,7 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     if not bars:
         return None
     names = ", ".join(bar.name for bar in bars)
-    ratio, bar, parts = train.stations[bars[0].driving].ratio, bars[0], tuple(bar.part for bar in bars)
+    bar, ratio, parts = bars[0], train.parts[second.part].ratio, tuple(bar.part for bar in bars)
     if any(train.shaft(bar).support for bar in bars):
         lacking = (shaft.lacks for shaft in bending_shafts(train)[0] if shaft.lacks and set(shaft.parts) & set(parts))
         return Tube(names, parts, ratio, math.nan, "; ".join(lacking), has_support=True)
@@ -85,23 +85,22 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
 
 
 def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
-    """What lies on the way from one station to another, along springs and shafts."""
-    near = defaultdict[int, list[tuple[int, Spring | Bar]]](list)
+    """What lies on the way from one station to another, along springs and shafts in the direction of power flow."""
+    behind = defaultdict[int, list[Spring | Bar]](list)
     pieces: tuple[Spring | Bar, ...] = (*train.springs, *train.bars)
     for piece in pieces:
-        near[piece.driving].append((piece.driven, piece))
-        near[piece.driven].append((piece.driving, piece))
-    reached: dict[int, tuple[int, Spring | Bar] | None] = {start: None}
+        behind[piece.driving].append(piece)
+    reached: dict[int, Spring | Bar | None] = {start: None}
     queue = [start]
     for here in queue:  # which grows meanwhile: breadth first
-        for there, piece in near[here]:
-            if there not in reached:
-                reached[there] = (here, piece)
-                queue.append(there)
-    at = reached.get(end)
-    while at is not None:
-        yield at[1]
-        at = reached[at[0]]
+        for piece in behind[here]:
+            if piece.driven not in reached:
+                reached[piece.driven] = piece
+                queue.append(piece.driven)
+    last = reached.get(end)
+    while last is not None:
+        yield last
+        last = reached[last.driving]
 
 
 class JointRuleSettings(Declared):
@@ -170,7 +169,7 @@ def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed:
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
     limit = _published(settings, "unevenness")
     yield _verdict("U", where, "non-uniformity tan b sin b", line.index, "1", limit, None, before=bend)
-    what, value = "acceleration of the driven side by all joints", _steepest(joints[-1], joints[0], speed)
+    what, value = "acceleration of the driven side by all joints", _steepest(joints[-1], speed)
     yield _verdict("torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed)
 
 
@@ -180,15 +179,14 @@ def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[i
     for line in found.lines:
         for position in line.joints[:-1]:
             joint = found.joints[position]
-            value = _steepest(joint, found.joints[line.joints[0]], speed)
-            driven = "driven from its first end"
+            value, driven = _steepest(joint, speed), "driven from its first end"
             checks[position] = _verdict("inertial", joint.name, what, value, "rad/s2", limit, speed, after=driven)
     return checks
 
 
-def _steepest(joint: JointFound, first: JointFound, speed: float) -> float:
-    """rad/s2: greatest acceleration behind a joint of the line that begins with `first`."""
-    return joint.steepest * (speed * float(first.ratio)) ** 2
+def _steepest(joint: JointFound, speed: float) -> float:
+    """rad/s2: greatest acceleration behind a joint; no gear stands in a line of joints."""
+    return joint.steepest * (speed * float(joint.ratio)) ** 2
 
 
 def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Iterator[Check]:

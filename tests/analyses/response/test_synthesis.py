@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Line
-from torsion.analyses.response.synthesis import MOST_SAMPLES, SAMPLES, common_cycle, extremes, synthesis
+from torsion.analyses.response.synthesis import common_cycle, extremes, synthesis
 from torsion.kernels.tree_response import Status
 
 
@@ -87,6 +87,24 @@ def test_maxima_that_almost_coincide_are_told_apart(excess, shift):
     assert extremes(phasors, np.array([1, 2]))[0][0] == pytest.approx(-b - 1 / (8 * b), rel=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("excess", "shift"),
+    [(0.000287721, 0.012367), (0.000158797, 0.04297), (0.001119294, 0.049411), (0.1645888, -9e-5)],
+)
+def test_a_maximum_at_the_end_of_a_halved_cell_is_kept(excess, shift):
+    """The same waves, so placed that a half has its maximum at its end, far above its middle."""
+    b = -(1 + excess) / 4
+    phasors = np.array([[1.0, b]]) * np.exp(1j * shift * np.array([1, 2]))
+    assert extremes(phasors, np.array([1, 2]))[0][0] == pytest.approx(-b - 1 / (8 * b), rel=1e-14)
+
+
+def test_a_maximum_whose_second_derivative_varies_much_is_found_by_halving():
+    """Newton's method from the middle of a cell in which it varies by more than itself errs by 8e-13."""
+    phasors = np.array([3.98508533 + 0.37715417j, -0.98413344 - 0.18794027j])
+    found = extremes(phasors[None], np.array([1, 2]))[0][0]
+    assert found == pytest.approx(_densely_sampled(phasors, np.array([1, 2])), rel=2e-14)
+
+
 @pytest.mark.parametrize("tilt", [1e-7, 1e-6, 1e-5, 1e-4])
 def test_the_higher_of_two_maxima_in_one_step_is_taken(tilt):
     harmonics = np.array([1, 2, 3])
@@ -100,6 +118,44 @@ def test_wave_of_one_order_amid_others_of_nothing():
     highest, lowest = extremes(np.array([[0.0, 0.0, 2j], [0.0, 0.0, 0.0], [1e-9, 0.0, 2.0]]), np.array([1, 7, 118]))
     assert highest == pytest.approx([2.0, 0.0, 2.0 + 1e-9], rel=1e-15)
     assert lowest[:2] == pytest.approx([-2.0, 0.0], rel=1e-15)
+
+
+def test_wave_of_one_order_is_its_amplitude():
+    highest, lowest = extremes(np.array([[3.0 + 4.0j], [0.0]]), np.array([7]))
+    assert (highest.tolist(), lowest.tolist()) == ([5.0, 0.0], [-5.0, 0.0])
+    single = extremes(np.array([[2j]]), np.array([1]))
+    assert (single[0].tolist(), single[1].tolist()) == ([2.0], [-2.0])
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e9])
+def test_extremes_grow_with_the_size_of_the_wave(size):
+    """cos t + b cos 2t about b = -1/4, where two maxima meet, and below it at its one maximum of 1 + b."""
+    b = -np.array([0.1, 0.2, 0.249, 0.2499, 0.25, 0.2501, 0.251, 0.3, 0.5, 2.0])
+    shift = np.array([[0.0], [0.0123], [0.049], [0.1], [1.0]])
+    phasors = np.stack([np.ones_like(b), b], axis=1) * np.exp(1j * shift[:, :, None] * np.array([1, 2]))
+    highest, lowest = extremes(size * phasors.reshape(-1, 2), np.array([1, 2]))
+    two = b < -0.25
+    expected = np.where(two, -b - 1 / (8 * np.where(two, b, 1.0)), 1 + b)
+    np.testing.assert_allclose(highest, np.tile(size * expected, 5), rtol=2e-15)
+    np.testing.assert_allclose(lowest, np.tile(size * (b - 1.0), 5), rtol=2e-15)
+
+
+@pytest.mark.parametrize(("phasors", "highest"), [([15, -6, 1], 10), ([56, -28, 8, -1], 35)])
+def test_a_maximum_flat_to_the_fifth_or_the_seventh_order_is_found(phasors, highest):
+    """Of (-1)^(k+1) binomial(2n, n - k) cos k t, which is 2^(2n-1) (1 - sin^2n(t/2)) but for its mean."""
+    harmonics = np.arange(1, len(phasors) + 1)
+    turned = np.array(phasors) * np.exp(1j * np.outer([0.0, 0.01, 0.05, 3.0], harmonics))
+    assert extremes(turned, harmonics)[0] == pytest.approx(np.full(4, highest), rel=4e-15)
+
+
+def test_the_highest_of_two_maxima_may_lie_between_samples_and_the_other_on_one():
+    """Order 64 of 65 has 32.5 samples: every other maximum lies half a step off. Order 1 makes that one the higher."""
+    half_step = np.pi / 32 * 64 / 65
+    for excess in (1e-4, 1e-3):
+        phase = -np.pi / 64 - excess / (2 * np.sin(np.pi / 64))  # of order 1, highest beside the second maximum
+        phasors = np.array([[0.5 * np.exp(1j * phase), 1.0, 1e-9]])
+        assert half_step**2 / 2 > excess
+        assert _worst_error(phasors, np.array([1, 64, 65])) < 1e-12
 
 
 def test_two_orders_at_their_closed_form():
@@ -155,16 +211,53 @@ def test_fixed_frequencies_add_their_magnitude():
 
 
 def test_a_cycle_is_too_long_by_its_highest_order():
-    longest = MOST_SAMPLES // SAMPLES
-    assert common_cycle([Fraction(1), Fraction(longest)])[0] == 1
-    turns, harmonics = common_cycle([Fraction(1), Fraction(longest + 1)])
+    """20 000 samples are 625 harmonics."""
+    for base in (Fraction(1), Fraction(3, 7)):
+        turns, harmonics = common_cycle([base, base * 625])
+        assert (turns, harmonics.tolist()) == (1 / base, [1, 625])
+        turns, harmonics = common_cycle([base, base * 626])
+        assert (turns, harmonics.size) == (0, 0)
+
+
+def test_lines_of_fixed_frequency_alone_have_no_common_cycle():
+    turns, harmonics = common_cycle([])
     assert (turns, harmonics.size) == (0, 0)
+    found = synthesis(_response(["35", "40"], [[3.0], [4.0j]], np.array([-2.0])))
+    assert (found.turns, found.common_cycle_turns) == (0, None)
+    values = [each[0, 0] for each in (found.half_range, found.peak, found.bound, found.rms)]
+    assert values == pytest.approx([7.0, 9.0, 7.0, np.sqrt(12.5)], rel=1e-15)
 
 
 def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
     found = synthesis(_response([Fraction(1), Fraction(1001, 1000)], [[1.0], [0.5j]]))
     assert found.turns == 0
     assert found.half_range[0, 0] == pytest.approx(1.5, rel=1e-15)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("turning", "torque"), [([1, 2], [1.0, 0.7]), ([1, Fraction(1001, 1000)], [1.0, 0.5j])])
+def test_peak_is_that_of_the_side_on_which_the_mean_torque_stands(sign, turning, torque):
+    """1.7 above and 0.7 + 1/5.6 below the mean; 1.5 on both sides where the cycle is too long. 0.4 at 35 Hz."""
+    found = synthesis(_response([*turning, "35"], [[one] for one in [*torque, 0.4]], np.array([3.0 * sign])))
+    above, below = (1.7, 0.7 + 1 / 5.6) if turning == [1, 2] else (1.5, 1.5)
+    assert found.peak[0, 0] == pytest.approx(3.4 + (above if sign > 0 else below), rel=1e-14)
+    assert found.half_range[0, 0] == pytest.approx((above + below) / 2 + 0.4, rel=1e-14)
+
+
+def test_every_span_and_speed_has_its_own_sum():
+    """Orders 1 and 3 in two spans at three speeds: 1 + b where they add, and the plain sum at every other phase."""
+    share = np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])  # (speeds, spans)
+    torque = np.stack([np.ones((3, 2)), share], axis=1) * np.array([[[1.0, 2.0]], [[3.0, 4.0]], [[5.0, 6.0]]])
+    one = _response([1, 3], torque[0])
+    blank = np.zeros((3, 2))
+    whole = replace(one, speed=np.arange(3.0), torque=torque.astype(complex), mean=np.zeros((3, 2)), status=blank)
+    found = synthesis(whole)
+    size = torque[:, 0]
+    assert found.half_range == pytest.approx(size * (1 + share), rel=1e-14)
+    assert found.peak == pytest.approx(size * (1 + share), rel=1e-14)
+    assert found.bound == pytest.approx(size * (1 + share), rel=1e-14)
+    assert found.rms == pytest.approx(size * np.sqrt((1 + share**2) / 2), rel=1e-14)
+    assert found.turns == 1
 
 
 @pytest.mark.parametrize("status", [Status.NEAR_SINGULAR, Status.SINGULAR])

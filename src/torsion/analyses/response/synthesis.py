@@ -15,11 +15,10 @@ MOST_SAMPLES = 20_000  # of a cycle; a longer one is given by its bound
 BLOCK_VALUES = 65_536  # samples computed at once (0.5 MB stays in a processor's cache)
 MOST_CELLS = 50_000  # cells refined at once; a cell is half a step to either side of a sample
 DEGREE = 8  # of the Taylor polynomial in a cell, which errs by (pi/32)^9/9! = 2.3e-15 of the bound
-SAME_VALUE = 4e-15  # relative: maxima that close are one, to the error of the polynomial and of rounding
 BEND_VARIES = 0.25  # most share of itself by which the second derivative varies in a cell where Newton's method is used
 NEWTON_STEPS = 4  # from a third of a cell's half width off at most, each error at most a third of the last one's square
 HALVES = [  # (powers, powers) each: the coefficients of the left and of the right half of a cell, as a cell of its own
-    np.array([[math.comb(m, k) * at ** max(m - k, 0) / 2**k for m in range(DEGREE + 1)] for k in range(DEGREE + 1)])
+    np.array([[math.comb(m, k) * at ** (m - k) / 2**k for m in range(DEGREE + 1)] for k in range(DEGREE + 1)])
     for at in (-0.5, 0.5)
 ]
 
@@ -77,35 +76,34 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
         return highest, -highest
     number = int(harmonics.max()) * SAMPLES
     angle = 2.0 * math.pi / number * (np.outer(harmonics, np.arange(number)) % number)
-    wave = np.concatenate([np.cos(angle), -np.sin(angle)])
+    wave = np.concatenate([np.cos(angle), np.sin(angle)])  # backward in time, with the same extremes
     phase = math.pi / number * harmonics
     parts = np.concatenate([phasors.real, phasors.imag], axis=1)
     loss = np.abs(phasors) @ phase**2 / 2.0
     loss = np.where(loss > 0, loss, np.nan)[:, None]  # a wave of nothing has no extreme to be found
-    highest, lowest = np.zeros(len(parts)), np.zeros(len(parts))
-    rows = max(1, BLOCK_VALUES // number)
-    near: list[tuple[IntArray, IntArray]] = []
+    upright = len(parts)  # rows: then come the same waves upside down
+    both, best = np.concatenate([parts, -parts]), np.zeros(upright + upright)
+    near: list[IntArray] = []
     with np.errstate(all="ignore"):
-        for start in range(0, len(parts), rows):
-            part = slice(start, start + rows)
+        for start in range(0, upright, BLOCK_VALUES // number):
+            part = slice(start, start + BLOCK_VALUES // number)
             value = parts[part] @ wave
             high = value >= value.max(axis=1, keepdims=True) - loss[part]
             low = value <= value.min(axis=1, keepdims=True) + loss[part]
-            near.append((np.flatnonzero(high) + start * number, np.flatnonzero(low) + start * number))
-            if part.stop < len(parts) and sum(len(high) + len(low) for high, low in near) < MOST_CELLS:
+            near += [np.flatnonzero(high) + start * number, np.flatnonzero(low) + (upright + start) * number]
+            if part.stop < upright and sum(map(len, near)) < MOST_CELLS:
                 continue
-            for extreme, sign, places in zip((highest, lowest), (1.0, -1.0), zip(*near, strict=True), strict=True):
-                row, place = np.divmod(np.concatenate(places), number)
-                _raise(extreme, row, _polynomials(sign * parts[row].T, wave[:, place], phase))
+            row, place = np.divmod(np.concatenate(near), number)
+            _raise(best, row, _polynomials(both[row].T, wave[:, place], phase))
             near = []
-    return highest, -lowest
+    return best[:upright], -best[upright:]
 
 
 def _polynomials(parts: FloatArray, wave: FloatArray, phase: FloatArray) -> FloatArray:
     """(powers, cells): the sum of all harmonics in each cell, which is -1..1.
 
-    parts: (2 harmonics, cells) N m, real and imaginary; wave: (2 harmonics, cells), cosine and negative sine at the
-    sample; phase: (harmonics,) rad in half a step.
+    parts: (2 harmonics, cells) N m, real and imaginary; wave: (2 harmonics, cells), cosine and sine at the sample;
+    phase: (harmonics,) rad in half a step.
     """
     real, imaginary = np.split(parts, 2)
     cosine, sine = np.split(wave, 2)
@@ -113,28 +111,22 @@ def _polynomials(parts: FloatArray, wave: FloatArray, phase: FloatArray) -> Floa
     factor = (-1.0) ** (power // 2) * phase**power / [[math.factorial(m)] for m in range(DEGREE + 1)]
     made = np.empty((DEGREE + 1, wave.shape[1]))
     made[::2] = factor[::2] @ (real * cosine + imaginary * sine)
-    made[1::2] = factor[1::2] @ (real * sine - imaginary * cosine)
+    made[1::2] = factor[1::2] @ (imaginary * cosine - real * sine)
     return made
 
 
 def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
     """Raise `best` (rows,) to the largest value of the polynomials (powers, cells), each of the row (cells,) named.
 
-    A cell whose polynomial rises or falls throughout has no maximum inside. One whose second derivative is negative
-    and varies little has one at most, which Newton's method finds. Any other is halved until it is of either sort, or
-    until nothing in it can exceed what is found.
+    A cell whose second derivative is negative and varies little has its largest value where Newton's method ends. Any
+    other counts by its middle and is halved, until it is of that sort or nothing in it can exceed what is found.
     """
-    power = np.arange(len(polynomial))[:, None]
     while row.size:
-        np.fmax.at(best, row, polynomial[0])
-        size = np.abs(polynomial)
-        turns = size[1] <= (power * size)[2:].sum(axis=0)
-        bends = (power * (power - 1) * size)[3:].sum(axis=0) <= -2.0 * BEND_VARIES * polynomial[2]
-        single = polynomial[:, turns & bends]
-        slope, bend = polyder(single), polyder(single, 2)
-        x = np.zeros(single.shape[1])
+        slope, bend, x = polyder(polynomial), polyder(polynomial, 2), np.zeros(row.size)
+        bends = np.abs(bend[1:]).sum(axis=0) <= -BEND_VARIES * bend[0]
         for _ in range(NEWTON_STEPS):
-            x = np.clip(x - polyval(x, slope, tensor=False) / polyval(x, bend, tensor=False), -1.0, 1.0)
-        np.fmax.at(best, row[turns & bends], polyval(x, single, tensor=False))
-        unclear = turns & ~bends & (polynomial[0] + size[1:].sum(axis=0) > best[row] * (1.0 + SAME_VALUE))
+            step = polyval(x, slope, tensor=False) / polyval(x, bend, tensor=False)
+            x = np.where(bends, np.clip(x - step, -1.0, 1.0), x)
+        np.fmax.at(best, row, polyval(x, polynomial, tensor=False))
+        unclear = ~bends & (polynomial[0] + np.abs(polynomial[1:]).sum(axis=0) > best[row])
         polynomial, row = np.hstack([half @ polynomial[:, unclear] for half in HALVES]), np.tile(row[unclear], 2)

@@ -1,0 +1,146 @@
+"""A shaft as M68 sees it: the factors of its features, its slot, its strength, its ends, and the words for them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.rules.conftest import STEEL_600
+
+from torsion.assembly import assemble
+from torsion.components.material import Material
+from torsion.rules import m68_shafts as m68
+
+
+def slotted(study, diameter, bore, **settings):
+    """The shaft as the rule sees it: a cone with a slot and a radial hole."""
+    body = {"name": "line", "length": 1.0, "diameter": diameter, "bore": bore, "role": "intermediate",
+            "features": ["slot", "roller bearing"]}  # fmt: skip
+    scene = study([("motor", {"inertia": 3.0}), ("shaft", body), ("disc", {"inertia": 1.0})])
+    (shaft,) = m68.classed_shafts(scene, m68.M68Settings.model_validate(settings))
+    return shaft
+
+
+def concentration(diameter, bore, length, width):
+    """Of a slot, as Appendix I of the rule prints it: alpha_t + 0.8 (l - e)/d / sqrt((1 - d_i/d) e/d)."""
+    e, hollow = width / diameter, bore / diameter
+    alpha = 2.3 - 3 * e + 15 * e**2 + 10 * e**2 * hollow**2
+    return alpha + 0.8 * (length - width) / diameter / math.sqrt((1 - hollow) * e)
+
+
+@pytest.mark.parametrize("turned", [1, -1])
+@pytest.mark.parametrize(("diameter", "bore"), [([0.1, 0.16], [0.05, 0.05]), ([0.12, 0.12], [0.0, 0.08])])
+def test_the_slot_of_a_cone_is_judged_at_the_end_where_it_concentrates_more(study, diameter, bore, turned) -> None:
+    ends = diameter[::turned], bore[::turned]
+    shaft = slotted(study, *ends, slots={"line": {"length": "70 mm", "width": "20 mm"}})
+    both = [concentration(1e3 * outer, 1e3 * hole, 70, 20) for outer, hole in zip(*ends, strict=True)]
+    assert abs(both[0] / both[1] - 1) > 0.1
+    assert shaft.c_k == pytest.approx(min(1.45 / both[0], 1.45 / both[1]), rel=1e-12)
+    assert shaft.governing[0] == "slot"
+    assert shaft.k == 1.2
+    assert f"C_K {1.45 / max(both):.4g} (slot, to be verified)" in shaft.notes[0]
+
+
+def test_the_table_s_factor_of_a_slot_holds_without_its_dimensions(study) -> None:
+    for settings in ({}, {"slots": {"other": {"length": 0.07, "width": 0.02}}}):
+        shaft = slotted(study, [0.1], [0.0], **settings)
+        assert (shaft.c_k, shaft.standing) == (0.3, "rule text")
+
+
+def test_a_slot_never_adds_to_the_permissible_stress() -> None:
+    """2.3 - 3 e + 15 e2 is least at e = 0.1, and every other term adds to it: C_K is at most 1.45/2.15."""
+    least = min(m68.slot_concentration(1.0, 0.0, e, e) for e in np.linspace(0.001, 1.0, 1000))
+    assert least == pytest.approx(2.15, rel=1e-12)
+
+
+def test_a_shaft_is_seen_in_mm_with_both_of_its_ends(study) -> None:
+    for diameter, bore in (([0.12, 0.2], [0.03, 0.07]), ([0.2, 0.12], [0.07, 0.03])):
+        shaft = slotted(study, diameter, bore)
+        assert shaft.diameter == pytest.approx(200.0, rel=1e-12)
+        wanted = [[1e3 * outer, 1e3 * hole] for outer, hole in zip(diameter, bore, strict=True)]
+        np.testing.assert_allclose(shaft.ends, wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize("turned", [1, -1])
+def test_the_modulus_of_a_conical_piece_is_that_of_its_smaller_end(study, turned) -> None:
+    """Diameters 100, 110, 120, 130 mm and bores 40, 50, 60, 70 mm at the ends of three pieces."""
+    body = {"name": "line", "length": 1.0, "diameter": [0.1, 0.13][::turned], "bore": [0.04, 0.07][::turned],
+            "role": "thrust", "segments": 3}  # fmt: skip
+    scene = study([("motor", {"inertia": 3.0}), ("coupling", {"stiffness": 1e4}), ("shaft", body),
+                   ("disc", {"inertia": 1.0})])  # fmt: skip
+    (shaft,) = m68.classed_shafts(scene, m68.M68Settings())
+    spans, modulus = m68.stress_modulus(assemble(scene.train), shaft)
+    outer, bore = np.array([0.1, 0.11, 0.12]), np.array([0.04, 0.05, 0.06])
+    assert spans.tolist() == [1, 2, 3]
+    np.testing.assert_allclose(modulus[::turned], math.pi / 16 * (outer**4 - bore**4) / outer, rtol=1e-12)
+
+
+NONE_STATED = Material(shear_modulus=79e9, density=7850.0)
+
+
+def classed(study, material, role="intermediate", features=(), settings=None, **body):
+    """A shaft of 120 mm as the rule sees it."""
+    shaft = {"name": "line", "length": 1.0, "diameter": 0.12, "role": role, "features": features, "material": "m",
+             **body}  # fmt: skip
+    scene = study(
+        [("motor", {"inertia": 3.0}), ("shaft", shaft), ("disc", {"inertia": 1.0})], materials={"m": material}
+    )
+    (found,) = m68.classed_shafts(scene, settings or m68.M68Settings())
+    return found
+
+
+SIZE = f"C_D {0.35 + 0.93 * 120**-0.2:.4g}"
+CONE = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter"
+
+HOLE = (
+    f"C_K 0.5 (radial hole: hole at most 0.3 of the diameter), {SIZE}, sigma_B 400 N/mm2 "
+    "(none stated: the least of shaft steel assumed, to be verified)"
+)
+MOUNTING = (
+    "C_K 0.55 (no feature given: kind of propeller mounting not given, the least favourable taken), "
+    f"{SIZE}, sigma_B 600 N/mm2 (of 700)"
+)
+
+
+@pytest.mark.parametrize(
+    ("strength", "role", "features", "words"),
+    [
+        (500.0, "intermediate", (), f"C_K 1 (no feature given: integral flange assumed), {SIZE}, sigma_B 500 N/mm2"),
+        (600.0, "thrust", (), f"C_K 0.85 (no feature given: thrust collar assumed), {SIZE}, sigma_B 600 N/mm2"),
+        (None, "thrust", ("flange", "radial hole"), HOLE),
+        (655.5, "propeller", ("propeller keyed", "shrink fit"),
+         f"C_K 0.55 (propeller keyed), {SIZE}, sigma_B 600 N/mm2 (of 655.5)"),
+        (700.0, "propeller", (), MOUNTING),
+    ],
+)  # fmt: skip
+def test_notes_say_the_factors_used_and_what_is_assumed(study, strength, role, features, words) -> None:
+    material = NONE_STATED if strength is None else STEEL_600.model_copy(update={"tensile_strength": strength * 1e6})
+    assert classed(study, material, role, features).notes == (words,)
+    tapered = classed(study, material, role, features, diameter=[0.1, 0.12])
+    assert tapered.notes == (words, CONE)
+    assert classed(study, material, role, features, diameter=[0.12, 0.1]).notes == (words, CONE)
+    assert classed(study, material, role, features, bore=[0.01, 0.02]).notes == (words,)
+
+
+def test_a_limit_stands_as_its_factor_and_its_strength_do(study) -> None:
+    assert classed(study, STEEL_600).standing == "rule text"
+    assert classed(study, NONE_STATED).standing == "to be verified"
+    slot = m68.M68Settings.model_validate({"slots": {"line": {"length": "70 mm", "width": "20 mm"}}})
+    assert classed(study, STEEL_600, features=("slot",), settings=slot).standing == "to be verified"
+    assert classed(study, STEEL_600, features=("slot",)).standing == "rule text"
+
+
+def test_keyways_and_the_greatest_k_of_several_features_are_those_of_the_table(study) -> None:
+    shaft = classed(study, STEEL_600, features=("taper keyway", "slot", "flange", "cylinder keyway"))
+    assert shaft.keyways == ("taper keyway", "cylinder keyway")
+    assert (shaft.c_k, shaft.k, shaft.governing[0]) == (0.3, 1.2, "slot")
+
+
+def test_a_shaft_of_any_section_or_without_a_role_is_not_judged(study) -> None:
+    plain = {"length": 1.0, "diameter": 0.1}
+    scene = study([("shaft", {"name": "a", "role": "thrust", **plain}), ("shaft", {"name": "b", **plain}),
+                   ("shaft", {"name": "c", "role": "thrust", **plain})])  # fmt: skip
+    first, *others = scene.train.bars
+    meshed = replace(scene.train, bars=(replace(first, section=object()), *others))
+    assert [bar.name for bar, _ in m68.judged(scene.train)] == ["a", "c"]
+    assert [bar.name for bar, _ in m68.judged(meshed)] == ["c"]
