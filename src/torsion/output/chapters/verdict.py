@@ -212,5 +212,5 @@ def _listed(speeds: np.ndarray) -> str:
     """Speeds in rpm as ranges of neighbours, the first of them."""
     groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
     words = ["–".join(dict.fromkeys((number(float(one[0])), number(float(one[-1]))))) for one in groups]
-    more = f" and {len(words) - MOST_LISTED} further ranges" if len(words) > MOST_LISTED else ""
+    more = f" (the first {MOST_LISTED} of {len(words)} ranges)" if len(words) > MOST_LISTED else ""
     return f"{', '.join(words[:MOST_LISTED])} rpm{more}"
