@@ -1,7 +1,13 @@
 """Blocks and their numbers."""
 
+import dataclasses
+import importlib
+import pkgutil
+
 import pytest
 
+from torsion import output
+from torsion.output import chapters
 from torsion.output.blocks import Column, Figure, Heading, Paragraph, Table
 from torsion.output.document import numbered
 
@@ -30,3 +36,13 @@ def test_a_table_refuses_a_row_of_another_length() -> None:
 
 def test_a_paragraph_has_no_number() -> None:
     assert [item.number for item in numbered([Paragraph("x")])] == [""]
+
+
+def test_what_a_report_is_made_of_cannot_be_changed() -> None:
+    """A block that one renderer changed would differ in the next."""
+    folders = {f"{folder.__name__}.": folder.__path__ for folder in (output, chapters)}
+    names = [one.name for prefix, path in folders.items() for one in pkgutil.iter_modules(path, prefix)]
+    kinds = {kind for name in names for kind in vars(importlib.import_module(name)).values() if isinstance(kind, type)}
+    own = {kind for kind in kinds if kind.__module__ in names and dataclasses.is_dataclass(kind)}
+    assert {Column, Figure, Heading, Paragraph, Table} < own
+    assert [kind.__name__ for kind in own if not kind.__dataclass_params__.frozen] == []
