@@ -8,11 +8,9 @@ import pytest
 import torsion
 from torsion.analyses import Analysis
 from torsion.arrays import FloatArray
-from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Heading, Table
 from torsion.output.chapters.declared_results import chapter
 from torsion.output.numbers import Scale
-from torsion.output.plain import plain
 from torsion.output.reported_values import barred
 from torsion.output.selection import NO_VALUE, Selection, damps, elements, highest, largest, strongest, torques, worst
 from torsion.results import Quantity, reported, result
@@ -145,12 +143,6 @@ train:
     assert [list(one.spans) for one in made] == [
         [index] for name in ("mesh", "stiff") for index, span in enumerate(system.spans) if span.name == name
     ]
-
-
-def test_codes_are_words_with_hyphens() -> None:
-    chosen = Selection(torsion.assemble(torsion.parse(TRAIN).train))
-    assert plain(Status.NEAR_SINGULAR, chosen) == "near-singular"
-    assert plain({"at": (Status.OK, 2.5, math.inf)}, chosen) == {"at": ["ok", 2.5, None]}
 
 
 def test_places_of_an_axis_without_names_count_from_one() -> None:
