@@ -63,10 +63,17 @@ def test_only_what_is_brief_stands_there_and_what_belongs_at_the_end_comes_last(
 )
 def test_a_narrow_terminal_cuts_words_to_twelve_letters_and_no_number(bare: Findings, word: str, kept: str) -> None:
     columns = (Column("A", short="A", align="left"), Column("C", short="C"))
-    rows = ((word, "≥ 12345.678"), ("x", "2 ∠ 40°"))
-    lines = printed([Table(columns, rows, short="t")], bare, width=len(kept) + 16)
-    assert lines[-2].split() == [kept, "≥", "12345.678"]
+    rows = ((word, "≥ 12345678.90123"), ("x", "2 ∠ 40°"))
+    lines = printed([Table(columns, rows, short="t")], bare, width=len(kept) + 21)
+    assert lines[-2].split() == [kept, "≥", "12345678.90123"]
     assert lines[-1].split() == ["x", "2", "∠", "40°"]
+
+
+def test_the_longest_word_of_a_column_stays_whole_beside_another_of_many_short_ones(bare: Findings) -> None:
+    columns = (Column("A", short="A", align="left"), Column("B", short="B", align="left"))
+    rows = (("abcdefghijkl", "aa bb cc dd ee ff"), ("x", "y"))
+    text = "\n".join(printed([Table(columns, rows, short="t")], bare, width=20))
+    assert " abcdefghijkl " in text
 
 
 def test_a_column_of_empty_words_is_printed(bare: Findings) -> None:
