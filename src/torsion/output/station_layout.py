@@ -11,11 +11,9 @@ from torsion.assembly.system import System
 from torsion.components.lowering import Part
 from torsion.errors import Path
 
-WIDTH = {"shaft": 1.6, "gear": 0.45, "joint": 0.8}  # of a link in the sketch
-LINK = 1.0  # the same of any other
+WIDTH = {"shaft": 1.6, "gear": 0.45, "joint": 0.8}  # of a link in the sketch; of any other 1
 RIGID = 0.5  # between two points that are rigidly joined
 CLEAR = 0.5  # between the end of a branch and one that begins behind it
-ASIDE = 0.5  # rows from a station to one that it alone carries
 MOST_NAMES = 14  # components up to which a picture bears their names, not their numbers alone
 
 
@@ -47,7 +45,7 @@ def layout(system: System) -> Layout:
             if is_new:
                 row[first] = line
             if np.isnan(x[last]):
-                x[last], row[last] = x[first] + WIDTH.get(part.kind, LINK), line
+                x[last], row[last] = x[first] + WIDTH.get(part.kind, 1.0), line
             rows.fill(line, float(x[last]))
     _along_shafts(system, x, row)
     _hanging(system, x, row)
@@ -108,4 +106,4 @@ def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
     """Rings, grounds and wheels without a train: beside the station that drives them."""
     for span in system.own_spans:
         if np.isnan(x[span.driven]):
-            x[span.driven], row[span.driven] = x[span.driving], row[span.driving] + ASIDE
+            x[span.driven], row[span.driven] = x[span.driving], row[span.driving] + 0.5
