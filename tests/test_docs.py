@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.components import KINDS
-from torsion.output import results_manual
 from torsion.rules.m68_shafts import DETAILS
 from torsion.schema.manual import EXAMPLES, manual
 from torsion.schema.scene_reader import Scene
@@ -43,11 +42,6 @@ def scenes() -> list[tuple[str, str]]:
 def test_the_manual_is_that_of_the_declarations() -> None:
     written = (ROOT / "docs" / "format.md").read_text(encoding="utf-8")
     assert written == manual(), "write docs/format.md anew from torsion.schema.manual.manual()"
-
-
-def test_the_manual_of_results_is_that_of_the_declarations() -> None:
-    written = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
-    assert written == results_manual.manual(), "write docs/results.md anew: python -m torsion.output.results_manual"
 
 
 def test_the_manual_has_every_section_and_kind() -> None:

@@ -10,10 +10,11 @@ import pytest
 from torsion.analyses.response.amplitudes import Synthesis
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Figure, Heading, Table
-from torsion.output.document import document
-from torsion.output.html import css_text, html
+from torsion.output.blocks import Figure, Heading, Paragraph, Table
+from torsion.output.document import Cover, Document, Numbered, document, numbered
+from torsion.output.html import anchor, css_text, has_long_word, html
 from torsion.output.numbers import number
+from torsion.output.reports import REPORTS
 from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
 
@@ -73,6 +74,28 @@ def test_names_are_escaped_everywhere(page: str, nasty: str) -> None:
 def test_a_name_cannot_end_the_style_sheet() -> None:
     assert "<" not in css_text('"; } </style><b>')
     assert '"' not in css_text('"; } </style><b>')
+
+
+def test_letters_of_a_style_sheet_stay_and_signs_are_code_points() -> None:
+    assert css_text('Größe 1.5 (a-b), x: {"}') == "Größe 1.5 (a-b), x: \\7b \\22 \\7d "
+
+
+@pytest.mark.parametrize(("text", "is_long"), [("x" * 20, False), ("x" * 21, True), (f"a {'x' * 21} b", True)])
+def test_a_word_of_more_than_twenty_letters_may_be_broken(text: str, is_long: bool) -> None:
+    assert has_long_word(text) is is_long
+
+
+def test_an_anchor_is_the_number_in_small_letters() -> None:
+    assert [anchor(Numbered(Paragraph("x"), one)) for one in ("4.2", "Table 4.1")] == ["s4-2", "stable-4-1"]
+
+
+def test_the_contents_list_the_chapters_alone_and_the_page_has_no_blank_lines(bare: Findings) -> None:
+    blocks = [Heading("One"), Paragraph("p"), Heading("Within", 2), Heading("Two")]
+    page = html(Document(Cover("t", "s", ()), tuple(numbered(blocks)), bare, REPORTS["solve"]))
+    assert page.count("Within") == 1
+    assert (page.count("One"), page.count("Two")) == (2, 2)
+    body = page[page.index("<body") :]
+    assert [line for line in body.splitlines() if not line.strip()] == []
 
 
 def test_no_chapter_is_empty_and_numbers_have_no_gap(train: Findings) -> None:

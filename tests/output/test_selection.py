@@ -8,14 +8,12 @@ import pytest
 import torsion
 from torsion.analyses import Analysis
 from torsion.arrays import FloatArray
-from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Heading, Table
 from torsion.output.chapters.declared_results import chapter
 from torsion.output.numbers import Scale
-from torsion.output.plain import plain
 from torsion.output.reported_values import barred
 from torsion.output.selection import NO_VALUE, Selection, damps, elements, highest, largest, strongest, torques, worst
-from torsion.results import reported, result
+from torsion.results import Quantity, reported, result
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 TRAIN = """
@@ -24,7 +22,7 @@ train:
 - disc: {name: a, inertia: 1}
 - coupling: {name: lossy, stiffness: 100, loss_factor: 0.1}
 - disc: {name: b, inertia: 1}
-- coupling: {name: viscous, stiffness: 100, viscous: 2}
+- coupling: {name: viscous, stiffness: 100, viscous: 0.5}
 - disc: {name: c, inertia: 1}
 - coupling: {name: elastic, stiffness: 100}
 - disc: {name: d, inertia: 1}
@@ -84,10 +82,67 @@ def test_the_largest_of_an_element_is_that_of_all_its_segments() -> None:
     assert element.largest(np.arange(24.0).reshape(2, 4, 3)[:, :, ::-1]).tolist() == [[2, 5, 8, 11], [14, 17, 20, 23]]
 
 
-def test_codes_are_words_with_hyphens() -> None:
-    chosen = Selection(torsion.assemble(torsion.parse(TRAIN).train))
-    assert plain(Status.NEAR_SINGULAR, chosen) == "near-singular"
-    assert plain({"at": (Status.OK, 2.5, math.inf)}, chosen) == {"at": ["ok", 2.5, None]}
+SEGMENTS = """
+name: x
+train:
+- disc: {name: a, inertia: 1}
+- shaft: {name: tube, length: 1 m, diameter: 50 mm, segments: 3}
+- disc: {name: b, inertia: 1}
+- coupling: {name: soft, stiffness: 100}
+- disc: {name: c, inertia: 1}
+"""  # the coupling is span 0, the segments are spans 1 to 3 and have stations 3 and 4 between them
+
+
+def test_what_is_listed_of_a_shaft_in_segments_are_its_ends_and_its_name() -> None:
+    chosen = Selection(torsion.assemble(torsion.parse(SEGMENTS).train))
+    assert [(one.name, list(one.spans)) for one in chosen.elements] == [("tube", [1, 2, 3]), ("soft", [0])]
+    assert [chosen.positions(axis) for axis in ("element", "named station", "end span")] == [
+        ["tube", "soft"], [0, 1, 2], [0, 1, 3],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("axes", "printed", "wanted"),
+    [
+        (("mode", "span"), ("mode", "element"), [[9.0, 2.0], [7.0, 1.0]]),
+        (("mode", "span"), ("element", "mode"), [[9.0, 7.0], [2.0, 1.0]]),
+        (("mode", "span"), ("mode", "end span"), [[2.0, 5.0, 6.0], [1.0, 7.0, 4.0]]),
+        (("mode", "span"), ("span", "mode"), [[2.0, 1.0], [5.0, 7.0], [9.0, 3.0], [6.0, 4.0]]),
+    ],
+)
+def test_values_over_spans_are_reduced_to_elements_or_their_ends(axes, printed, wanted) -> None:
+    chosen = Selection(torsion.assemble(torsion.parse(SEGMENTS).train))
+    values = np.array([[2.0, 5.0, 9.0, 6.0], [1.0, 7.0, 3.0, 4.0]])
+    assert chosen.reduced(values, Quantity("", axes, "", printed=printed), axes).tolist() == wanted
+
+
+def test_values_over_stations_are_reduced_to_those_that_are_named() -> None:
+    chosen = Selection(torsion.assemble(torsion.parse(SEGMENTS).train))
+    values = np.array([[1.0, 2.0, 3.0, 4.0, 5.0]])
+    for printed, wanted in (("named station", [1.0, 2.0, 3.0]), ("station", [1.0, 2.0, 3.0, 4.0, 5.0])):
+        quantity = Quantity("", ("speed", "station"), "", printed=("speed", printed))
+        assert chosen.reduced(values, quantity, quantity.axes).tolist() == [wanted]
+        assert chosen.reduced(values[0], quantity, ("station",)).tolist() == wanted
+
+
+def test_points_that_are_rigidly_joined_have_no_element_between_them_but_a_rigid_mesh_is_one() -> None:
+    text = """
+name: x
+train:
+- gear: {name: mesh, teeth: [20, 40], inertia: [1, 2]}
+- disc: {name: a, inertia: 1}
+- disc: {name: b, inertia: 1}
+- coupling: {name: stiff, stiffness: 2}
+- disc: {name: c, inertia: 1}
+"""
+    system = torsion.assemble(torsion.parse(text).train)
+    made = elements(system)
+    assert [(one.name, one.kind, one.part, one.ratio) for one in made] == [
+        ("mesh", "gear", 0, 1.0), ("stiff", "coupling", 3, 0.5),
+    ]  # fmt: skip
+    assert [list(one.spans) for one in made] == [
+        [index] for name in ("mesh", "stiff") for index, span in enumerate(system.spans) if span.name == name
+    ]
 
 
 def test_places_of_an_axis_without_names_count_from_one() -> None:

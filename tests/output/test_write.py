@@ -1,5 +1,6 @@
 """A report is written whole or not at all."""
 
+import shutil
 from datetime import date
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from torsion.findings import Findings
 from torsion.output import html
 from torsion.output import results_json as json
-from torsion.output.write import write
+from torsion.output.write import write, write_texts
 
 
 def test_the_folder_holds_the_report_and_nothing_else(bare: Findings, tmp_path: Path) -> None:
@@ -44,3 +45,41 @@ def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(bare: Fi
     (tmp_path / "series.npz").write_bytes(b"earlier")
     write(bare, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "results.json"]
+
+
+def test_texts_and_bytes_are_written_into_a_new_or_an_old_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "folder"
+    for number in range(2):
+        paths = write_texts({"a.txt": f"Größe {number}\n", "b.bin": b"\x00\xff"}, folder)
+        assert paths == [folder / "a.txt", folder / "b.bin"]
+        assert paths[0].read_bytes() == f"Größe {number}\n".encode()
+        assert paths[1].read_bytes() == b"\x00\xff"
+        assert sorted(folder.iterdir()) == paths
+
+
+def test_series_that_belong_to_a_report_are_kept_with_it(tmp_path: Path) -> None:
+    def both(path: Path) -> list[Path]:
+        beside = path.with_name("series.npz")
+        path.write_text("{}")
+        beside.write_bytes(b"new")
+        return [path, beside]
+
+    write_texts({"results.json": both, "page.html": "x"}, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["page.html", "results.json", "series.npz"]
+
+
+def test_the_cause_of_a_failure_is_what_is_raised(tmp_path: Path) -> None:
+    def broken(path: Path) -> list[Path]:
+        shutil.rmtree(path.parent)
+        raise OSError("disk is gone")
+
+    with pytest.raises(OSError, match="disk is gone"):
+        write_texts({"a.txt": broken}, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_date_the_report_bears_that_of_today(bare: Findings, tmp_path: Path) -> None:
+    before = date.today()
+    facts = dict(write(bare, tmp_path).cover.facts)
+    assert before.isoformat() <= facts["Date"] <= date.today().isoformat()
+    assert dict(write(bare, tmp_path, today=date(2024, 1, 1)).cover.facts)["Date"] == "2024-01-01"

@@ -18,7 +18,7 @@ def html(document: Document) -> str:
     """The page."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
+        trim_blocks=True,
     )  # fmt: skip
     environment.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word)
     environment.filters.update(drawn=lambda figure: Markup(svg(figure)), kind=lambda block: type(block).__name__)

@@ -22,7 +22,7 @@ def number(value: float | None, digits: int = DIGITS) -> str:
     if value is None or math.isnan(value):
         return NONE
     if math.isinf(value):
-        return "∞" if value > 0 else "−∞"
+        return str(value).replace("inf", "∞").replace("-", "−")
     if value == 0:
         return "0"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
@@ -123,8 +123,8 @@ SI = Scale("", 1.0)  # of values that stand as they are
 
 def scale(unit: str, values: Iterable[float]) -> Scale:
     """The prefix that suits the largest finite value of a column or a figure: 'N m', 'kN m', 'MN m'."""
-    largest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+    sizes = [abs(v) for v in values if math.isfinite(v)]
     for factor, prefix in PREFIXES:
-        if largest >= factor:
+        if any(size >= factor for size in sizes):
             return Scale(prefix + unit, 1.0 / factor)
     return Scale(unit, 1.0)

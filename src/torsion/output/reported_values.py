@@ -128,8 +128,8 @@ def rounding(findings: Findings) -> FloatArray:
     if response is None or not response.lines:
         return np.zeros(len(ratio))
     size = np.zeros(len(ratio))
-    for torque, status in zip(response.torque, response.status, strict=True):
-        np.maximum(size, np.abs(torque[status == Status.OK]).max(axis=0, initial=0.0), out=size)
+    for speed, known in enumerate(response.status == Status.OK):
+        np.maximum(size, np.abs(response.torque[speed, known]).max(axis=0, initial=0.0), out=size)
     size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
     return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
 

@@ -53,12 +53,12 @@ def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str 
 def pieces(values: Any) -> Iterator[str]:
     """The data as JSON text, piece by piece, so that long arrays are never in memory as text or lists."""
     if not _has_long(values):
-        yield json.dumps(values, default=_listed, allow_nan=False)
+        yield _dumped(values)
     elif isinstance(values, Mapping):
         yield from _joined("{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items()))
     elif isinstance(values, np.ndarray) and values.ndim == 1:
         blocks = (values[start : start + BLOCK] for start in range(0, values.size, BLOCK))
-        yield from _joined("[]", ([json.dumps(_listed(block), allow_nan=False)[1:-1]] for block in blocks))
+        yield from _joined("[]", ([_dumped(block)[1:-1]] for block in blocks))
     else:
         yield from _joined("[]", map(pieces, values))
 
@@ -88,6 +88,10 @@ def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
         yield f"{',' if place else '{'}\n{json.dumps(key)}: "
         yield from pieces(value)
     yield "\n}\n"
+
+
+def _dumped(values: Any) -> str:
+    return json.dumps(values, default=_listed, allow_nan=False)
 
 
 def _listed(array: NDArray[Any]) -> Any:

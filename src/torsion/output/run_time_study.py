@@ -97,8 +97,8 @@ def best(quantity: TimedQuantity, tolerance: float) -> Table:
     """The methods that no other beats, and which of them is recommended."""
     rows, recommended = unbeaten(quantity.rows, quantity.bound), fastest(quantity.rows, tolerance)
     columns = "< Method -> | < Discretisation -> | Error -> | Median [ms] -> ms | Assembly [ms] -> | Solve [ms] -> | <"
-    marks = tuple("pass" if row is recommended else "" for row in rows)
-    lines = tuple((*cells(row), "recommended" if mark else "") for row, mark in zip(rows, marks, strict=True))
+    lines = tuple((*cells(row), "recommended" if row is recommended else "") for row in rows)
+    marks = tuple("pass" if line[-1] else "" for line in lines)
     return Table(
         head(columns), lines, PARETO, marks, f"{quantity.title}: no other method is both faster and more accurate"
     )

@@ -105,9 +105,9 @@ class Selection:
         """The values with the axes that are printed, in their order; `axes` are those of the values."""
         array = np.asarray(values)
         kept = [next(one for one in quantity.printed if one in WITHIN.get(axis, (axis,))) for axis in axes]
-        for place, (axis, shown) in enumerate(zip(axes, kept, strict=True)):
+        for place, axis in enumerate(axes):
             if axis in WITHIN:
-                array = self._along(array, place, (axis, shown), quantity.is_total)
+                array = self._along(array, place, (axis, kept[place]), quantity.is_total)
         return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
 
     def _along(self, array: Any, place: int, axes: tuple[str, str], is_total: bool) -> Any:

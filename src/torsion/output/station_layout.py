@@ -11,9 +11,9 @@ from torsion.assembly.system import System
 from torsion.components.lowering import Part
 from torsion.errors import Path
 
-WIDTH = {"shaft": 1.6, "coupling": 1.0, "gear": 0.45, "joint": 0.8}  # of a link in the sketch
-NOWHERE = (math.inf, -math.inf)  # from where to where a row without components is filled
+WIDTH = {"shaft": 1.6, "gear": 0.45, "joint": 0.8}  # of a link in the sketch; of any other 1
 RIGID = 0.5  # between two points that are rigidly joined
+CLEAR = 0.5  # between the end of a branch and one that begins behind it
 MOST_NAMES = 14  # components up to which a picture bears their names, not their numbers alone
 
 
@@ -31,65 +31,63 @@ def label(parts: Sequence[Part], position: int) -> str:
 
 
 def layout(system: System) -> Layout:
-    """Stations in the order of the train; a branch gets the nearest free row beside the point that carries it."""
+    """Stations in the order of the train; a branch gets a free row beside the point that carries it."""
     number = len(system.stations)
     x, row = np.full(number, np.nan), np.zeros(number)
     rows = _Rows()
-    for index, part in enumerate(system.train.parts):
+    for part in system.train.parts:
         if part.stations:
-            line = rows.of(part.path, x, row, part.stations[0])
-            _place(system, index, x, row, line)
-            rows.fill(line, *(float(x[station]) for station in (part.stations[0], part.stations[-1])))
+            first, last = part.stations[0], part.stations[-1]
+            is_new = np.isnan(x[first])
+            if is_new:
+                x[first], row[first] = _behind(system, first, x, row)
+            line = rows.of(part.path, float(x[first]), int(row[first]))
+            if is_new:
+                row[first] = line
+            if np.isnan(x[last]):
+                x[last], row[last] = x[first] + WIDTH.get(part.kind, 1.0), line
+            rows.fill(line, float(x[last]))
     _along_shafts(system, x, row)
     _hanging(system, x, row)
     return Layout(x, row)
 
 
 class _Rows:
-    """Which row each branch of the file stands on, and from where to where every row is filled."""
+    """Which row each branch of the file stands on, and how far every row is filled."""
 
     def __init__(self) -> None:
         self._row: dict[Path, int] = {}
-        self._filled: dict[int, tuple[float, float]] = {}
+        self._end: dict[int, float] = {}
 
-    def of(self, path: Path, x: FloatArray, row: FloatArray, first: int) -> int:
-        """The row of the branch in which a component stands."""
+    def of(self, path: Path, start: float, beside: int) -> int:
+        """The row of the branch in which a component stands, which begins at `start` beside a row.
+
+        It is the next one below or above that no branch goes on in and that is empty from there on, or else a new one.
+        """
         branch = path[:-2]
-        if branch not in self._row:
-            start = 0.0 if np.isnan(x[first]) else float(x[first])
-            self._row[branch] = self._free(int(row[first]), start) if self._row else 0
+        if not self._row:
+            self._row[branch] = 0
+        elif branch not in self._row:
+            going_on = {row for other, row in self._row.items() if branch[: len(other)] == other}
+            near = [row for row in (beside + 1, beside - 1) if row not in going_on]
+            free = [row for row in near if self._end.get(row, -math.inf) < start - CLEAR]
+            self._row[branch] = free[0] if free else max(self._end) + 1
         return self._row[branch]
 
-    def _free(self, beside: int, start: float) -> int:
-        """The nearest row that is empty from `start` on, with nothing in the way to it; below is tried first."""
-        for distance in range(1, len(self._row) + 2):
-            for side in (1, -1):
-                row = beside + side * distance
-                between = (self._filled.get(k, NOWHERE) for k in range(beside + side, row, side))
-                is_open = all(not first - 0.5 <= start <= last + 0.5 for first, last in between)
-                if is_open and self._filled.get(row, NOWHERE)[1] < start - 0.5:
-                    return row
-        return max(self._filled) + 1
-
-    def fill(self, row: int, first: float, last: float) -> None:
-        """Note from where to where a component fills a row."""
-        before = self._filled.get(row, NOWHERE)
-        self._filled[row] = min(before[0], first), max(before[1], last)
+    def fill(self, row: int, end: float) -> None:
+        """Note how far a component fills a row."""
+        self._end[row] = max(self._end.get(row, end), end)
 
 
-def _place(system: System, index: int, x: FloatArray, row: FloatArray, line: int) -> None:
-    part = system.train.parts[index]
-    first, last = part.stations[0], part.stations[-1]
-    if np.isnan(x[first]):
-        touching = np.flatnonzero((system.driving == first) | (system.driven == first))
-        near = np.where(system.driven == first, system.driving, system.driven)[touching].tolist()
-        known = [float(x[s]) for s in near if not np.isnan(x[s])]
-        wheel = system.train.parts[system.stations[first].part].kind == "gear"
-        x[first] = known[0] + (WIDTH["gear"] if wheel else RIGID) if known else 0.0
-        row[first] = line
-    if np.isnan(x[last]):
-        x[last] = x[first] + WIDTH.get(part.kind, 1.0)
-        row[last] = line
+def _behind(system: System, station: int, x: FloatArray, row: FloatArray) -> tuple[float, float]:
+    """Place and row of a new station as seen from one that it is joined to and that stands; the first is at 0."""
+    ends = np.column_stack([system.driving, system.driven])
+    near = ends[(ends == station).any(axis=1)]
+    standing = near[~np.isnan(x[near])].tolist()
+    if not standing:
+        return 0.0, float(row[station])
+    is_wheel = system.train.parts[system.stations[station].part].kind == "gear"
+    return float(x[standing[0]]) + (WIDTH["gear"] if is_wheel else RIGID), float(row[standing[0]])
 
 
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
@@ -105,9 +103,7 @@ def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
 
 
 def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Rings, grounds and wheels without a train: beside the station that carries them."""
+    """Rings, grounds and wheels without a train: beside the station that drives them."""
     for span in system.own_spans:
-        for near, far in ((span.driving, span.driven), (span.driven, span.driving)):
-            if np.isnan(x[far]) and not np.isnan(x[near]):
-                x[far], row[far] = x[near], row[near] + 0.5
-    x[np.isnan(x)] = 0.0
+        if np.isnan(x[span.driven]):
+            x[span.driven], row[span.driven] = x[span.driving], row[span.driving] + 0.5

@@ -63,7 +63,7 @@ def _in_short(table: Table) -> Grid:
     for k, column in ((k, table.columns[k]) for k in kept):
         if column.align == "left":
             words = [word for row in table.rows[:MOST_ROWS] for word in row[k].split()]
-            longest = max((len(word) for word in words), default=0)
+            longest = len(max(words, key=len, default=""))
             made.add_column(column.short, overflow="ellipsis", min_width=min(longest, LONGEST_WORD))
         else:
             made.add_column(column.short, justify="right", no_wrap=True, overflow="fold")

@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from torsion.analyses.compare.timing import Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
-from torsion.output.run_time_study import best, csv_text, recommendation, share
+from torsion.analyses.compare.timing import Spread, TimedRow, as_fast, fastest, unbeaten
 
 
 def row(name: str, error: float, *solve: float, assembly: float = 0.0) -> TimedRow:
@@ -71,19 +70,6 @@ def test_of_errors_that_hardly_differ_the_faster_method_alone_is_kept() -> None:
     assert names(unbeaten((*ROWS, slower))) == ["coarse", "lumped", "exact"]
 
 
-def test_the_table_of_the_best_marks_the_recommended_row_alone() -> None:
-    quantity = TimedQuantity("frequencies", "Natural frequencies", "", "", 1e-15, 120.0, ("mode 1", "mode 2"), ROWS)
-    table = best(quantity, 1e-3)
-    assert [(line[0], line[-1]) for line in table.rows] == [("coarse", ""), ("lumped", "recommended"), ("exact", "")]
-    assert table.marks == ("", "pass", "")
-
-
-def test_the_table_of_all_runs_states_the_worst_error_and_the_median() -> None:
-    quantity = TimedQuantity("frequencies", "Natural frequencies", "", "", 1e-15, 120.0, ("mode 1", "mode 2"), ROWS)
-    _, lumped, *_ = csv_text(Timings(1e-3, (quantity,), (), 3, ())).splitlines()
-    assert lumped.split(",")[:8] == ["frequencies", "lumped", "8 segments", "8", "0.0003", "0.0004", "0.0004", "0.0004"]
-
-
 def test_errors_below_the_bound_of_the_reference_count_as_equal() -> None:
     slower = row("slower", 1e-16, 9e-4, 9e-4, 9e-4)
     assert names(unbeaten((*ROWS, slower))) == ["coarse", "lumped", "exact", "slower"]
@@ -98,14 +84,3 @@ def test_methods_whose_runs_overlap_are_told_to_be_as_fast() -> None:
 
 def test_the_spread_is_of_quartiles() -> None:
     assert Spread.of([5.0, 1.0, 2.0, 4.0, 3.0]) == Spread(1.0, 2.0, 3.0, 4.0, 5)
-
-
-def test_the_recommendation_is_one_sentence() -> None:
-    quantity = TimedQuantity("frequencies", "Natural frequencies", "", "", 1e-15, 120.0, ("mode 1", "mode 2"), ROWS)
-    assert recommendation(quantity, 1e-3) == "For 0.1 % up to 120 Hz: lumped, 8 segments, 0.400 ms (error 0.03 %)."
-    assert recommendation(quantity, 1e-20).startswith("For 1.0·10⁻²⁰ up to 120 Hz: no method that was run is as")
-
-
-@pytest.mark.parametrize(("error", "text"), [(1e-3, "0.1 %"), (0.25, "25 %"), (2.3e-9, "2.3·10⁻⁹"), (0.0, "0")])
-def test_an_error_is_told_as_people_read_it(error: float, text: str) -> None:
-    assert share(error) == text

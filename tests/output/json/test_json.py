@@ -53,6 +53,14 @@ def test_the_text_is_strict_json_without_infinities(train: Findings, undamped: F
         assert back["format"] == 1
 
 
+@pytest.mark.parametrize("only", [("modes",), ("checks", "damped_modes")])
+def test_of_some_results_their_keys_and_the_head_are_printed(train: Findings, only: tuple[str, ...]) -> None:
+    every, some = json.loads(text(train)), json.loads(text(train, only))
+    assert set(some) == {"format", "program", "legend", "scene", "plan", *only}
+    assert some == {key: every[key] for key in some}
+    assert len(every) > len(some)
+
+
 def test_numbers_come_back_to_the_last_digit(train: Findings) -> None:
     back = json.loads(text(train))
     np.testing.assert_array_equal(back["modes"]["frequency_Hz"], train.need(Modes).frequency)

@@ -39,6 +39,15 @@ def test_no_piece_of_a_long_array_is_long():
     assert max(map(len, pieces(np.ones(200_000)))) < 60_000
 
 
+@pytest.mark.parametrize(("size", "lengths"), [(10_000, [1]), (10_001, [1, 1]), (20_000, [1, 1]), (20_001, [1, 1, 1])])
+def test_at_most_ten_thousand_numbers_are_text_at_once(size: int, lengths: list[int]) -> None:
+    values = np.arange(size) % 7
+    found = [piece for piece in pieces(values) if any(letter.isdigit() for letter in piece)]
+    assert len(found) == len(lengths)
+    assert max(piece.count(",") for piece in found) == 9_999
+    assert json.loads("".join(pieces(values))) == values.tolist()
+
+
 def test_long_arrays_stand_in_a_file_of_their_own_under_their_keys(tmp_path):
     data = _data()
     parts = {key: repeat(value).__next__ for key, value in data.items()}
@@ -53,6 +62,21 @@ def test_long_arrays_stand_in_a_file_of_their_own_under_their_keys(tmp_path):
                 assert place == {"file": SERIES, "array": f"long[0].{name}", "shape": list(data["long"][0][name].shape)}
                 np.testing.assert_array_equal(series[place["array"]], data["long"][0][name])
     assert back["long"][0]["flag"] == data["long"][0]["flag"].tolist()
+
+
+def test_an_array_of_as_many_numbers_as_are_written_stays_in_the_file(tmp_path):
+    parts = {"a": lambda: np.arange(6).reshape(2, 3), "b": lambda: np.arange(7)}
+    write_json(parts, tmp_path / "results.json", most=6)
+    back = json.loads((tmp_path / "results.json").read_text())
+    assert back["a"] == [[0, 1, 2], [3, 4, 5]]
+    assert back["b"] == {"file": SERIES, "array": "b", "shape": [7]}
+
+
+def test_the_series_may_be_longer_than_four_gigabytes_and_hold_no_objects(tmp_path):
+    write_json({"a": lambda: np.arange(7)}, tmp_path / "results.json", most=6)
+    assert (tmp_path / SERIES).read_bytes()[4] == 45  # version of the format that it takes: ZIP64
+    with pytest.raises(ValueError, match="Object arrays cannot be saved"):
+        write_json({"b": lambda: np.array([None, "x"])}, tmp_path / "other.json", most=1)
 
 
 def test_without_long_arrays_there_is_one_file_of_a_line_for_each_key(tmp_path):

@@ -1,0 +1,113 @@
+"""Blocks on the terminal: which stand there, how many rows, and what a narrow one may cut."""
+
+import io
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Table
+from torsion.output.document import Cover, Document, document, numbered
+from torsion.output.reports import REPORTS
+from torsion.output.terminal import progress, screen, show
+
+COLUMNS = (Column("Shaft", short="shaft", align="left"), Column("Left out"), Column("Torque", "N m", short="N m"))
+
+
+def printed(blocks: Sequence[Block], findings: Findings, width: int = 60) -> list[str]:
+    """The lines of a console, without what is empty."""
+    stream = io.StringIO()
+    console = Console(file=stream, width=width, color_system=None)
+    made = Document(Cover("title", "scene", ()), tuple(numbered(blocks)), findings, REPORTS["solve"])
+    for item in screen(made):
+        console.print(item)
+    return [line.rstrip() for line in stream.getvalue().splitlines() if line.strip()]
+
+
+def table(rows: int) -> Table:
+    return Table(COLUMNS, tuple((f"s{k}", "no", f"{k}.5") for k in range(rows)), "caption", short="All of tau_{C}")
+
+
+@pytest.mark.parametrize(("rows", "more"), [(12, None), (13, 1), (15, 3)])
+def test_twelve_rows_of_a_table_are_shown_and_the_others_counted(bare: Findings, rows: int, more: int | None) -> None:
+    lines = printed([table(rows)], bare)
+    assert lines[:2] == ["scene", "All of tau_C"]
+    assert lines[2].split() == ["shaft", "N", "m"]
+    shown = [line.split() for line in lines[4 : 4 + 12]]
+    assert shown == [[f"s{k}", f"{k}.5"] for k in range(12)]
+    behind = " ".join(word for line in lines[4 + 12 :] for word in line.split())
+    assert behind == ("" if more is None else f"and {more} more rows in the report")
+
+
+def test_a_table_begins_at_the_edge_with_words_to_the_left_and_numbers_to_the_right(bare: Findings) -> None:
+    _, _, head, _, first, *_, last = printed([table(11)], bare)
+    assert [line.index(word) for line, word in ((head, "shaft"), (first, "s0"), (last, "s10"))] == [1, 1, 1]
+    assert len(head) == len(first) == len(last)
+
+
+def test_only_what_is_brief_stands_there_and_what_belongs_at_the_end_comes_last(bare: Findings) -> None:
+    blocks = [
+        Heading("Verdict", at_end=True), Paragraph("passed", "pass", brief=True), Heading("A section", 2),
+        Paragraph("with care", brief=True), Heading("Loads"), Paragraph("not here"), Points(("nor here",)),
+        Points(("one", "tau_{C} two"), brief=True), Table(COLUMNS, (), short="Empty"),
+        Table(COLUMNS, (("x", "y", "1"),)),
+    ]  # fmt: skip
+    assert printed(blocks, bare) == ["scene", "- one", "- tau_C two", "passed", "with care"]
+
+
+@pytest.mark.parametrize(
+    ("word", "kept"), [("abcdefghijklmnopqrst", "abcdefghijk…"), ("abcdefghijkl", "abcdefghijkl"), ("abcdef", "abcdef")]
+)
+def test_a_narrow_terminal_cuts_words_to_twelve_letters_and_no_number(bare: Findings, word: str, kept: str) -> None:
+    columns = (Column("A", short="A", align="left"), Column("C", short="C"))
+    rows = ((word, "≥ 12345678.90123"), ("x", "2 ∠ 40°"))
+    lines = printed([Table(columns, rows, short="t")], bare, width=len(kept) + 21)
+    assert lines[-2].split() == [kept, "≥", "12345678.90123"]
+    assert lines[-1].split() == ["x", "2", "∠", "40°"]
+
+
+def test_the_longest_word_of_a_column_stays_whole_beside_another_of_many_short_ones(bare: Findings) -> None:
+    columns = (Column("A", short="A", align="left"), Column("B", short="B", align="left"))
+    rows = (("abcdefghijkl", "aa bb cc dd ee ff"), ("x", "y"))
+    text = "\n".join(printed([Table(columns, rows, short="t")], bare, width=20))
+    assert " abcdefghijkl " in text
+
+
+def test_a_column_of_empty_words_is_printed(bare: Findings) -> None:
+    columns = (Column("A", short="A", align="left"), Column("C", short="C"))
+    assert printed([Table(columns, (("", "1.5"),), short="t")], bare)[-1].split() == ["1.5"]
+
+
+def test_marks_colour_the_last_cell_of_their_row(bare: Findings) -> None:
+    stream = io.StringIO()
+    marked = Table(COLUMNS, (("a", "", "1"), ("b", "", "2"), ("c", "", "3")), short="t", marks=("", "fail", "pass"))
+    made = Document(Cover("title", "scene", ()), tuple(numbered([marked])), bare, REPORTS["solve"])
+    Console(file=stream, width=60, force_terminal=True, color_system="standard").print(*screen(made)[1:])
+    text = stream.getvalue()
+    assert re.findall(r"\x1b\[([\d;]+)m +(\d)\x1b", text) == [("1;31", "2"), ("32", "3")]
+
+
+def test_the_place_of_the_page_and_the_time_stand_last(bare: Findings, capsys: pytest.CaptureFixture[str]) -> None:
+    stream = io.StringIO()
+    show(document(bare), Path("out"), Console(file=stream, width=100, color_system=None))
+    *_, steps, place = stream.getvalue().splitlines()
+    assert place == f"Report: {Path('out') / 'report.html'}"
+    total = sum(line.seconds for line in bare.plan.done)
+    assert steps == f"{len(bare.plan.done)} steps in {total:.2f} s"
+    show(document(bare))
+    assert "two discs" in capsys.readouterr().out
+    assert "Report:" not in stream.getvalue().splitlines()[-2]
+
+
+def test_progress_leaves_nothing_behind(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "100")
+    with progress() as report:
+        report("modes", 0.5)
+    error = capsys.readouterr().err
+    assert "modes" in error
+    assert error.rpartition("\x1b[2K")[2].strip() == ""  # the line is erased, and nothing comes behind it
+    assert "modes" in error.rpartition("\x1b[2K")[0]
