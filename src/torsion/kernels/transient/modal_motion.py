@@ -9,6 +9,7 @@ a rigid motion x'' = f follows by integration.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import factorial
 
 import numpy as np
@@ -52,7 +53,7 @@ def intervals(history: History, time: FloatArray) -> list[tuple[int, slice, Floa
     edges = [*np.searchsorted(time, history.begin).tolist(), len(time)]
     return [
         (number, slice(first, last), time[first:last] - history.begin[number])
-        for number, (first, last) in enumerate(zip(edges[:-1], edges[1:], strict=True))
+        for number, (first, last) in enumerate(pairwise(edges))
         if first < last
     ]
 
@@ -83,8 +84,8 @@ def _integrals(
     near = np.abs(z) < SMALL
     divisor = np.where(d == 0.0, 1.0, d)
     growth = np.exp(rate * time)
-    first = (growth - decay) / divisor
-    second = (time * growth - first) / divisor
+    first: ComplexArray = (growth - decay) / divisor
+    second: ComplexArray = (time * growth - first) / divisor
     if near.any():
         late, small = np.broadcast_to(time, z.shape)[near], z[near]
         first[near] = decay[near] * late * _series(small, 0)

@@ -1,0 +1,104 @@
+"""Modes with their damping as first-order coordinates: each by itself, or all together where damping couples them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eig
+
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.transient.modal_motion import FirstOrder, RigidMotion, first_order, rigid_motion
+from torsion.kernels.transient.torque_history import History, Piece, value
+from torsion.kernels.transient.torque_history import history as cut
+
+NEARLY_CRITICAL = 0.999  # damping ratio up to which a mode is taken by itself
+
+
+@dataclass(frozen=True)
+class ModalTrain:
+    """Rigid motions and elastic modes of generalised inertia 1, and what damps them."""
+
+    w: FloatArray  # (modes,) rad/s
+    ratio: FloatArray  # (modes,) damping ratio of what damps every mode by itself
+    viscous: FloatArray  # (rigid motions + modes, the same) 1/s, of speeds: what may couple them
+
+    @property
+    def rigid(self) -> int:
+        """Number of rigid motions."""
+        return len(self.viscous) - len(self.w)
+
+    @property
+    def w_of_all(self) -> FloatArray:
+        """(rigid motions + modes,) rad/s."""
+        return np.concatenate([np.zeros(self.rigid), self.w])
+
+    @property
+    def damping(self) -> FloatArray:
+        """(rigid motions + modes, the same) 1/s, all of it."""
+        return self.viscous + np.diag(2.0 * np.concatenate([np.zeros(self.rigid), self.ratio]) * self.w_of_all)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Rigid motions and modes over time: to be read at any times."""
+
+    train: "ModalTrain"
+    force: FloatArray  # (rigid motions + modes, loads)
+    loads: Sequence[Sequence[Piece]]
+    rigid: RigidMotion | None  # None where damping takes hold of them
+    coordinates: FirstOrder
+    read: tuple[np.ndarray, np.ndarray] | None  # rows of place and of speed; None: modes by themselves
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
+        y, root = self.coordinates.at(time), self.coordinates.root
+        if self.read is not None:
+            place, speed = ((row @ y).real for row in self.read)
+        else:
+            place = y.imag / root.imag[:, None]
+            speed = y.real + root.real[:, None] * place
+        if self.rigid is None:
+            return place, speed
+        turned, turning = self.rigid.at(time)
+        return np.concatenate([turned, place]), np.concatenate([turning, speed])
+
+    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """(rigid motions + modes, times) by the balance of torques, of what `at` returned."""
+        acting = np.array([value(pieces, time) for pieces in self.loads]).reshape(-1, len(time))
+        return np.asarray(self.force @ acting - self.train.damping @ speed - self.train.w_of_all[:, None] ** 2 * place)
+
+
+def motion(
+    train: ModalTrain, force: FloatArray, loads: Sequence[Sequence[Piece]], place: FloatArray, speed: FloatArray
+) -> Motion:
+    """The motion of rigid motions and modes under `force` (both, loads) from a place and speed (both,) at time 0."""
+    history, count = cut(loads), train.rigid
+    loose = not train.viscous[:count].any()
+    rigid = rigid_motion(force[:count], history, place[:count], speed[:count]) if loose else None
+    kept = slice(count if loose else 0, None)
+    w, damping = train.w_of_all[kept], train.damping[kept, kept]
+    q, v, f = place[kept], speed[kept], force[kept]
+    each = np.diag(damping) / 2.0
+    if loose and not (damping - np.diag(np.diag(damping))).any() and (each < NEARLY_CRITICAL * w).all():
+        root = -each + 1j * np.sqrt(w**2 - each**2)
+        found = first_order(root, f.astype(complex), history, v - root.conj() * q)
+        return Motion(train, force, loads, rigid, found, None)
+    return Motion(train, force, loads, rigid, *_coupled(w, damping, f, history, q, v))
+
+
+def _coupled(
+    w: FloatArray, damping: FloatArray, force: FloatArray, history: History, q: FloatArray, v: FloatArray
+) -> tuple[FirstOrder, tuple[ComplexArray, ComplexArray]]:
+    """Coordinates of the eigenvectors of speeds and w times places; places themselves of what has w = 0."""
+    size, scale = len(w), np.where(w > 0.0, w, 1.0)
+    matrix = np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]])
+    root, left, right = eig(matrix, left=True)
+    norm = (left.conj() * right).sum(axis=0)
+    left = left.conj().T / norm[:, None]
+    kept = root.imag >= 0.0
+    twice = np.where(root.imag > 0.0, 2.0, 1.0)[kept]
+    into = left[kept]
+    start = into @ np.concatenate([v, scale * q])
+    found = first_order(root[kept], into[:, :size] @ force, history, start)
+    rows = right[:, kept] * twice
+    return found, (rows[size:] / scale[:, None], rows[:size])
