@@ -14,7 +14,7 @@ from torsion.fields import Declared
 if TYPE_CHECKING:
     from torsion.study import Study
 
-UNBUILT = ("transient", "sweep")  # of the format, but not built yet
+UNBUILT = ("sweep",)  # of the format, but not built yet
 MODELS = ("lumped", "fem", "exact")
 
 
@@ -126,6 +126,10 @@ ANALYSES: dict[str, Analysis] = {
         "bending of the shafts", "torsion.analyses.lateral.shaft_bending", settings="LateralSettings",
         needs=("steady",), results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
         chapters=("shaft_bending",),
+    ),
+    "transient": Analysis(
+        "motion over time", "torsion.analyses.transient.transient_motion", settings="TransientSettings",
+        needs=("steady",), results={"transient": "TransientMotion"}, chapters=("motion_over_time",),
     ),
     "check": Analysis(
         "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",

@@ -62,6 +62,15 @@ def _motion_faults(study: Study) -> list[Fault]:
     return found
 
 
+def _transient_faults(study: Study) -> list[Fault]:
+    """Events that the train cannot have."""
+    if "transient" not in study.analyses:
+        return []
+    from torsion.analyses.transient.transient_motion import transient_faults
+
+    return transient_faults(study)
+
+
 def _lateral_faults(study: Study) -> list[Fault]:
     """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
     if "lateral" not in study.analyses and not study.has_supports:
@@ -140,6 +149,7 @@ _CHECKS: tuple[tuple[Callable[[Study], Iterable[Fault]], tuple[str, ...]], ...] 
     (_power_faults, ("train", "operation")),
     (_joint_faults, ("train", "analyses")),
     (_motion_faults, ("train", "links", "operation", "analyses")),
+    (_transient_faults, ("train", "operation", "analyses")),
     (_lateral_faults, ("train", "materials", "operation", "analyses")),
     (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),
 )

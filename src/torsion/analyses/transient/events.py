@@ -241,6 +241,11 @@ class Event(Declared):
         """Its key in the file."""
         return next(kind for kind in KINDS if getattr(self, kind) is not None).replace("_", "-")
 
+    def words(self) -> str:
+        """Its settings, those that are not left at their defaults, in SI."""
+        body = getattr(self, self.kind.replace("-", "_")).model_dump(exclude_defaults=True)
+        return ", ".join(f"{key} {value}" for key, value in body.items())
+
     def pieces(self, at: Point) -> tuple[Piece, ...]:
         """Its torque over time, N m at own speed, positive in the sense of rotation."""
         return tuple(getattr(self, self.kind.replace("-", "_")).pieces(self.time, at))

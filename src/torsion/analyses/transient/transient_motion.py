@@ -24,6 +24,7 @@ from torsion.kernels.transient.torque_history import Piece, value
 from torsion.kernels.tree_response import Status
 from torsion.results import reported, result
 from torsion.study import Study
+from torsion.train import name_fault
 
 PATH = ("analyses", "transient")
 MOST_MODES = 3000
@@ -390,6 +391,27 @@ def _residual(moved: Motion, time: FloatArray) -> float:
         worst = max(worst, abs(energy[-1] - energy[0] - (end - begin) / 2.0 * float(weights @ power)))
         largest = max(largest, float(energy.max()))
     return worst / largest if largest else 0.0
+
+
+def transient_faults(study: Study) -> list[Fault]:
+    """Events at what is no point, or after the end; nothing that moves the train."""
+    settings = study.analyses.get("transient")
+    if not isinstance(settings, TransientSettings):
+        return []
+    twisted = isinstance(settings.initial, dict) and "torque" in settings.initial
+    found = []
+    if not settings.events and not twisted:
+        hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
+        found.append(Fault(PATH, "nothing moves the train: no event, and no twist that is released", hint))
+    known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
+    for number, event in enumerate(settings.events):
+        path = (*PATH, "events", number)
+        if (fault := name_fault(event.at, (*path, "at"), known)) is not None:
+            found.append(fault)
+        if event.time >= settings.duration:
+            hint = f"within {settings.duration:g} s, or a longer `duration`"
+            found.append(Fault((*path, "time"), "the event begins after the end of the motion", hint))
+    return found
 
 
 def run(work: Work) -> None:

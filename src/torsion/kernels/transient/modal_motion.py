@@ -95,8 +95,7 @@ def _integrals(
 
 def _series(z: ComplexArray, power: int) -> ComplexArray:
     """Integral over 0 <= u <= 1 of u**power exp(z u), for |z| < SMALL."""
-    found: ComplexArray = polyval(z, [1.0 / (factorial(term) * (term + 1 + power)) for term in range(TERMS)])
-    return found
+    return np.asarray(polyval(z, [1.0 / (factorial(term) * (term + 1 + power)) for term in range(TERMS)]))
 
 
 @dataclass(frozen=True)
