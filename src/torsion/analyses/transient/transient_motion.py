@@ -324,7 +324,7 @@ def _slowed(system: System, found: Modes, shape: FloatArray) -> FloatArray:
 def _sampled(
     curves: _Curves, time: FloatArray, progress: Progress
 ) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
-    """Torques (spans, times), speeds (stations, times), and greatest values and times of the torque and its negative."""
+    """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative."""
     spans, stations = len(curves.slowed), len(curves.shape)
     torque, turning = np.empty((spans, len(time))), np.empty((stations, len(time)))
     high, low = Extremes.none(spans), Extremes.none(spans)

@@ -4,13 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eig
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.transient.modal_motion import FirstOrder, RigidMotion, first_order, rigid_motion
 from torsion.kernels.transient.torque_history import History, Piece, value
 from torsion.kernels.transient.torque_history import history as cut
 
+ROUNDS = 2  # of inverse iteration: it converges with the square of the error
+LARGEST_SETTLED = 150  # coordinates up to which every root is settled, which costs their number to the fourth power
 NEARLY_CRITICAL = 0.999  # damping ratio up to which a mode is taken by itself
 
 
@@ -89,16 +90,44 @@ def motion(
 def _coupled(
     w: FloatArray, damping: FloatArray, force: FloatArray, history: History, q: FloatArray, v: FloatArray
 ) -> tuple[FirstOrder, tuple[ComplexArray, ComplexArray]]:
-    """Coordinates of the eigenvectors of speeds and w times places; places themselves of what has w = 0."""
+    """Coordinates of the shapes x that answer (r**2 + r damping + w**2) x = 0, scaled to x (2 r + damping) x = 1.
+
+    Their rough values are eigenvalues of the first-order form in speeds and w times places; each is then settled by
+    inverse iteration with the Rayleigh quotient of the second-order form, which keeps the digits of slow ones.
+    """
     size, scale = len(w), np.where(w > 0.0, w, 1.0)
-    matrix = np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]])
-    root, left, right = eig(matrix, left=True)
-    norm = (left.conj() * right).sum(axis=0)
-    left = left.conj().T / norm[:, None]
-    kept = root.imag >= 0.0
-    twice = np.where(root.imag > 0.0, 2.0, 1.0)[kept]
-    into = left[kept]
-    start = into @ np.concatenate([v, scale * q])
-    found = first_order(root[kept], into[:, :size] @ force, history, start)
-    rows = right[:, kept] * twice
-    return found, (rows[size:] / scale[:, None], rows[:size])
+    roots, vectors = np.linalg.eig(np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]]))
+    kept = np.flatnonzero(np.imag(roots) >= 0.0)
+    pairs = [
+        _settled(complex(roots[k]), np.asarray(vectors[size:, k] / scale, dtype=vectors.dtype), w, damping)
+        for k in kept
+    ]
+    root, shape = np.array([one for one, _ in pairs]), np.array([one for _, one in pairs]).T
+    twice = np.where(root.imag != 0.0, 2.0, 1.0)
+    start = ((v + q @ damping.T) @ shape) + root * (q @ shape)
+    found = first_order(root, shape.T @ force, history, start)
+    return found, (shape * twice, shape * twice * root)
+
+
+def _settled(root: complex, shape: ComplexArray, w: FloatArray, damping: FloatArray) -> tuple[complex, ComplexArray]:
+    """One root with its shape, scaled."""
+    for _ in range(ROUNDS if len(w) <= LARGEST_SETTLED else 0):
+        matrix = np.diag(w.astype(complex) ** 2) + root * damping
+        matrix[np.diag_indices_from(matrix)] += root**2
+        try:
+            shape = np.asarray(np.linalg.solve(matrix, (2.0 * root) * shape + damping @ shape))
+        except np.linalg.LinAlgError:
+            break  # the root is exact
+        shape = np.asarray(shape / np.abs(shape).max())
+        sums = shape @ shape, shape @ damping @ shape, (w * shape) @ (w * shape)
+        root = _nearest(root, *map(complex, sums))
+    return root, shape / np.sqrt(shape @ (2.0 * root * shape + damping @ shape))
+
+
+def _nearest(root: complex, a: complex, b: complex, c: complex) -> complex:
+    """The solution of a r**2 + b r + c = 0 that is nearest to `root`, without cancellation; real where it was."""
+    split = np.sqrt(complex(b * b - 4.0 * a * c))
+    far = -(b + split if abs(b + split) >= abs(b - split) else b - split) / 2.0
+    found = [far / a, c / far] if far != 0 else [root]
+    best = complex(min(found, key=lambda one: abs(one - root)))
+    return complex(best.real) if root.imag == 0.0 else best

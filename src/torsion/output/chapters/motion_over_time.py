@@ -24,12 +24,12 @@ def chapter(findings: Findings) -> list[Block]:
         return []
     rows = _rows(findings, found)
     unit = scale("N m", [value for _, values, _ in rows for value in values[:4]])
-    blocks: list[Block] = [Heading("Motion over time"), Paragraph(_introduction(found, settings)), _events(settings)]
-    blocks.append(_peaks(rows, unit))
+    blocks: list[Block] = [Heading("Motion over time"), Paragraph(_introduction(found, settings))]
+    blocks += [_events(settings), _peaks(rows, unit)]
     if found.unresolved.any():
         text = (
-            "Modes that have fewer than 4 samples in a period add at most what the last column says; verdicts add it to "
-            "the peak. More `samples` resolve them."
+            "Modes that have fewer than 4 samples in a period add at most what the last column says; verdicts add it "
+            "to the peak. More `samples` resolve them."
         )
         blocks.append(Paragraph(text, "note"))
     return [*blocks, *_figures(findings, found, unit)]
@@ -65,15 +65,16 @@ def _rows(findings: Findings, found: TransientMotion) -> list[tuple[Element, tup
 
 def _peaks(rows: list[tuple[Element, tuple[float, ...], int]], unit: Scale) -> Table:
     titles = (
-        f"< Element -> | Greatest torque [{unit.unit}] -> greatest | at [s] -> at | Least torque [{unit.unit}] -> least | "
-        f"at [s] | Before [{unit.unit}] | Largest / before -> times | Reversals -> | Not sampled [{unit.unit}]"
+        f"< Element -> | Greatest torque [{unit.unit}] -> greatest | at [s] -> at "
+        f"| Least torque [{unit.unit}] -> least | at [s] | Before [{unit.unit}] "
+        f"| Largest / before -> times | Reversals -> | Not sampled [{unit.unit}]"
     )
     cells = []
     for element, (high, low, before, missed, high_at, low_at), reversals in rows:
         times = number(max(abs(high), abs(low)) / abs(before), 3) if before else NONE
         cells.append(
-            (element.name, unit.text(high), number(high_at), unit.text(low), number(low_at), unit.text(before), times,
-             str(reversals), unit.text(missed))
+            (element.name, unit.text(high), number(high_at), unit.text(low), number(low_at),
+             unit.text(before), times, str(reversals), unit.text(missed))
         )  # fmt: skip
     return Table(head(titles), tuple(cells), "Torques of the motion, mean torque included", short="Motion over time")
 

@@ -1,0 +1,143 @@
+"""Motion over time against closed forms and high-precision references, from the file to the peaks."""
+
+import math
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.transient.transient_motion import TransientMotion, TransientSettings, transient
+from torsion.assembly import assemble
+from torsion.errors import SolveError
+
+
+def moved(parts: str, body: dict, operation: str = "", ratio: float | None = None) -> TransientMotion:
+    """The motion of a train; `ratio` damps every mode alike."""
+    study = torsion.parse(f"name: x\n{operation}train: [{parts}]\n")
+    settings = TransientSettings.model_validate(body)
+    return transient(study, assemble(study.train, model="lumped"), settings, damping_ratio=ratio)
+
+
+def chain(inertia: list[float], stiffness: list[float], more: str = "") -> str:
+    """Discs d1, d2, ... and couplings."""
+    rows = [f"disc: {{name: d{k + 1}, inertia: {one!r}}}" for k, one in enumerate(inertia)]
+    links = [f"coupling: {{name: s{k + 1}, stiffness: {one!r}{more}}}" for k, one in enumerate(stiffness)]
+    return ", ".join(row for pair in zip(rows, [*links, ""], strict=True) for row in pair if row)
+
+
+def test_a_step_on_two_discs_with_a_viscous_spring() -> None:
+    events = [{"at": "d1", "step": {"torque": 100.0}}]
+    found = moved(chain([2.0, 3.0], [1e4], ", viscous: 5"), {"duration": 0.1, "initial": "rest", "events": events})
+    assert found.torque[0, -1] == pytest.approx(106.88964847969848, rel=1e-13)
+    assert found.greatest[0] == pytest.approx(115.90597139664635, rel=1e-13)
+    assert found.greatest_at[0] == pytest.approx(0.03392321515283623, rel=1e-7)
+    assert found.residual < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("length", "peak"),
+    [(0.2, 0.770492375595188), (0.4, 1.3734088638886552), (0.81, 1.768457648783741), (1.2, 1.6488439597248326),
+     (2.1, 1.227208818524607), (4.0, 1.1254945748710947)],
+)  # fmt: skip
+def test_a_half_sine_shock(length: float, peak: float) -> None:
+    events = [{"at": "d1", "pulse": {"torque": 2.0, "length": length}}]
+    body = {"duration": length + 3.0, "initial": "rest", "events": events}
+    assert moved(chain([2.0, 2.0], [4.0 * math.pi**2]), body).peak[0] == pytest.approx(peak, rel=1e-14)
+
+
+def test_a_two_phase_short_circuit_of_a_generator() -> None:
+    fault = {"coefficients": {"line": 8, "double": 4, "mean": 0.3}, "decay": (0.2, 0.03)}
+    body = {"duration": 1.0, "initial": {"speed": "3000 rpm"}, "events": [{"at": "d2", "short-circuit": fault}]}
+    operation = "operation: {rated: {speed: 3000 rpm, power: 20 MW}}\n"
+    found = moved(chain([1800.0, 900.0, 250.0], [4e7, 6e6]), body, operation, 0.01)
+    assert found.peak == pytest.approx([1427113.2471373763, 219564.8157750222], rel=1e-14)
+    times = np.where(found.greatest > -found.least, found.greatest_at, found.least_at)
+    assert times == pytest.approx([0.06455946354852823, 0.06453774961405975], rel=1e-7)
+    at = int(np.argmin(np.abs(found.time - 0.1)))
+    assert found.time[at] == pytest.approx(0.1, rel=1e-14)
+    assert found.torque[:, at] == pytest.approx([-715882.4582240593, 110356.86618303378], rel=1e-13)
+
+
+def test_ice_of_case_1_on_four_blades() -> None:
+    parts = chain([30.0, 6.0, 4.0], [2e5, 8e6]) + (
+        ", coupling: {name: s3, stiffness: 3e6}, propeller: {name: screw, inertia: 40, blades: 4}"
+    )
+    ice = [{"at": "screw", "ice": {"torque": 150e3, "case": 1}}]
+    body = {"duration": 5.0, "initial": {"speed": "120 rpm"}, "events": ice, "samples": 50_000}
+    found = moved(parts, body, ratio=0.02)
+    assert found.peak == pytest.approx(
+        [135444.7123371846, 134226.0259274523, 132990.3304500799], rel=2e-5
+    )  # of a grid of 1e-4 s
+    known = [13157.548152833731, 12070.14274798833, 11249.361147034186]
+    assert found.torque[:, 10_000] == pytest.approx(known, rel=1e-9)
+
+
+def test_after_the_decay_a_sine_is_the_response() -> None:
+    text = chain([1.0, 0.2, 3.0], [2e4, 3e4], ", viscous: 20")
+    events = [{"at": "d1", "sine": {"torque": 7.0, "frequency": 30.0, "phase": math.radians(90)}}]
+    # an angle and a frequency have passed their readers already: numbers as they are kept
+    study = torsion.parse(
+        f"name: x\ntrain: [{text}]\nexcitations: [{{at: d1, torque: 7}}]\n"
+        "analyses: {response: {frequencies: {from: 30, to: 31, steps: 2}}}\n"
+    )
+    events[0]["sine"]["phase"] = "90 deg"
+    settings = TransientSettings.model_validate({"duration": 20.0, "initial": "rest", "events": events})
+    found = transient(study, assemble(study.train, model="lumped"), settings)
+    steady = torsion.run(study).results["frequency_response"]
+    late = found.time > 19.0
+    wave = np.exp(2j * math.pi * 30.0 * found.time[late])
+    exact = (steady.torque[0][:, None] * wave).real
+    assert np.abs(found.torque[:, late] - exact).max() <= 1e-9 * np.abs(exact).max()
+
+
+def test_a_steady_train_without_an_event_stays_as_it_is() -> None:
+    text = """
+name: x
+operation: {speeds: {from: 500 rpm, to: 1500 rpm}, rated: {speed: 1200 rpm, power: 20 kW}}
+train:
+- motor: {inertia: 1, ripple: [{order: 2, torque: 5 %}]}
+- coupling: {stiffness: 2e4, viscous: 10}
+- gear: {teeth: [20, 41], inertia: [0.1, 0.3]}
+- coupling: {stiffness: 4e4, loss_factor: 0.02}
+- propeller: {inertia: 2}
+"""
+    study = torsion.parse(text)
+    events = [{"at": "motor-1", "step": {"torque": 0.0}}]
+    settings = TransientSettings.model_validate({"duration": 0.2, "events": events})
+    found = transient(study, assemble(study.train, model="lumped"), settings)
+    speed = 1200.0 * math.pi / 30.0
+    known = torsion.response(study, assemble(study.train, model="lumped"), speeds=np.array([speed]))
+    row = int(np.flatnonzero(known.speed == speed)[0])
+    wave = np.exp(2j * math.pi * known.frequency[row, 0] * found.time)
+    exact = known.mean[row][:, None] + (known.torque[row, 0][:, None] * wave).real
+    assert found.torque == pytest.approx(exact, rel=1e-13)
+    assert found.peak == pytest.approx(known.mean[row] + np.abs(known.torque[row, 0]), rel=1e-12)
+    assert found.speed[0] == pytest.approx(np.full(len(found.time), speed), rel=1e-14)
+
+
+def test_a_twist_that_is_released_swings_between_plus_and_minus() -> None:
+    found = moved(chain([2.0, 3.0], [1e4]), {"duration": 1.0, "initial": {"torque": {"s1": 50.0}}})
+    w = math.sqrt(1e4 / 1.2)
+    assert found.torque[0] == pytest.approx(50.0 * np.cos(w * found.time), abs=1e-11)
+    assert (found.greatest[0], found.least[0]) == pytest.approx((50.0, -50.0), rel=1e-14)
+
+
+def test_a_motor_that_trips_leaves_the_train_to_its_load() -> None:
+    text = """
+name: x
+operation: {rated: {speed: 1200 rpm, power: 20 kW}}
+train: [motor: {inertia: 1}, coupling: {stiffness: 2e4, viscous: 100}, propeller: {inertia: 2}]
+"""
+    study = torsion.parse(text)
+    settings = TransientSettings.model_validate({"duration": 3.0, "events": [{"at": "motor-1", "stop": {}}]})
+    found = transient(study, assemble(study.train, model="lumped"), settings)
+    load = 20e3 / (1200.0 * math.pi / 30.0)
+    assert found.before[0] == pytest.approx(load, rel=1e-14)
+    assert found.torque[0, -1] == pytest.approx(load / 3.0, rel=1e-9)  # it slows the motor
+    assert found.speed[0, -1] == pytest.approx(1200.0 * math.pi / 30.0 - load * 3.0 / 3.0, rel=1e-4)
+
+
+def test_parts_that_turn_freely_are_refused() -> None:
+    parts = "disc: {name: d1, inertia: 1}, damper: {housing: 1, ring: 2, damping: 5}"
+    with pytest.raises(SolveError, match="turn freely"):
+        moved(parts, {"duration": 1.0, "initial": "rest", "events": [{"at": "d1", "step": {"torque": 1.0}}]})
