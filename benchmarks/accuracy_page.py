@@ -4,14 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from benchmarks.accuracy_methods import PEER
 from benchmarks.page_file import verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.compare.timing import TimedRow, fastest, unbeaten
 from torsion.output.figures.error_curves import error_over_time
-from torsion.output.figures.style import legend_below, page
-from torsion.output.pages.run_time_blocks import cells, curves
+from torsion.output.figures.style import page, plots
+from torsion.output.run_time_study import cells, curves
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 FASTER, MORE_ACCURATE, SHARE_OF_ERROR = 50.0, 1e10, 1e-10
@@ -69,15 +70,16 @@ def figure_name(study: Study) -> str:
 
 def figure(study: Study) -> str:
     """SVG: error over time of both quantities, one curve a method."""
-    with page(study.name, 6.6, 2, sharex=True) as sheet:
-        for axes, rows in zip(sheet.axes, (study.modes, study.torques), strict=True):
-            error_over_time(axes, curves(rows))
-        for axes, what in zip(sheet.axes, ("ten frequencies", "torque at mid-shaft"), strict=True):
-            axes.set_ylabel(f"{what}, largest error")
-        sheet.axes[-1].set_xlabel("assembly and solution, ms (median)")
-        sheet.figure.align_ylabels()
-        legend_below(sheet)
-    return sheet.svg
+    return page(study.name, _curves, study=study)
+
+
+def _curves(sheet: Figure, study: Study) -> None:
+    upper, lower = plots(sheet, 6.6, 2, sharex=True)
+    for axes, rows, what in ((upper, study.modes, "ten frequencies"), (lower, study.torques, "torque at mid-shaft")):
+        error_over_time(axes, curves(rows))
+        axes.set_ylabel(f"{what}, largest error")
+    lower.set_xlabel("assembly and solution, ms (median)")
+    sheet.align_ylabels()
 
 
 def _reading(study: Study) -> str:

@@ -119,7 +119,7 @@ def _closed_form(case: str, size: int) -> np.ndarray | None:
 
 
 def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]:
-    from torsion.kernels.long_chain.twisted import are_available
+    from torsion.kernels.long_chain.lowest_modes import are_available
     from torsion.kernels.natural_modes import tree_modes
     from torsion.kernels.tree import Tree
 

@@ -29,7 +29,7 @@ PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that sho
     "output": (FROZEN, "tests/output"),
     "output/selection.py": (FROZEN, "tests/output"),
     "output/plain.py": (FROZEN, "tests/output"),
-    "output/terminal": (FROZEN, "tests/output"),
+    "output/terminal.py": (FROZEN, "tests/output"),
     "output/chapters": (FROZEN, "tests/output"),
 }
 OPERATORS: dict[type[ast.operator], tuple[str, str]] = {

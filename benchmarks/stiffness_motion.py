@@ -11,7 +11,7 @@ from benchmarks.cases import Case, condensed
 from benchmarks.stiffness_frequencies import PEER, line
 from benchmarks.sweeps import Sweep
 from torsion.kernels.damping.damped_tree_modes import damped_modes
-from torsion.kinematics.cross import speed_ratio
+from torsion.kinematics.cross import transfer
 
 DAMPED, JOINT, TEXTBOOK = "torsion damped_modes", "torsion speed_ratio", "textbook cos b/(1 - (sin b cos x)^2)"
 DIGITS = 80
@@ -72,7 +72,7 @@ def joint(gaps: Sequence[float]) -> Sweep:
             bend = mpf(angle)
             exact = [mp.cos(bend) / (1 - (mp.sin(bend) * mp.cos(mpf(x))) ** 2) for x in driving.tolist()]
         plain = np.cos(angle) / (1.0 - (np.sin(angle) * np.cos(driving)) ** 2)
-        sweep.add(JOINT, gap, lambda angle=angle, exact=exact: references.worst(speed_ratio(driving, angle), exact))
+        sweep.add(JOINT, gap, lambda angle=angle, exact=exact: references.worst(transfer(driving, angle).ratio, exact))
         sweep.add(TEXTBOOK, gap, lambda plain=plain, exact=exact: references.worst(plain, exact))
     return sweep
 

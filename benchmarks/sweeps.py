@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from benchmarks.papers.writing import table
 from torsion.output.figures.error_curves import error_axis
-from torsion.output.figures.style import BAD, COLOURS, legend_below, page
+from torsion.output.figures.style import BAD, COLOURS, page, plots
 
 ROUNDING = 2.0**-53  # a smaller error is drawn here
 USEFUL = 1e-6  # the error beyond which a method has ended
@@ -113,27 +114,28 @@ def ends_table(sweep: Sweep) -> str:
 
 def figure(sweep: Sweep) -> str:
     """SVG: error over the parameter, one curve a method; crosses at the top are answers that failed."""
-    with page(sweep.name, 3.5) as sheet:
-        (axes,) = sheet.axes
-        at = sorted({point.at for points in sweep.points.values() for point in points})
-        for rank, (method, points) in enumerate(sweep.points.items()):
-            pen = _pen(method)
-            known = [point for point in points if np.isfinite(point.error)]
-            values = [min(max(point.error, ROUNDING), HIGHEST) for point in known]
-            axes.plot([point.at for point in known], values, marker=".", label=method, zorder=4 - 0.1 * rank, **pen)
-            failed = [point.at for point in points if not np.isfinite(point.error)]
-            axes.plot(failed, [HIGHEST / 2 ** (rank + 1)] * len(failed), "x", color=pen["color"], zorder=5)
-        if sweep.limit:
-            axes.plot(*zip(*sweep.limit, strict=True), color=BAD, linewidth=1.4, linestyle=(0, (1, 2)),
-                      label="what the next double of the frequency changes")  # fmt: skip
-        axes.set_xscale("log")
-        error_axis(axes, ROUNDING / 3, HIGHEST * 2)
-        if sweep.points and next(iter(sweep.points.values()))[0].at > at[0]:
-            axes.invert_xaxis()
-        axes.xaxis.set_major_locator(LogLocator(numticks=DECADES))
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.set_xlabel(sweep.along)
-        axes.set_ylabel("largest relative error")
-        legend_below(sheet)
-    return sheet.svg
+    return page(sweep.name, _curves, sweep=sweep)
+
+
+def _curves(sheet: Figure, sweep: Sweep) -> None:
+    (axes,) = plots(sheet, 3.5)
+    at = sorted({point.at for points in sweep.points.values() for point in points})
+    for rank, (method, points) in enumerate(sweep.points.items()):
+        pen = _pen(method)
+        known = [point for point in points if np.isfinite(point.error)]
+        values = [min(max(point.error, ROUNDING), HIGHEST) for point in known]
+        axes.plot([point.at for point in known], values, marker=".", label=method, zorder=4 - 0.1 * rank, **pen)
+        failed = [point.at for point in points if not np.isfinite(point.error)]
+        axes.plot(failed, [HIGHEST / 2 ** (rank + 1)] * len(failed), "x", color=pen["color"], zorder=5)
+    if sweep.limit:
+        axes.plot(*zip(*sweep.limit, strict=True), color=BAD, linewidth=1.4, linestyle=(0, (1, 2)),
+                  label="what the next double of the frequency changes")  # fmt: skip
+    axes.set_xscale("log")
+    error_axis(axes, ROUNDING / 3, HIGHEST * 2)
+    if sweep.points and next(iter(sweep.points.values()))[0].at > at[0]:
+        axes.invert_xaxis()
+    axes.xaxis.set_major_locator(LogLocator(numticks=DECADES))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel(sweep.along)
+    axes.set_ylabel("largest relative error")

@@ -11,7 +11,7 @@ import torsion
 from torsion.cli import app
 from torsion.components import KINDS
 from torsion.output import results_manual
-from torsion.rules.m68_formulas import DETAILS
+from torsion.rules.m68_shafts import DETAILS
 from torsion.schema.manual import EXAMPLES, manual
 from torsion.schema.scene_reader import Scene
 

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 CHECKED = (  # files; folders of *.md and *.py
     "README.md", "shafting_specs/README.md", "docs", "reports", "benchmarks",
     "src/torsion", "tests/kinematics",
-    *(f"tests/kernels/{name}" for name in ("damping", "distributed", "long_chain", "loops")),
+    *(f"tests/kernels/{name}" for name in ("damping", "distributed", "long_chain")),
 )  # fmt: skip
 WORDS = (
     (r"told|tells?|telling", "reports, states, names; reported, stated"),

@@ -59,9 +59,9 @@ def page() -> Page:
 
 def _numbers() -> Iterator[tuple[str, ...]]:
     yield stated("driving speed, printed as 3600 rad/min", SPEED, "rad/s", "60 rad/s")
-    most = cross.extremes(np.radians(8.0), "N")
-    yield compared("fig. 4, r = 8°: greatest less mean speed", "0.6", SPEED * (most.ratio_greatest - 1.0), "rad/s")
-    yield compared("fig. 4, r = 8°: mean less least speed", "0.6", SPEED * (1.0 - most.ratio_least), "rad/s")
+    least, greatest = cross.transfer(np.array([0.0, np.pi / 2.0]), np.radians(8.0), "N").ratio
+    yield compared("fig. 4, r = 8°: greatest less mean speed", "0.6", SPEED * (greatest - 1.0), "rad/s")
+    yield compared("fig. 4, r = 8°: mean less least speed", "0.6", SPEED * (1.0 - least), "rad/s")
     for angle in ANGLES:
         first = at(angle).joints[0]
         speeds = SPEED * first.speed_ratio
@@ -86,7 +86,7 @@ def _range(values: np.ndarray) -> str:
 
 def _of_phases() -> str:
     """The range, after making sure that it is one."""
-    every = {_range(SPEED * cross.speed_ratio(TURN + np.radians(phase), np.radians(8.0))) for phase in PHASES}
+    every = {_range(SPEED * cross.transfer(TURN + np.radians(phase), np.radians(8.0)).ratio) for phase in PHASES}
     if len(every) != 1:
         raise ArithmeticError(f"the phase of one joint changes its range: {every}")
     return every.pop()
@@ -109,7 +109,7 @@ def _checks() -> str:
         f"equations: speed within {bound(ours.ratio, body.ratio, '1e-14')}, acceleration within "
         f"{bound(ours.curvature, body.curvature, '1e-12')}, torque within "
         f"{bound(bent.driven_torque, TORQUE * body.driven_torque, '1e-14')} and couples within "
-        f"{bound(bent.driven_yoke, TORQUE * body.driven_couple, '1e-13')} of their greatest value at 721 angles of a "
+        f"{bound(bent.driven.yoke, TORQUE * body.driven_couple, '1e-13')} of their greatest value at 721 angles of a "
         "revolution. The scene gives the same numbers as the joint formulas."
     )
 
@@ -126,11 +126,11 @@ def _speed() -> Picture:
 
 def _phases() -> Picture:
     angle, degrees = np.radians(8.0), np.degrees(TURN)
-    single = [(f"{phase}°", SPEED * cross.speed_ratio(TURN + np.radians(phase), angle)) for phase in PHASES]
+    single = [(f"{phase}°", SPEED * cross.transfer(TURN + np.radians(phase), angle).ratio) for phase in PHASES]
     pair = []
     for phase in PHASES:
         both = line.line_of([angle, angle], 0.0, [0.0, np.radians(phase - 90.0)])
-        pair.append((f"{phase}°", SPEED * line.motion(TURN, both).speed[-1]))
+        pair.append((f"{phase}°", SPEED * line.motion(TURN, both).ratio[-1]))
     panels = [Panel("behind one joint, rad/s", single), Panel("behind two joints, rad/s", pair)]
     svg = curves("liu_2023_fig_6", degrees, "driving angle a from the plane of the shafts, degrees", panels)
     words = (
@@ -144,8 +144,8 @@ def _couples() -> Picture:
     every = [couples.couples(TURN, np.radians(angle), TORQUE, convention="N") for angle in ANGLES]
     named = list(zip(LABELS, every, strict=True))
     panels = [
-        Panel("M1, N m", [(label, -one.driving_yoke) for label, one in named]),
-        Panel("M2, N m", [(label, one.driven_yoke) for label, one in named]),
+        Panel("M1, N m", [(label, -one.driving.yoke) for label, one in named]),
+        Panel("M2, N m", [(label, one.driven.yoke) for label, one in named]),
         Panel("T2, N m", [(label, one.driven_torque) for label, one in named]),
     ]
     along = "driving angle a from the normal of the shafts' plane, degrees"

@@ -87,7 +87,7 @@ def _checks() -> str:
     limits = []
     for degrees in PHASES:
         truth = space.line_ratio(TURN, (FIRST, SECOND), (0.0, PLANE), (0.0, np.radians(degrees)))
-        ours = line.motion(TURN, line.line_of([FIRST, SECOND], [0.0, PLANE], [0.0, np.radians(degrees)])).speed[-1]
+        ours = line.motion(TURN, line.line_of([FIRST, SECOND], [0.0, PLANE], [0.0, np.radians(degrees)])).ratio[-1]
         limits += [bound(ours, truth, "1e-14")]
         bound(paper.output(FIRST, SECOND, np.radians(degrees), PLANE, TURN), truth, "1e-14")
         bound(output(degrees).index, paper.closed_index(FIRST, SECOND, np.radians(degrees) - PLANE), "1e-12")

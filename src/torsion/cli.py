@@ -2,8 +2,9 @@
 
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -53,14 +54,8 @@ def solve(
     from torsion import commands
 
     _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
-    with _refusals(file):
-        with _progress() as report_progress:
-            findings = commands.solved(file, memory=memory, progress=report_progress)
-        folder, also = commands.folder_of(file, out), commands.outputs(pdf=pdf, vtu=vtu)
-        _publish(findings, folder, "solve", also, as_json=json)
-        if matrices is not None:
-            typer.echo(commands.write_matrices(findings, matrices))
-    raise typer.Exit(_status(findings))
+    also, solved = commands.outputs(pdf=pdf, vtu=vtu), partial(commands.solved, file, memory=memory)
+    _report("solve", file, out, solved, also, as_json=json, matrices=matrices)
 
 
 @app.command()
@@ -79,10 +74,7 @@ def joint(
     from torsion import commands
 
     _alone(json, {"-o": out})
-    with _refusals(file):
-        findings = commands.joint(file, turns=turns)
-        _publish(findings, commands.folder_of(file, out), "joint", as_json=json)
-    raise typer.Exit(_status(findings))
+    _report("joint", file, out, partial(commands.joint, file, turns=turns), as_json=json)
 
 
 @app.command()
@@ -95,10 +87,7 @@ def check(file: File, out: Out = None, json: Json = False) -> None:
     from torsion import commands
 
     _alone(json, {"-o": out})
-    with _refusals(file), _progress() as report_progress:
-        findings = commands.check(file, progress=report_progress)
-        _publish(findings, commands.folder_of(file, out), "check", as_json=json)
-    raise typer.Exit(_status(findings))
+    _report("check", file, out, partial(commands.check, file), as_json=json)
 
 
 @app.command()
@@ -122,11 +111,11 @@ def study(
         with _progress() as report_progress:
             findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
         if json:
-            from torsion.output.pages.comparison_pages import json_text
+            from torsion.output.run_time_study import json_text
 
             typer.echo(json_text(findings, timings), nl=False)
         else:
-            from torsion.output.terminal.screen import show
+            from torsion.output.terminal import show
 
             folder = commands.folder_of(file, out)
             show(commands.write_study(findings, timings, folder), folder)
@@ -142,46 +131,51 @@ def _refusals(file: Path) -> Iterator[None]:
     except SolveError as error:
         _stop(f"{file}: {error}", REFUSED)
     except MemoryError as error:
-        change = "request fewer speeds, orders, modes or segments"
-        _stop(
-            f"{file}: this machine has too little memory for it{f' ({error})' if str(error) else ''}; {change}", REFUSED
-        )
+        size, change = f" ({error})" if str(error) else "", "request fewer speeds, orders, modes or segments"
+        _stop(f"{file}: this machine has too little memory for it{size}; {change}", REFUSED)
 
 
-def _status(findings: "Findings") -> int:
-    """The exit status of a report that is written; what has no answer is said on the error stream, last."""
+def _report(
+    report: str, file: Path, out: Path | None, solve: Callable[..., "Findings"], also: tuple[str, ...] = (), *,
+    as_json: bool, matrices: Path | None = None,
+) -> NoReturn:  # fmt: skip
+    """Solve, write the files of a report and print it, or print its results as JSON alone; end with its exit status.
+
+    What has no answer is said on the error stream, last.
+    """
+    from torsion import commands
+
+    with _refusals(file):
+        with _progress() as report_progress:
+            findings = solve(progress=report_progress)
+        if as_json:
+            from torsion.output.reports import REPORTS
+            from torsion.output.results_json import text_pieces
+
+            for piece in text_pieces(findings, REPORTS[report].keys):
+                typer.echo(piece, nl=False)
+        else:
+            from torsion.output.terminal import show
+
+            folder = commands.folder_of(file, out)
+            show(commands.write(findings, folder, report, also=also), folder)
+        if matrices is not None:
+            typer.echo(commands.write_matrices(findings, matrices))
     unanswered = findings.plan.unanswered
     for one in unanswered:
         typer.echo(f"no answer: {one.what}\n{one.text}", err=True)
     if any(one.is_input for one in unanswered):
-        return BAD_INPUT
+        raise typer.Exit(BAD_INPUT)
     if any(one.is_named for one in unanswered):
-        return REFUSED
-    return FAILED_CHECK if findings.failed else SOLVED
-
-
-def _publish(
-    findings: "Findings", folder: Path, report: str, also: tuple[str, ...] = (), *, as_json: bool = False
-) -> None:
-    """Write the files of a report and print it; or print its results as JSON alone."""
-    if as_json:
-        from torsion.output.reports import REPORTS
-        from torsion.output.results_json import text_pieces
-
-        for piece in text_pieces(findings, REPORTS[report].keys):
-            typer.echo(piece, nl=False)
-        return
-    from torsion import commands
-    from torsion.output.terminal.screen import show
-
-    show(commands.write(findings, folder, report, also=also), folder)
+        raise typer.Exit(REFUSED)
+    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
 
 
 def _progress() -> "AbstractContextManager[Progress]":
     """A progress indicator; what draws it is loaded only where the error stream is a terminal."""
     if not sys.stderr.isatty():
         return nullcontext(lambda what, share: None)
-    from torsion.output.terminal.screen import progress
+    from torsion.output.terminal import progress
 
     return progress()
 
@@ -199,11 +193,11 @@ def schema() -> None:
 @app.command()
 def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml")) -> None:
     """Write a commented example that solves."""
-    from torsion.schema.example import example
+    from torsion.schema import template
 
     try:
         with file.open("x", encoding="utf-8") as target:
-            target.write(example())
+            target.write(template("example.yaml"))
     except FileExistsError:
         _stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
     except OSError as error:

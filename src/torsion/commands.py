@@ -1,7 +1,7 @@
 """A file to its findings and its report: what the command does."""
 
 from collections.abc import Collection, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.errors import Fault, InputError
-from torsion.findings import Findings, Progress, silent
-from torsion.plan import Plan
+from torsion.findings import Findings, Plan, Progress, silent
 from torsion.runner import run
 from torsion.schema.scene_reader import located, read
 from torsion.study import Study
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 JOINT_RULES = ("universal-joints",)
 REST = ("everything but the joints", "`torsion joint` reports the joints alone; `torsion solve` does the rest")
 ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
+OTHER_FOLDER = " (choose another folder with -o)"
 ELSEWHERE = ("natural frequencies", "damped modes", "response over speed", "critical speeds", "mean torque", "rules")
 
 
@@ -66,28 +66,23 @@ def write(findings: Findings, folder: Path, report: str = "solve", *, also: Coll
     """
     from torsion.output.write import write as write_report
 
-    with _writing_report(findings, folder):
+    with _writing(findings.study, "the report", folder, OTHER_FOLDER):
         return write_report(findings, folder, report, also=also)
 
 
-def _writing_report(findings: Findings, folder: Path) -> AbstractContextManager[None]:
-    """As `_writing` of a report into its folder."""
-    return _writing(findings.study, f"the report cannot be written to {folder}", " (choose another folder with -o)")
-
-
 @contextmanager
-def _writing(study: Study, refusal: str, remedy: str = "") -> Iterator[None]:
-    """Raise InputError, with the `refusal`, where something cannot be written; locate other faults in the file."""
+def _writing(study: Study, what: str, place: Path, remedy: str = "") -> Iterator[None]:
+    """Raise InputError where something cannot be written to its place; locate other faults in the file."""
     try:
         yield
     except OSError as error:
-        message = f"{refusal}: {error.strerror or error}"
+        message = f"{what} cannot be written to {place}: {error.strerror or error}"
         raise InputError([Fault((), message)], message + remedy) from None
     except InputError as error:
         raise located(error, study) from None
 
 
-def joint(file: str | Path, *, turns: int | None = None) -> Findings:
+def joint(file: str | Path, *, turns: int | None = None, progress: Progress = silent) -> Findings:
     """Read a scene and compute its joints alone, with the rules that judge them; nothing is written.
 
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
@@ -103,7 +98,7 @@ def joint(file: str | Path, *, turns: int | None = None) -> Findings:
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
     rules = tuple((name, given) for name, given in study.rules if name in JOINT_RULES)
-    findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",))
+    findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",), progress=progress)
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
     supported = [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks] if rules else []
     unjudged = tuple((f"{JOINT_RULES[0]}: bending of {name}", ON_SUPPORTS) for name in supported)
@@ -157,22 +152,21 @@ def _tolerance(given: str | float) -> float:
     """A relative error above 0 and below 1; raises InputError."""
     from torsion.units import UnitFault, to_si
 
+    message = f"the tolerance {given} is out of range: more than 0 and less than 100 %"
     try:
         value = to_si(given, "1") if isinstance(given, str) else given
+        if 0.0 < value < 1.0:
+            return value
     except UnitFault as fault:
         message = f"the tolerance: {fault.message} (write 0.1 % or 1e-3)"
-        raise InputError([Fault((), message)], message) from None
-    if not 0.0 < value < 1.0:
-        message = f"the tolerance {given} is out of range: more than 0 and less than 100 %"
-        raise InputError([Fault((), message)], message)
-    return value
+    raise InputError([Fault((), message)], message)
 
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":
     """Write study.html, study.json and study.csv; the report. Raises InputError where the folder cannot be written."""
-    from torsion.output.pages.comparison_pages import write_study as write_pages
+    from torsion.output.run_time_study import write_study as write_pages
 
-    with _writing_report(findings, folder):
+    with _writing(findings.study, "the report", folder, OTHER_FOLDER):
         return write_pages(findings, timings, folder)
 
 
@@ -189,7 +183,7 @@ def write_matrices(findings: Findings, file: Path) -> str:
 
     study, system, speed = findings.study, findings.system.whole, findings.study.operation.speed
     following = [damper for damper in system.dampers if damper.torque_factor or damper.speed_factor]
-    with _writing(study, f"the matrices cannot be written to {file}"):
+    with _writing(study, "the matrices", file):
         if following and not speed:
             name = system.stations[following[0].station].name
             message = f"the damping of '{name}' follows from the speed, and so do the matrices; none is given"

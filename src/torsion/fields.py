@@ -16,7 +16,9 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    GetPydanticSchema,
     ModelWrapValidatorHandler,
+    WithJsonSchema,
     model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
@@ -30,6 +32,14 @@ class Declared(BaseModel):
     """Base of everything that is read from a file: frozen, and no key is accepted that was not declared."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    @model_validator(mode="after")
+    def _as_a_whole(self) -> Self:
+        self.refuse_clashes()
+        return self
+
+    def refuse_clashes(self) -> None:
+        """Refuse values that do not go together, each of which is possible by itself."""
 
 
 def given(meaning: str, default: Any = None, **limits: Any) -> Any:
@@ -87,25 +97,20 @@ class Quantity:
 
     def read(self, value: object) -> float:
         """The value in `unit`; raises the located fault that the user sees."""
-        if isinstance(value, str):
-            try:
-                number = units.to_si(value, self.unit)
-            except units.UnitFault as fault:
-                raise refuse(fault.message, fault.hint) from None
-        elif isinstance(value, bool) or not isinstance(value, int | float):
-            hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
-            raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
-        else:
+        try:
+            if isinstance(value, str):
+                return self._within(units.to_si(value, self.unit), *units.written(value, self.unit))
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
+                raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
             if units.needs_unit(self.unit):
-                raise refuse(
-                    f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one",
-                    "deg or rad" if self.unit == "rad" else "rpm or rad/s",
-                )
-            try:
-                number = float(value)
-            except OverflowError:
-                raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
-        return self._within(number, *units.written(value, self.unit) if isinstance(value, str) else (self.unit, 1.0))
+                hint = "deg or rad" if self.unit == "rad" else "rpm or rad/s"
+                raise refuse(f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one", hint)
+            return self._within(float(value), self.unit, 1.0)
+        except units.UnitFault as fault:
+            raise refuse(fault.message, fault.hint) from None
+        except OverflowError:
+            raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
 
     def _within(self, number: float, unit: str, size: float) -> float:
         """The number, where the limits allow it; they are stated in the unit it was written in, of that size."""
@@ -202,10 +207,6 @@ def read_exact(value: object) -> Fraction:
     return exact
 
 
-def _as_tuple(value: object) -> object:
-    return tuple(value) if isinstance(value, list | tuple) else (value,)
-
-
 @dataclass(frozen=True, slots=True)
 class Amount:
     """A torque amplitude: so many N m, and a share of the mean torque that acts there."""
@@ -230,24 +231,12 @@ def read_amount(value: object) -> Amount:
     return Amount(torque=Quantity("N*m", at_least=0).read(value))
 
 
-def _plain(read: Callable[[Any], Any], schema: JsonSchemaValue) -> Any:
-    """A pydantic schema of one reading function, with the JSON Schema for the editor."""
-
-    class Plain:
-        @staticmethod
-        def __get_pydantic_core_schema__(source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-            return core_schema.no_info_plain_validator_function(read)
-
-        @staticmethod
-        def __get_pydantic_json_schema__(
-            inner: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-        ) -> JsonSchemaValue:
-            return schema
-
-    return Plain
+def _read_by(read: Callable[[Any], Any]) -> GetPydanticSchema:
+    """A value that one function alone reads."""
+    return GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(read))
 
 
-OneOrMany = BeforeValidator(_as_tuple)  # a single value is a list of one
+OneOrMany = BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value,))  # one: a list of it
 WIDEST = 3.0  # m; the shafts of the largest water turbines
 
 Inertia = Annotated[float, Quantity("kg*m**2", at_least=0)]
@@ -274,5 +263,5 @@ _of_mean = {
     "properties": {"of_mean": {"x-usual": list(SHARE_OF_MEAN.usual)}},
 }
 _amount = {"anyOf": [{"type": "number"}, {"type": "string"}, _of_mean]}
-Exact = Annotated[Fraction, _plain(read_exact, _exact)]
-TorqueAmount = Annotated[Amount, _plain(read_amount, _amount)]
+Exact = Annotated[Fraction, _read_by(read_exact), WithJsonSchema(_exact)]
+TorqueAmount = Annotated[Amount, _read_by(read_amount), WithJsonSchema(_amount)]

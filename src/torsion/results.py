@@ -27,6 +27,7 @@ import numpy as np
 Value = TypeVar("Value")
 Axes = tuple[str, ...]
 BY_UNIT = "*"
+_SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +45,10 @@ class Quantity:
     record: str | None = None  # its axis runs over records that take the arrays over it: "", or the name of a value
 
     def named(self, name: str) -> "Quantity":
-        """As a field or property of that name declares it."""
-        suffix = _spelled(self.unit)
-        key = self.key if self.key != BY_UNIT else f"{name}_{suffix}" if suffix else name
+        """As a field or property of that name declares it; its key ends in the unit, spelled like rad_per_s."""
+        unit = self.unit.removeprefix("1").translate(_SPELLED)
+        key = self.key if self.key != BY_UNIT else f"{name}_{unit.removeprefix('_')}" if unit else name
         return dataclasses.replace(self, name=name, key=key, printed=self.printed or self.axes)
-
-
-def _spelled(unit: str) -> str:
-    """A unit as part of a name: rad_per_s."""
-    words = unit.removeprefix("1/") if unit != "1" else ""
-    for sign, word in (("**", ""), ("*", ""), ("(", ""), (")", ""), ("/", "_per_")):
-        words = words.replace(sign, word)
-    return f"per_{words}" if unit.startswith("1/") else words
 
 
 class Derived(cached_property[Value]):

@@ -6,9 +6,8 @@ from dataclasses import replace
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import Findings, Progress, Work, silent
-from torsion.plan import Unanswered
-from torsion.rules import judged_speeds
+from torsion.findings import Findings, Progress, Unanswered, Work, silent
+from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
@@ -32,7 +31,7 @@ def run(
     """
     if memory is not None:
         study = replace(study, memory=bytes_of(memory))
-    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judged_speeds)
+    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judgement)
     errors = []
     try:
         for name in ordered({key: ANALYSES[key] for key in _with_needs(only)} if only else ANALYSES):
@@ -44,7 +43,8 @@ def run(
                     if name in work.ruled or name in ESSENTIAL:
                         raise
                     errors.append(error)
-                    work.log.unanswer(_unanswered(study, name, analysis, error))
+                    work.log.unanswered.append(one := _unanswered(study, name, analysis, error))
+                    work.log.without(one.what, one.words)
         if errors and not any(work.results.get(key) is not None for key in ANSWERS):
             raise errors[0]
         _judge(work)

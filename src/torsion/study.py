@@ -4,10 +4,10 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.arrays import FloatArray
@@ -27,11 +27,9 @@ class Range(Declared):
         last: float
         steps: int
 
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.first >= self.last:
             raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
-        return self
 
     def values(self) -> FloatArray:
         """(steps,) in the unit of both ends."""
@@ -109,12 +107,10 @@ class ShaftModel(Declared):
     model: Literal["lumped", "fem", "exact"] = given("the model of the shafts", "lumped")
     fem: FiniteElements | None = given("{degree, elements} of the model fem")
 
-    @model_validator(mode="after")
-    def _fem_is_the_model(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.fem is not None and self.model != "fem":
             message = f"`fem` sets the elements of the model fem, and the model is {self.model}"
             raise refuse(message, "write `model: fem` too, or leave `fem` out", "fem")
-        return self
 
 
 @dataclass(frozen=True)
@@ -142,11 +138,6 @@ class Study:
     def has_joints(self) -> bool:
         """A universal joint stands in the train."""
         return any(part.joint for part in self.train.parts)
-
-    @property
-    def has_meshed_sections(self) -> bool:
-        """A shaft has a `section` by mesh."""
-        return any(bar.section is not None for bar in self.train.bars)
 
     def setting(self, *place: str) -> Any:
         """What the file says at a place of `operation` or `analyses`; None where it says nothing."""

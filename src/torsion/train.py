@@ -1,16 +1,19 @@
 """The train: its components as placed, its stations with their speed ratios, and its primitives."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
-from torsion.components.component import Component
+from torsion.components.component import Component, lower_line
 from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import Lowering, Part
+from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
 from torsion.components.material import STEEL, Material
-from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
+
+ENDS = ("station", "driving", "driven")  # the stations that primitives name
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,21 @@ class Train:
     def of_kind(self, kind: str) -> Iterator[tuple[int, Part]]:
         """Every component of a kind with its position in `parts`."""
         return ((number, part) for number, part in enumerate(self.parts) if part.kind == kind)
+
+    @property
+    def has_shafts(self) -> bool:
+        """A shaft has an inertia of its own, so that the models of shafts differ."""
+        return any(bar.density > 0 for bar in self.bars)
+
+    @property
+    def has_meshed_sections(self) -> bool:
+        """A shaft has a `section` by mesh."""
+        return any(bar.section is not None for bar in self.bars)
+
+    @property
+    def has_loops(self) -> bool:
+        """A component of `links` closes a loop."""
+        return any(part.path[:1] == ("links",) for part in self.parts)
 
     def shaft(self, bar: Bar) -> ShaftRecord:
         """What is known of the shaft that a `Bar` is of; raises LookupError where it is of another component."""
@@ -83,7 +101,7 @@ def lowered(
 ) -> tuple[Train | None, list[Fault]]:
     """The train as far as it is known, and its faults; None stands for what cannot be read, and is left out."""
     build = Lowering({"steel": STEEL, **(materials or {})})
-    build.walk(components, ("train",))
+    lower_line(build, components, ("train",))
     if not build.stations:
         fault = Fault(("train",), "the train has no component that turns", "list its components")
         return None, [*build.faults, fault]
@@ -91,12 +109,12 @@ def lowered(
         if link is not None:
             _close(build, link, ("links", position))
     for position, excitation in enumerate(excitations):
-        point = None if excitation is None else _point(build, excitation.at, ("excitations", position, "at"))
+        point = None if excitation is None else _named(build, excitation.at, ("excitations", position, "at"))
         if excitation is not None and point is not None:
             build.add(excitation.primitive(excitation.at, point.stations[0], ("excitations", position)))
     _names(build)
-    unit = _reference(build, reference)
-    return _train(build, unit), build.faults
+    counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
+    return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults
 
 
 def _train(build: Lowering, unit: Fraction) -> Train:
@@ -134,18 +152,18 @@ def _kinds(build: Lowering) -> dict[str, tuple[str, bool]]:
     return {part.name: (part.kind, part.is_point) for part in ordered}
 
 
-def _point(build: Lowering, name: str, path: Path) -> Part | None:
-    """The point called `name`; a fault is noted where there is none."""
-    fault = name_fault(name, path, _kinds(build))
+def _named(build: Lowering, name: str, path: Path, *, point: bool = True) -> Part | None:
+    """The point, or any component, called `name`; a fault is noted where there is none."""
+    fault = name_fault(name, path, _kinds(build), point=point)
     if fault is not None:
         build.faults.append(fault)
         return None
-    return next(part for part in build.parts if part.name == name and part.is_point)
+    return next(part for part in build.parts if part.name == name and (part.is_point or not point))
 
 
 def _close(build: Lowering, link: Link, path: Path) -> None:
     """Lower a link between two points of equal speed and sense."""
-    first, second = (_point(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
+    first, second = (_named(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
     if first is None or second is None:
         return
     both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
@@ -157,7 +175,22 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
         message = f"{both} are not referred to one speed, and so the link's figures to neither"
         build.faults.append(Fault(place, message, "refer both (gear: referred), or neither"))
     else:
-        build.join(first, second, link.component, path)
+        _join(build, first, second, link.component, path)
+
+
+def _join(build: Lowering, first: Part, second: Part, component: Component, path: Path) -> None:
+    """Lower a link between two points that are there already."""
+    driving, driven = first.stations[0], second.stations[0]
+    sense, begin = build.stations[driving].sense, len(build.primitives)
+    main, build.at = build.at, Arrival(driving, False, first.ratio, sense, first.referred_to)
+    component.enter(build, path)
+    made = build.parts[-1].stations[-1]
+    for position, primitive in enumerate(build.primitives[begin:], begin):
+        moved: dict[str, Any] = dict.fromkeys((end for end in ENDS if getattr(primitive, end, None) == made), driven)
+        build.primitives[position] = replace(primitive, **moved)
+    del build.stations[made]
+    build.record(stations=(driving, driven))
+    build.at = main
 
 
 def _names(build: Lowering) -> None:
@@ -175,12 +208,42 @@ def taken(name: str, path: Path, by: Path, *, given: bool = True) -> Fault:
     return Fault(path, f"its name would be '{name}', which is taken", "give one of the two another `name`", other=by)
 
 
-def _reference(build: Lowering, name: str | None) -> Fraction:
-    if name is None:
-        return Fraction(1)
-    for part in build.parts:
-        if part.name == name:
-            return part.ratio
-    fault = name_fault(name, ("operation", "at"), _kinds(build), point=False)
-    build.faults += [] if fault is None else [fault]
-    return Fraction(1)
+Rigid = dict[int, list[tuple[int, Spring | Constraint]]]  # of each station: (the other one, the rigid span between)
+
+
+def fixed_point_faults(train: Train) -> list[Fault]:
+    """A fault for every fixed point that rigid spans alone join to an earlier one."""
+    held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
+    if len(held) < 2:
+        return []
+    near: Rigid = {}
+    spans: list[Spring | Constraint] = [*train.springs, *train.constraints]
+    for span in spans:
+        if span.flexibility == 0:
+            near.setdefault(span.driving, []).append((span.driven, span))
+            near.setdefault(span.driven, []).append((span.driving, span))
+    return [fault for station in sorted(held) for fault in _fault(train, station, held, near)]
+
+
+def _fault(train: Train, station: int, held: set[int], near: Rigid) -> Iterator[Fault]:
+    """The fault of a fixed station, by the shortest rigid way to one before it."""
+    way: dict[int, list[Spring | Constraint]] = {station: []}
+    for here in (met := [station]):
+        for other, span in near.get(here, []):
+            if other not in way:
+                way[other] = [*way[here], span]
+                met.append(other)
+    before = [other for other in met if other in held and other < station]
+    if not before:
+        return
+    part, earlier = (train.parts[train.stations[one].part] for one in (station, before[0]))
+    uneven = [span for span in way[before[0]] if isinstance(span, Constraint) and span.error]
+    hint = "put a stiffness between them, or fix one of them only"
+    if uneven:
+        joint = train.parts[uneven[-1].part]
+        ends = f"'{earlier.name}' and '{part.name}'"
+        message = f"'{joint.name}' cannot turn: {ends} are fixed, with nothing elastic between"
+        yield Fault(joint.path, message, hint)
+    else:
+        message = f"'{part.name}' is fixed, and rigid parts alone join it to '{earlier.name}', which is fixed too"
+        yield Fault((*part.path, "held"), message, hint)

@@ -150,13 +150,9 @@ def _parts(text: str) -> tuple[Fraction, str]:
         )
     if found[1] and len(found[1].lstrip("+-0")) > 3:
         raise UnitFault(f"{_quoted(text)} is outside the range of numbers")
-    return Fraction(found[0].replace("_", "")), _spelling(written)
-
-
-def _spelling(written: str) -> str:
     for pattern, replacement in _REWRITES:
         written = pattern.sub(replacement, written)
-    return "1" + written if written.startswith("/") else written
+    return Fraction(found[0].replace("_", "")), "1" + written if written.startswith("/") else written
 
 
 def _rounded(amount: Fraction, text: str) -> float:
@@ -195,24 +191,17 @@ def _container(written: str) -> "UnitsContainer":
 def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction:
     from pint.errors import PintError
 
-    registry, found, expected = _registry(), _container(written), _container(unit)
+    found, expected, dimension = _container(written), _container(unit), _registry().get_dimensionality
     if unit == "rad/s" and found == _container("1/min"):
         found = _container("rpm")
-    if registry.get_dimensionality(found) != registry.get_dimensionality(expected):
-        message = f"{_quoted(text)} {_said(found, written)}, {_expected(unit)} is expected"
-        raise UnitFault(message, _remedy(text, found, unit))
+    if dimension(found) != dimension(expected):
+        kinds = (words for kind, (words, _) in _KINDS.items() if dimension(_container(kind)) == dimension(found))
+        said = f"is {next(kinds, f'in {written}')}"
+        raise UnitFault(f"{_quoted(text)} {said}, {_expected(unit)} is expected", _remedy(text, found, unit))
     try:
-        return Fraction(registry.convert(amount, found, expected))
+        return Fraction(_registry().convert(amount, found, expected))
     except PintError:
         raise UnitFault(f"{_quoted(text)} mixes a temperature scale with other units", "write K") from None
-
-
-def _said(found: "UnitsContainer", written: str) -> str:
-    dimension = _registry().get_dimensionality
-    for unit, (words, _) in _KINDS.items():
-        if dimension(_container(unit)) == dimension(found):
-            return f"is {words}"
-    return f"is in {written}"
 
 
 def _remedy(text: str, found: "UnitsContainer", unit: str) -> str:

@@ -12,7 +12,6 @@ from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
-from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
@@ -23,7 +22,7 @@ from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.runner import run
 from torsion.schema.scene_reader import parse
-from torsion.train import train
+from torsion.train import fixed_point_faults, train
 
 WALL, RIGID = Disc(held=True), Coupling(flexibility=0)
 SOFT, STIFF = Coupling(stiffness=1e4, viscous=5.0), Coupling(stiffness=3e4, viscous=2.0)

@@ -6,8 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.statics import statics
-from torsion.analyses.steady import steady
+from torsion.analyses.steady import statics, steady
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling
 from torsion.components.damper import RingDamper

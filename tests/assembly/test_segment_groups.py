@@ -7,8 +7,7 @@ from scipy.linalg import solve_banded
 import torsion
 from torsion.analyses.response.over_speed import response, response_at
 from torsion.assembly import assemble
-from torsion.assembly.segment_groups import condensed
-from torsion.assembly.system import System
+from torsion.assembly.system import System, condensed
 from torsion.study import Study
 
 SEGMENTS, GROUPS = 600, 50
@@ -70,7 +69,7 @@ def test_the_response_of_a_condensed_train_is_that_of_all_its_segments(shaft, is
     for point in range(0, len(found.speed), 7):
         for line, order in enumerate((1, 3)):
             angle, torque = _dense(whole, line, order * float(found.speed[point]))
-            there = torque[groups.first_span[-GROUPS - 1 :] - 1]
+            there = torque[groups.spans[-GROUPS - 1 :] - 1]
             here = found.torque[point, line, -GROUPS - 1 :]
             np.testing.assert_allclose(here, there, atol=3e-9 * np.abs(torque).max())
             there = angle[groups.stations]
@@ -100,7 +99,7 @@ def test_a_cone_that_is_swept_against_its_drive_is_condensed_from_its_other_end(
     small = condensed(whole, GROUPS)
     groups = small.groups
     assert groups is not None
-    assert (small.condensed.sign[groups.last_span > groups.first_span] < 0).all()
+    assert (small.condensed.sign[groups.last_span > groups.spans] < 0).all()
     found = response(study, small)
     there = response_at(study, whole, found, found.speed).angle[..., groups.stations]
     size = np.abs(there).max(axis=(1, 2), keepdims=True)

@@ -7,7 +7,7 @@ import pytest
 
 import torsion
 from torsion.components import KINDS
-from torsion.components.part_records import CouplingRatings, JointRecord, PropellerRecord
+from torsion.components.lowering import CouplingRatings, JointRecord, PropellerRecord
 from torsion.primitives import Bar
 from torsion.train import Train
 

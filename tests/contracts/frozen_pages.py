@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS
 from torsion.output.results_json import results
 
+ROOT = Path(__file__).parents[2]
 DIGITS = 6  # of a figure's or a file's numbers, of the largest in their list
 NOTHING = 1e-10  # a list of smaller numbers alone is rounding
 LEFT_OUT = {  # chapters and keys that hold times or versions, or digits of an iteration that ends where it may
@@ -36,13 +38,13 @@ def digest(value: Any) -> str:
 
 def _rounded(value: Any) -> Any:
     if isinstance(value, str):
-        return NOISE.sub("~0", value)
+        return NOISE.sub("~0", value.replace(f"{ROOT}/", ""))
     if value is None or isinstance(value, bool | int):
         return value
     if is_dataclass(value):
         value = vars(value) if hasattr(value, "__dict__") else asdict(value)
     if isinstance(value, Mapping):
-        return {str(key): _rounded(one) for key, one in value.items()}
+        return {str(key): _rounded(value[key]) for key in sorted(value, key=str)}
     try:
         array = np.array(value, dtype=complex if np.iscomplexobj(value) else float)
     except (TypeError, ValueError):

@@ -17,7 +17,7 @@ from torsion.output.blocks import Heading, Table
 from torsion.output.document import document
 from torsion.output.renderers import Output
 from torsion.output.results_json import documented
-from torsion.output.terminal.screen import show
+from torsion.output.terminal import show
 from torsion.output.write import write
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import manual

@@ -8,9 +8,8 @@ from torsion.kernels.layers import add_children, layers_of, of_the_rest
 from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity
-from torsion.kernels.rerooting import by_layers, rerooted_at_middle
 from torsion.kernels.sturm import count_below, count_bounds
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, by_layers, rerooted_at_middle
 
 PARENTS = {
     "comb": [-1, 0, 0, 1, 1, 2, 3, 3, 5, 5, 8, 8],

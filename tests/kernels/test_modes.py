@@ -276,7 +276,7 @@ def test_a_plain_decomposition_is_only_a_start(random_tree, monkeypatch):
 
 
 def test_bisection_alone_finds_every_frequency(random_tree):
-    from torsion.kernels.enclosure import bisect
+    from torsion.kernels.sturm import bisect
 
     tree = random_tree(21, size=15)
     np.testing.assert_allclose(
@@ -285,7 +285,7 @@ def test_bisection_alone_finds_every_frequency(random_tree):
 
 
 def test_a_wrong_frequency_is_never_proven(random_tree):
-    from torsion.kernels.enclosure import enclose
+    from torsion.kernels.sturm import enclose
 
     tree = random_tree(22, size=12)
     right = tree_modes(tree).frequency

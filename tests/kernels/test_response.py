@@ -217,11 +217,11 @@ def test_a_source_of_zero_at_every_frequency_is_no_source(seed):
 def test_residual_sees_an_error_of_any_angle_and_of_any_torque(seed):
     train, w, hc, ground = random_damped_tree(seed, size=40)
     w = np.tile(w, 200)  # several blocks of stations
-    problem, force = pose(train, w, ground, np.tile(hc, 200)), np.ones(train.size)
-    answer = tree_response(train, w, force, compliance=np.tile(hc, 200), ground_damping=ground)
-    assert residual_of(problem, force, None, answer).max() < 1e-13
+    given = {"compliance": np.tile(hc, 200), "ground_damping": ground}
+    problem, answer = (solve(train, w, np.ones(train.size), **given) for solve in (pose, tree_response))
+    assert residual_of(problem, answer).max() < 1e-13
     for part, first in ((answer.angle, 0), (answer.torque, 1)):
         for station in range(first, train.size):
             part[station] *= 1 + 1e-3
-            assert (residual_of(problem, force, None, answer) > 1e-6).any()
+            assert (residual_of(problem, answer) > 1e-6).any()
             part[station] /= 1 + 1e-3

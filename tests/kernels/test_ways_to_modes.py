@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.enclosure import enclose, expected_width
 from torsion.kernels.factors import start_frequencies
 from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity
-from torsion.kernels.rerooting import rerooted_at_middle
-from torsion.kernels.tree import Tree
+from torsion.kernels.sturm import enclose, expected_width
+from torsion.kernels.tree import Tree, rerooted_at_middle
 
 
 @pytest.mark.parametrize("shape", ["branched", "bushy"])

@@ -24,7 +24,8 @@ def intermediate_couples(
     nets = []
     for before, behind, plane in zip(every[:-1], every[1:], case.plane[1:], strict=True):
         turned = (behind.driving.normal + 1j * behind.driving.inplane) * np.exp(1j * plane)
-        nets.append(couples.Couple(before.driven.normal + turned.real, before.driven.inplane + turned.imag))
+        normal, inplane = before.driven.normal + turned.real, before.driven.inplane + turned.imag
+        nets.append(couples.Couple(normal, inplane, np.zeros(0)))
     return tuple(nets)
 
 
@@ -33,22 +34,24 @@ def line_couples(
 ) -> tuple[couples.Couples, ...]:
     """Couples of every joint of a line, each with the torque that its own shafts carry at that angle."""
     turning = line.motion(driving, case)
+    offsets = np.cumsum(case.offset).reshape(-1, *np.ones(np.ndim(driving), dtype=int))
     given = np.asarray(torque, dtype=float)
-    power = given if carrier == "driving" else given * turning.speed[-1]
-    before = [power + np.zeros_like(turning.speed[0]), *(power / ratio for ratio in turning.speed[:-1])]
-    triples = zip(turning.yoke, case.angle, before, strict=True)
+    power = given if carrier == "driving" else given * turning.ratio[-1]
+    before = [power + np.zeros_like(turning.ratio[0]), *(power / ratio for ratio in turning.ratio[:-1])]
+    yokes = driving + np.array([0.0 * turning.error[0], *turning.error[:-1]]) + offsets
+    triples = zip(yokes, case.angle, before, strict=True)
     return tuple(couples.couples(yoke, angle, carried) for yoke, angle, carried in triples)
 
 
-def double_cardan(angle: object, torque: object, arrangement: str) -> tuple[couples.Harmonic, couples.Harmonic]:
-    """Net couple (normal, inplane) on the intermediate shaft of two equal joints with yokes in line, over x (P).
+def double_cardan(angle: object, torque: object, arrangement: str) -> couples.CoupleHarmonics:
+    """Net couple on the intermediate shaft of two equal joints with yokes in line, over x (P).
 
     Z: none. W: T t sin 2x about the normal, T s (1 - cos 2x) in the plane (x counted in convention N; peak 2 T s).
     """
     bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
     factor = 1.0 if arrangement == "W" else 0.0
     slope, tilt = factor * given * np.tan(bend), factor * given * np.sin(bend)
-    return couples.Harmonic(np.zeros_like(slope), 1j * slope), couples.Harmonic(tilt, tilt + 0j)
+    return couples.CoupleHarmonics(tilt, 1j * slope, tilt + 0j)
 
 
 def close(found: object, expected: object, relative: float = 1e-13) -> None:
@@ -57,16 +60,27 @@ def close(found: object, expected: object, relative: float = 1e-13) -> None:
     )
 
 
+def size(couple: couples.Couple) -> np.ndarray:
+    return np.hypot(couple.normal, couple.inplane)
+
+
+def follows(history: couples.Couple, closed: couples.CoupleHarmonics, angle: np.ndarray, within: float) -> None:
+    """A couple over the angle is its mean and second harmonic."""
+    turn = np.exp(2j * angle)
+    np.testing.assert_allclose(history.normal, (closed.normal * turn).real, rtol=0.0, atol=within)
+    np.testing.assert_allclose(history.inplane, closed.mean + (closed.inplane * turn).real, rtol=0.0, atol=within)
+
+
 def test_liu_2023_couples_at_eight_degrees_and_its_corrected_torque() -> None:
     expected = {key: float(value) for key, value in ORACLES["liu2023_r8_alpha30_T800"].items()}
     angle = np.radians(8.0)
     found = couples.couples(np.radians(30.0), angle, 800.0, convention="N")
-    close([-found.driving_yoke, found.driven_yoke, found.driven_torque], [expected[key] for key in ("M1", "M2", "T2")])
-    close(found.driving.size, -expected["M1"])
-    close(found.driven.size, -expected["M2"])
+    close([-found.driving.yoke, found.driven.yoke, found.driven_torque], [expected[key] for key in ("M1", "M2", "T2")])
+    close(size(found.driving), -expected["M1"])
+    close(size(found.driven), -expected["M2"])
     zero, quarter = (couples.couples(x, angle, 800.0, convention="N") for x in (0.0, np.pi / 2.0))
-    close([zero.driving_yoke, zero.driven_torque], [expected["M1_max"], expected["T2_max"]])
-    close([-quarter.driven_yoke, quarter.driven_torque], [expected["M2_max"], expected["T2_min"]])
+    close([zero.driving.yoke, zero.driven_torque], [expected["M1_max"], expected["T2_max"]])
+    close([-quarter.driven.yoke, quarter.driven_torque], [expected["M2_max"], expected["T2_min"]])
     printed = (1.0 - (np.sin(angle) * np.cos(np.radians(30.0))) ** 2) / np.cos(angle) * 800.0
     close(printed, expected["T2_printed_wrong"])
     assert abs(printed - found.driven_torque) > 7.0
@@ -74,9 +88,9 @@ def test_liu_2023_couples_at_eight_degrees_and_its_corrected_torque() -> None:
 
 @pytest.mark.parametrize("degrees", [3, 5, 8, 10, 15, 20, 30])
 def test_harmonics_of_unit_torque_agree_with_the_reference_values(degrees: int) -> None:
-    expected, found = ORACLES[f"joint_{degrees}"], couples.couple_harmonics(np.radians(degrees), 1.0)
-    close([found.driving_inplane.mean, np.abs(found.driven_normal.second)], [expected["tan_b_over_2"]] * 2)
-    close([found.driven_inplane.mean, np.abs(found.driven_inplane.second)], [expected["sin_b_over_2"]] * 2)
+    expected, (driving, driven) = ORACLES[f"joint_{degrees}"], couples.couple_harmonics(np.radians(degrees), 1.0)
+    close([driving.mean, np.abs(driven.normal)], [expected["tan_b_over_2"]] * 2)
+    close([driven.mean, np.abs(driven.inplane)], [expected["sin_b_over_2"]] * 2)
 
 
 def turn(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
@@ -107,9 +121,9 @@ def test_couple_stands_square_to_both_pins_of_the_cross(carrier: couples.Carrier
         assert abs(found.driving.inplane + along @ np.cross(first, normal)) < scale
         assert abs(found.driven.normal - along @ normal) < scale
         assert abs(found.driven.inplane - along @ np.cross(second, normal)) < scale
-        assert abs(found.driving_yoke + along @ np.cross(first, pin)) < scale
+        assert abs(found.driving.yoke + along @ np.cross(first, pin)) < scale
         bar = driven_pin / np.linalg.norm(driven_pin)
-        assert abs(found.driven_yoke - along @ np.cross(second, bar)) < scale
+        assert abs(found.driven.yoke - along @ np.cross(second, bar)) < scale
         assert abs(along @ driven_pin) < scale
 
 
@@ -122,13 +136,8 @@ def test_fixed_axes_hold_a_mean_and_a_second_harmonic_only(
     found = couples.couples(x, angle, 5.0, carrier, convention)
     own = x if carrier == "driving" else x + cross.transfer(x, angle, convention).error
     closed = couples.couple_harmonics(angle, 5.0, carrier, convention)
-    for history, part in (
-        (found.driving.normal, closed.driving_normal),
-        (found.driving.inplane, closed.driving_inplane),
-        (found.driven.normal, closed.driven_normal),
-        (found.driven.inplane, closed.driven_inplane),
-    ):
-        np.testing.assert_allclose(history, part.mean + (part.second * np.exp(2j * own)).real, rtol=0.0, atol=2e-14)
+    for history, part in zip((found.driving, found.driven), closed, strict=True):
+        follows(history, part, own, 2e-14)
 
 
 @pytest.mark.parametrize("carrier", CARRIERS)
@@ -136,7 +145,7 @@ def test_torque_varies_along_a_line_as_speed_does_inversely(carrier: couples.Car
     x, case = np.linspace(0.0, 6.0, 31), line.line_of([0.3, 0.5, 0.2], [0.0, 0.4, 1.0], [0.1, 0.7, -0.3])
     every, turning = line_couples(x, case, 4.0, carrier), line.motion(x, case)
     close(
-        [each.driven_torque * speed for each, speed in zip(every, turning.speed, strict=True)],
+        [each.driven_torque * speed for each, speed in zip(every, turning.ratio, strict=True)],
         every[0].driving_torque + np.zeros((3, 1)),
         1e-14,
     )
@@ -148,8 +157,7 @@ def test_intermediate_shaft_is_free_of_couple_in_z_and_bears_twice_in_w(plane: f
     x, angle, torque = np.linspace(0.0, 6.0, 61), 0.4, 7.0
     case = line.line_of([angle, angle], [0.0, plane], [0.0, plane])
     (net,) = intermediate_couples(x, case, torque)
-    for history, part in zip((net.normal, net.inplane), double_cardan(angle, torque, arrangement), strict=True):
-        np.testing.assert_allclose(history, part.mean + (part.second * np.exp(2j * x)).real, rtol=0.0, atol=1e-14)
+    follows(net, double_cardan(angle, torque, arrangement), x, 1e-14)
     peak = intermediate_couples(np.array(0.0), case, torque)[0].inplane
     assert abs(peak - (2.0 * torque * np.sin(angle) if arrangement == "W" else 0.0)) < 1e-14
 
@@ -183,6 +191,6 @@ def in_space(couple: couples.Couple, shaft: np.ndarray, normal: np.ndarray) -> n
 def test_couples_at_almost_ninety_degrees_do_the_work_of_the_torques(carrier: couples.Carrier) -> None:
     angle, x = np.radians(89.99), np.linspace(-4.0, 4.0, 101)
     found = couples.couples(x, angle, 1.0, carrier)
-    assert np.all(np.isfinite(found.driving.size))
-    close(found.driven_torque * cross.speed_ratio(x, angle), found.driving_torque, 1e-14)
-    close(np.hypot(found.driving_torque, found.driving.size), np.hypot(found.driven_torque, found.driven.size))
+    assert np.all(np.isfinite(size(found.driving)))
+    close(found.driven_torque * cross.transfer(x, angle).ratio, found.driving_torque, 1e-14)
+    close(np.hypot(found.driving_torque, size(found.driving)), np.hypot(found.driven_torque, size(found.driven)))

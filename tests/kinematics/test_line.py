@@ -59,11 +59,9 @@ def test_yokes_stand_where_rotations_in_space_put_them(joints: int) -> None:
     rng = np.random.default_rng(joints)
     for _ in range(60):
         case, frame, driving = random_line(rng, joints), np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.uniform(-4, 4)
-        found = line.motion(driving, case)
-        pins = driven_pins(case, driving, frame)
-        for rank, (shaft, zero, pin) in enumerate(pins):
-            driven = found.yoke[rank] + cross.transfer(found.yoke[rank], case.angle[rank]).error
-            assert abs(turned(zero, shaft, driven) @ np.cross(shaft, pin)) < 1e-14
+        driven = driving + line.motion(driving, case).error + np.cumsum(case.offset)
+        for angle, (shaft, zero, pin) in zip(driven, driven_pins(case, driving, frame), strict=True):
+            assert abs(turned(zero, shaft, angle) @ np.cross(shaft, pin)) < 1e-14
 
 
 @pytest.mark.parametrize("joints", [2, 3, 4, 5, 6])
@@ -74,36 +72,27 @@ def test_the_equivalent_single_joint_turns_as_the_chain_does(joints: int) -> Non
         case = random_line(rng, joints, 0.6)
         chain, whole = line.motion(x, case), line.resultant(case)
         single = cross.transfer(x + whole.phase, whole.angle)
-        np.testing.assert_allclose(single.error + whole.lead, chain.error[-1], rtol=0.0, atol=1e-13)
-        close(single.ratio, chain.speed[-1])
-        size = np.abs(chain.acceleration).max(axis=1).max()
-        np.testing.assert_allclose(single.curvature, chain.acceleration[-1], rtol=0.0, atol=1e-13 * size)
+        lead = chain.error[-1] - single.error  # of two angles counted from different zeros
+        np.testing.assert_allclose(lead, lead[0], rtol=0.0, atol=1e-13)
+        close(single.ratio, chain.ratio[-1])
+        size = np.abs(chain.curvature).max(axis=1).max()
+        np.testing.assert_allclose(single.curvature, chain.curvature[-1], rtol=0.0, atol=1e-13 * size)
 
 
-def test_every_joint_of_the_line_has_its_own_resultant() -> None:
+def test_extremes_of_the_resultant_are_those_of_the_chain_and_stand_where_it_says() -> None:
     case, x = random_line(np.random.default_rng(3), 5), np.linspace(0.0, np.pi, 20_001)
-    chain, each = line.motion(x, case), line.resultants(case)
-    close(chain.speed.max(axis=1), each.greatest, 1e-7)
-    close(chain.speed.min(axis=1), each.least, 1e-7)
-    close(np.abs(np.cos(x[chain.speed.argmax(axis=1)] - each.greatest_at)), 1.0, 1e-7)
-    close(each.index, each.greatest - each.least)
-    close(cross.fluctuation(each.angle), each.index)
-    np.testing.assert_allclose(chain.error[:, :-1].mean(axis=1), each.lead, rtol=0.0, atol=1e-14)
-
-
-def test_acceleration_adds_the_driving_shaft_s_own() -> None:
-    case, x = random_line(np.random.default_rng(4), 4), np.linspace(0.0, 3.0, 50)
-    unit, both = line.motion(x, case), line.motion(x, case, 7.0, 11.0)
-    close(both.speed, 7.0 * unit.speed, 1e-14)
-    expected = 49.0 * unit.acceleration + 11.0 * unit.speed
-    np.testing.assert_allclose(both.acceleration, expected, rtol=1e-12, atol=1e-12)
+    chain, whole = line.motion(x, case).ratio[-1], line.resultant(case)
+    close([chain.max(), chain.min()], [whole.greatest, whole.least], 1e-7)
+    close(np.abs(np.cos(x[chain.argmax()] - whole.greatest_at)), 1.0, 1e-7)
+    close(whole.index, whole.greatest - whole.least)
+    close(cross.fluctuation(whole.angle), whole.index)
 
 
 def test_lines_stand_side_by_side_in_leading_axes() -> None:
     rng = np.random.default_rng(5)
     cases = [random_line(rng, 3) for _ in range(4)]
     many = line.Line(*(np.stack([getattr(each, name) for each in cases]) for name in ("angle", "plane", "phase")))
-    close(line.resultants(many).rapidity, [line.resultants(each).rapidity for each in cases], 1e-15)
+    close(line.resultant(many).rapidity, [line.resultant(each).rapidity for each in cases], 1e-15)
     close(line.classical_angle(many), [line.classical_angle(each) for each in cases], 1e-15)
 
 
@@ -119,8 +108,8 @@ def test_ma_2011_extremes_index_and_equivalent_angle(phase: int) -> None:
 def test_ma_2011_phase_55_curve_and_where_it_turns() -> None:
     expected = {key: float(value) for key, value in ORACLES["ma2011_phi55"].items()}
     case = line.line_of(**MA, phase=np.radians([0.0, 55.0]))
-    curve = line.motion(np.radians([0.0, 45.0, 90.0]), case, 60.0)
-    close(curve.speed[-1], [expected["w3_x1_0"], expected["w3_x1_45"], expected["w3_x1_90"]])
+    curve = line.motion(np.radians([0.0, 45.0, 90.0]), case)
+    close(60.0 * curve.ratio[-1], [expected["w3_x1_0"], expected["w3_x1_45"], expected["w3_x1_90"]])
     close(np.degrees(line.resultant(case).greatest_at), expected["x1_max_deg"])
     close(np.degrees(line.resultant(case).greatest_at) + 90.0, expected["x1_min_deg"])
     close(np.degrees(curve.error[0, 1]), ORACLES["ma2011_dx_at_x1_45deg_deg"])
@@ -157,7 +146,7 @@ def test_cancelling_joints_of_almost_ninety_degrees() -> None:
     case = line.line_of(np.radians([89.99, 89.99]))
     found = line.motion(np.linspace(-7.0, 7.0, 2001), case)
     np.testing.assert_allclose(found.error[-1], 0.0, rtol=0.0, atol=1e-11)
-    close(found.speed[-1], 1.0, 1e-11)
+    close(found.ratio[-1], 1.0, 1e-11)
     assert two_joint_rapidity(np.radians(89.99), np.radians(89.99), 0.0) == 0.0
 
 

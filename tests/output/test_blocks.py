@@ -3,14 +3,23 @@
 import pytest
 
 from torsion.output.blocks import Column, Figure, Heading, Paragraph, Table
-from torsion.output.numbering import numbered
+from torsion.output.document import numbered
 
 
 def test_numbers_follow_the_chapters_that_are_there() -> None:
     table = Table((Column("a"),), (("1",),), "caption")
     bare = Table((Column("a"),), (("1",),))
-    blocks = [Heading("one"), table, bare, Heading("in it", 2), Heading("two"), Figure("f", "c", "sketch"), table]
-    wanted = ["1", "Table 1.1", "", "1.1", "2", "Figure 2.1", "Table 2.1"]
+    blocks = [
+        Heading("one"),
+        table,
+        bare,
+        Heading("in it", 2),
+        table,
+        Heading("two"),
+        Figure("f", "c", "sketch"),
+        table,
+    ]
+    wanted = ["1", "Table 1.1", "", "1.1", "Table 1.2", "2", "Figure 2.1", "Table 2.1"]
     assert [item.number for item in numbered(blocks)] == wanted
 
 

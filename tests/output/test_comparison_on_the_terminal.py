@@ -11,7 +11,7 @@ import torsion
 from torsion.analyses.compare.side_by_side import Compared
 from torsion.output.document import document
 from torsion.output.reports import REPORTS
-from torsion.output.terminal.screen import show
+from torsion.output.terminal import show
 
 SEGMENTS, COUNT = 8, 3
 SCENE = f"""

@@ -12,9 +12,9 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Table
 from torsion.output.document import document
-from torsion.output.elastic_elements import elements
 from torsion.output.html import css_text, html
 from torsion.output.numbers import number
+from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
 
 VOID = {"meta", "br", "link", "img", "hr"}

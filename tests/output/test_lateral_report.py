@@ -19,12 +19,11 @@ from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Figure, Paragraph, Table
-from torsion.output.chapters import lateral_tables
-from torsion.output.chapters.shaft_bending import chapter
+from torsion.output.chapters.shaft_bending import chapter, sense
 from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.results_json import documented, results, text
-from torsion.output.terminal.screen import screen
+from torsion.output.terminal import screen
 from torsion.rules.stable_motion import bending_checks
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run
@@ -178,7 +177,7 @@ def test_tilt_that_was_examined_at_a_part_of_the_speeds_alone_fails_without_a_wo
     slower = tilting.study.operation.speeds.model_copy(update={"first": 1.0})
     checks = bending_checks(lateral, tilting.study.operation.model_copy(update={"speeds": slower}))
     assert {check.verdict for check in checks} == {"fail"}
-    blocks = chapter(tilting.having(lateral=lateral, checks=Checks(checks)))
+    blocks = list(chapter(tilting.having(lateral=lateral, checks=Checks(checks))))
     (said,) = (block.text for block in blocks if isinstance(block, Paragraph) and block.kind == "fail")
     assert said.startswith("No tilting motion of tail shaft grows")
     assert "only a part of the operation's speeds" in said
@@ -213,7 +212,7 @@ def test_progress_is_told_of_every_shaft() -> None:
 
 
 def test_a_nearly_straight_orbit_is_neither_forward_nor_backward() -> None:
-    words = [lateral_tables.sense(value) for value in (1.0, 0.5, 0.05, -0.5, -1.0)]
+    words = [sense(value) for value in (1.0, 0.5, 0.05, -0.5, -1.0)]
     assert words == ["forward", "forward, ellipse", "nearly in a plane", "backward, ellipse", "backward"]
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsion.findings import Findings
-from torsion.output.chapters.resonance_peaks import local_maxima
-from torsion.output.elastic_elements import elements
+from torsion.output.chapters.forced_response import local_maxima
+from torsion.output.selection import elements
 from torsion.output.station_layout import layout
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import torsion
 from torsion.analyses.undamped_modes import Modes
-from torsion.assembly.segment_groups import segment_groups
+from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Table
 from torsion.output.chapters.natural_frequencies import MOST_SEGMENTS, chapter

@@ -12,7 +12,7 @@ import torsion
 from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.motion.stability_map import StabilityMap
 from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone
+from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Paragraph, Table
@@ -21,13 +21,13 @@ from torsion.output.chapters import exact_response as periodic
 from torsion.output.chapters import forced_response as response
 from torsion.output.chapters import stability_ranges as stability
 from torsion.output.chapters import verdict
-from torsion.output.chapters.unstable_ranges import words
+from torsion.output.chapters.exact_response import compared, exact_half_range, first_order_judged
+from torsion.output.chapters.stability_ranges import words
 from torsion.output.document import document
 from torsion.output.figures.drawing import svg
-from torsion.output.first_order_and_exact import compared, exact_half_range, first_order_judged
 from torsion.output.numbers import RPM
 from torsion.output.results_json import documented, results
-from torsion.output.terminal.screen import show
+from torsion.output.terminal import show
 from torsion.rules.stable_motion import stability_check
 from torsion.rules.verdict_line import Checks
 
@@ -159,7 +159,7 @@ def test_every_unstable_speed_is_flagged_in_the_tables_and_marked_in_the_figures
 
 
 def test_verdict_table_has_the_stability_and_fails(unstable: Findings) -> None:
-    blocks = verdict.chapter(unstable)
+    blocks = list(verdict.chapter(unstable))
     row = next(row for row in table(blocks, "Checks against").rows if "stability" in row[0])
     assert row[-1] == "FAIL"
     assert any("Unstable range" in item for block in blocks for item in getattr(block, "items", ()))
@@ -211,9 +211,9 @@ def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Finding
 def rpm_range(first: float, last: float, **ends: tuple) -> UnstableRange:
     """An unstable range between two speeds in rpm; `unknown` in rpm too."""
     unknown = tuple(None if one is None else one / RPM for one in ends.get("unknown", (None, None)))
-    zone = Zone("principal", (1,), 1, 0.0)
+    zone = "principal", (1,), 1
     return UnstableRange(
-        first / RPM, last / RPM, ends.get("is_open", (False, False)), 2.0, (first + last) / 2.0 / RPM, zone, unknown
+        *zone, first / RPM, last / RPM, ends.get("is_open", (False, False)), 2.0, (first + last) / 2.0 / RPM, unknown
     )
 
 
@@ -289,7 +289,7 @@ def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Fin
     mapped = unstable.need(StabilityMap)
     quiet = unstable.having(stability_map=replace(mapped, growth=np.full_like(mapped.growth, -1.0)))
     missed = known(quiet, rpm_range(*(mapped.speed[:2] * RPM + [1.0, -1.0])), rpm_range(*(mapped.speed[1:3] * RPM)))
-    blocks = stability.chapter(missed)
+    blocks = list(stability.chapter(missed))
     stated = {row[-1] for row in table(blocks, "by value").rows}
     assert stated == {f"stable at the {mapped.speed.size} speeds of the map"}
     said = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
@@ -332,21 +332,23 @@ def test_speeds_that_read_alike_are_told_with_more_digits(unstable: Findings) ->
 
 
 def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Findings) -> None:
-    assert "The only such speed lies in the speed range" in critical.chapter(undamped)[1].text
+    assert "The only such speed lies in the speed range" in list(critical.chapter(undamped))[1].text
     line = replace(unstable.need(Response), lines=unstable.need(Response).lines[:1])
     said = " ".join(b.text for b in response.chapter(unstable.having(response=line)) if isinstance(b, Paragraph))
     assert said.startswith("1 harmonic component at ")
     (alone,) = (check for check in unstable.need(Checks).lines if check.clause == "stability")
-    assert "The only check failed (whole train)" in verdict.conclusion(unstable.having(checks=Checks((alone,))))[0].text
+    assert (
+        "The only check failed (whole train)" in next(verdict.conclusion(unstable.having(checks=Checks((alone,))))).text
+    )
     left = replace(alone, verdict="not kept")
     for lines, text in (
         ((left,), "The limit of the only check is not kept"),
         ((left, left), "The limits of 2 of 2 checks are not kept"),
         ((alone, left), "1 of 2 checks failed, the limits of 1 more are not kept"),
     ):
-        assert verdict.conclusion(unstable.having(checks=Checks(lines)))[0].text.startswith(text)
+        assert next(verdict.conclusion(unstable.having(checks=Checks(lines)))).text.startswith(text)
     passed = replace(alone, verdict="pass", value=-1.0)
-    assert verdict.conclusion(unstable.having(checks=Checks((passed,))))[0].text.startswith("The only check passed")
+    assert next(verdict.conclusion(unstable.having(checks=Checks((passed,))))).text.startswith("The only check passed")
 
 
 def test_terminal_prints_both_methods_and_the_unstable_ranges(unstable: Findings) -> None:

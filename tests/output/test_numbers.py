@@ -1,11 +1,15 @@
 """Numbers as an engineer reads them."""
 
+import cmath
 import math
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
+from torsion.kernels.tree_response import Status
 from torsion.output import numbers
+from torsion.output.blocks import table
 from torsion.output.reported_values import band_words
 
 
@@ -83,3 +87,23 @@ def test_different_values_read_differently(values: list[float], texts: list[str]
 
 def test_a_count_has_its_noun_in_the_right_number() -> None:
     assert [numbers.counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ("screw", "screw"), (2, "2"), (np.int64(3), "3"), (2.5, "2.5000"), (np.float64(2.5), "2.5000"),
+        (math.nan, "–"), (None, "–"), (Fraction(1, 2), "1/2"), (True, "yes"), (np.bool_(False), "no"),
+        (3.0 * cmath.exp(1j * math.radians(40.0)), "3.0000 ∠ 40°"), (Status.NEAR_SINGULAR, "near singular"),
+    ],
+)  # fmt: skip
+def test_a_cell_shows_a_value_by_its_type(value: object, text: str) -> None:
+    assert numbers.cell(value) == text
+
+
+def test_a_table_shows_values_and_refuses_a_row_of_another_length() -> None:
+    made = table("< Mode -> | Frequency [Hz]", [("first", 12.5), ("second", None)], marks=["pass", ""])
+    assert made.rows == (("first", "12.500"), ("second", "–"))
+    assert (made.columns[1].unit, made.marks) == ("Hz", ("pass", ""))
+    with pytest.raises(ValueError, match="2 cells"):
+        table("Mode | Frequency", [(1, 2.5, 3)])

@@ -12,7 +12,7 @@ from torsion.findings import Findings
 from torsion.output.document import document
 from torsion.output.numbers import number, rpm
 from torsion.output.reported_values import unreliable
-from torsion.output.terminal.screen import progress, show
+from torsion.output.terminal import progress, show
 from torsion.rules.verdict_line import Checks
 
 

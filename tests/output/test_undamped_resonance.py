@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
@@ -12,7 +13,7 @@ from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.document import document
-from torsion.output.figures.style import hatch, page
+from torsion.output.figures.style import hatch, plots
 from torsion.output.reported_values import unreliable
 from torsion.output.results_json import results
 from torsion.output.selection import NO_VALUE
@@ -92,7 +93,7 @@ def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
     status = geared.need(Response).status.copy()
     status[0, 1], status[1, 0] = Status.NEAR_SINGULAR, Status.SINGULAR
     response = replace(geared.need(Response), status=status)
-    flagged = geared.having(response=response, synthesis=synthesis(geared.system, response))
+    flagged = geared.having(response=response, synthesis=synthesis(response))
     found = results(flagged)
     assert found["response"]["lines"][1]["status"][0] == "near-singular"
     for line in found["response"]["lines"]:
@@ -106,6 +107,5 @@ def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
 def test_no_curve_runs_inside_the_hatching() -> None:
     """A lone speed is hatched by a thousandth of the range to either side, a wide one to its neighbours."""
     x = np.array([0.0, 100.0, 499.4, 499.6, 500.0, 500.1, 501.0, 700.0, 800.0, 1000.0])
-    with page("hatched", 2.0) as sheet:
-        inside = hatch(sheet.axes[0], x, np.isin(x, [500.0, 800.0]))
+    inside = hatch(plots(Figure(), 2.0)[0], x, np.isin(x, [500.0, 800.0]))
     assert x[inside].tolist() == [499.4, 499.6, 500.0, 500.1, 800.0]

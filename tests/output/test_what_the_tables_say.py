@@ -9,11 +9,9 @@ import torsion
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table
-from torsion.output.chapters import coupling_loads as couplings
-from torsion.output.chapters import gear_meshes as gears
-from torsion.output.chapters import mass_elastic
-from torsion.output.chapters.holzer_table import holzer_table
-from torsion.output.elastic_elements import elements
+from torsion.output.chapters import component_loads, mass_elastic
+from torsion.output.chapters.natural_frequencies import holzer_table
+from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
 
 GEARED = """
@@ -56,7 +54,7 @@ def table(blocks: Sequence[Block]) -> Table:
 
 
 def test_load_of_an_unloaded_mesh_reverses_everywhere(geared) -> None:
-    stated = table(gears.chapter(geared))
+    stated = table(component_loads.gears(geared))
     rows = {row[0]: (row, mark) for row, mark in zip(stated.rows, stated.marks, strict=True)}
     idle, mark = rows["g wheel 3"]
     assert (idle[3], idle[4], idle[6], mark) == ("0", "∞", "yes, everywhere", "fail")
@@ -65,12 +63,12 @@ def test_load_of_an_unloaded_mesh_reverses_everywhere(geared) -> None:
 
 def test_load_of_a_mesh_without_any_torque_does_not_reverse() -> None:
     still = GEARED.replace("ripple: [{order: 2, torque: 2 %}]", "ripple: [{order: 2, torque: 0 %}]")
-    stated = table(gears.chapter(solved(still.replace("torque: 8 %", "torque: 0 %"))))
+    stated = table(component_loads.gears(solved(still.replace("torque: 8 %", "torque: 0 %"))))
     assert {row[6] for row in stated.rows} == {"no"}
 
 
 def test_holzer_table_names_the_elements_as_the_table_of_elements_does(geared) -> None:
-    (block,) = holzer_table(geared, geared.need(Modes), 0)
+    block = holzer_table(geared, geared.need(Modes), 0)
     through = [row[4] for row in block.rows if row[4] != "–"]
     assert len(set(through)) == len(through)
     assert {element.name for element in elements(geared.system)} <= set(through)
@@ -104,4 +102,4 @@ rules: [coupling-maker]
     found = solved(text)
     values = {check.clause: (check.value, check.verdict) for check in found.need(Checks).lines}
     assert values == {"T_KW": (float("inf"), "fail"), "P_KW": (float("inf"), "fail")}
-    assert not re.search(r"\b0 W", str(couplings.chapter(found)))
+    assert not re.search(r"\b0 W", str(list(component_loads.couplings(found))))

@@ -108,8 +108,8 @@ def test_couples_of_13_against_statics_in_space(r: float, paper) -> None:
 
 def test_program_agrees_with_the_joint_in_space(paper) -> None:
     body, bent = paper["space"].cross(TURN, EIGHT), couples.couples(TURN, EIGHT, TORQUE, convention="N")
-    assert apart(cross.speed_ratio(TURN, EIGHT, "N"), body.ratio) < RIGHT
-    assert apart(bent.driven_yoke, TORQUE * body.driven_couple) < RIGHT
+    assert apart(cross.transfer(TURN, EIGHT, "N").ratio, body.ratio) < RIGHT
+    assert apart(bent.driven.yoke, TORQUE * body.driven_couple) < RIGHT
     assert apart(bent.driven_torque, TORQUE * body.driven_torque) < RIGHT
 
 

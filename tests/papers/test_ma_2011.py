@@ -73,7 +73,7 @@ def test_restored_equations_agree_with_forty_geometries_in_space(paper) -> None:
         np.testing.assert_allclose(
             paper["ma_equations"].output(first, second, phase, plane, TURN), truth, rtol=1e-12, atol=0.0
         )
-        ours = line.motion(TURN, line.line_of([first, second], [0.0, plane], [0.0, phase])).speed[-1]
+        ours = line.motion(TURN, line.line_of([first, second], [0.0, plane], [0.0, phase])).ratio[-1]
         np.testing.assert_allclose(ours, truth, rtol=1e-12, atol=0.0)
 
 

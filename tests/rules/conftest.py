@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from torsion.analyses.joints.joint_analysis import joints
-from torsion.analyses.response.over_speed import Line, Response, Synthesis
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.steady import Steady
 from torsion.assembly import assemble
 from torsion.components import component

@@ -1,13 +1,14 @@
 """Verdicts of `coupling-maker`, and the heat of a coupling against its closed form."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.over_speed import Line
+from torsion.analyses.response.harmonic_components import Line
 from torsion.rules import coupling_maker as coupling
 
 RPM = math.pi / 30.0
@@ -50,15 +51,21 @@ def test_heat_is_torque_times_twist_speed_averaged(study, evidence) -> None:
     omega, twist = 4 * 300.0 * RPM, 0.3 - 0.1j
     torque = (STIFFNESS + 1j * omega * 700.0) * twist
     seen = evidence(scene, [300.0], half={"rubber": torque})
-    power = coupling.heat(seen.need(Response), 1 / STIFFNESS, 700.0, 0.0, 0)
+    power = coupling.heat(seen.need(Response), seen.system, np.array([0]))
     assert power == pytest.approx(0.5 * (torque * np.conj(1j * omega * twist)).real, rel=1e-13)
 
 
 def test_damper_without_stiffness_heats_and_a_rigid_coupling_does_not(study, evidence) -> None:
     seen = evidence(study(line()), [300.0], half={"rubber": 40.0})
-    assert coupling.heat(seen.need(Response), math.inf, 20.0, 0.0, 0) == pytest.approx(40.0**2 / (2 * 20.0), rel=1e-14)
-    assert coupling.heat(seen.need(Response), 0.0, 0.0, 0.0, 0) == [0.0]
-    assert coupling.heat(seen.need(Response), 1e-4, 0.0, 0.0, 0) == [0.0]
+
+    def heat(flexibility: float, viscous: float) -> np.ndarray:
+        law = {"flexibility": flexibility, "viscous": viscous, "loss_factor": 0.0}
+        system = replace(seen.system, **{key: np.array([value]) for key, value in law.items()})
+        return coupling.heat(seen.need(Response), system, np.array([0]))
+
+    assert heat(math.inf, 20.0) == pytest.approx(40.0**2 / (2 * 20.0), rel=1e-14)
+    assert heat(0.0, 0.0) == [0.0]
+    assert heat(1e-4, 0.0) == [0.0]
 
 
 def test_every_limit_that_is_given_is_judged_at_its_worst_speed(study, evidence) -> None:

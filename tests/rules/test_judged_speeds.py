@@ -8,8 +8,7 @@ import pytest
 from torsion.analyses.response.grid import apart
 from torsion.rules import gear_hammer as gear
 from torsion.rules import m68
-from torsion.rules.judged_speeds import FEWEST_JUDGED, judged_speeds
-from torsion.rules.judgement import Curve, between
+from torsion.rules.judgement import FEWEST_JUDGED, Curve, between, judged_speeds
 
 RPM = math.pi / 30.0
 PARTS = [

@@ -8,7 +8,7 @@ import pytest
 
 from torsion.components.material import STEEL, Material
 from torsion.rules import m68
-from torsion.rules.m68_formulas import barred_range, least_diameter, tau_c, tau_t
+from torsion.rules.m68_shafts import barred_range, least_diameter, tau_c, tau_t
 
 RPM = math.pi / 30.0
 RATED = 1000.0

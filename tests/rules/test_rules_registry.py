@@ -18,6 +18,7 @@ PARTS = [
 
 @pytest.mark.parametrize("name", RULES)
 def test_every_rule_has_settings_with_defaults(name) -> None:
+    assert rule(name).name == name
     assert issubclass(settings(name), Declared)
     assert settings(name)() == settings(name).model_validate({})
     assert settings(name).model_json_schema()["type"] == "object"

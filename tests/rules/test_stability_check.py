@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone
+from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.rules.stable_motion import stability_check
 from torsion.study import Operation
 
@@ -20,8 +20,8 @@ def found(
 ) -> Stability:  # fmt: skip
     """Growth rates at even speeds; ranges: first, last, growth in the middle."""
     speed, rate = np.linspace(first, last, len(growth)), np.array(growth)
-    zone = Zone("principal", (1,), 1, 0.0)
-    named = tuple(UnstableRange(a, b, (False, False), g, (a + b) / 2.0, zone) for a, b, g in ranges)
+    zone = "principal", (1,), 1
+    named = tuple(UnstableRange(*zone, a, b, (False, False), g, (a + b) / 2.0) for a, b, g in ranges)
     return Stability(
         speed, np.ones(len(speed), dtype=bool), rate, rate, rate, named, np.array([50.0]), "monodromy", 0.0,
         speed[np.isnan(rate)], loses,
@@ -70,8 +70,7 @@ def test_train_without_any_periodic_motion_says_so():
 
 
 def test_range_that_is_unstable_at_the_first_speed_operated_fails():
-    zone = Zone("principal", (1,), 1, 0.0)
-    one = UnstableRange(90.0, 100.0, (False, False), 0.3, 95.0, zone, (None, 100.5))
+    one = UnstableRange("principal", (1,), 1, 90.0, 100.0, (False, False), 0.3, 95.0, (None, 100.5))
     known = replace(found([-1.0] * 5), ranges=(one,))
     check = stability_check(known, OPERATED)
     assert (check.verdict, check.value, check.speed) == ("fail", 0.3, 100.0)

@@ -109,3 +109,24 @@ def test_a_name_that_is_taken_is_told_with_the_line_that_has_it():
 def test_a_decimal_comma_within_braces_is_told_as_one(value, words):
     assert of(stated(f"name: x\ntrain:\n  - disc: {{inertia: {value}}}\n"), (3, words))
     assert "comma" not in stated("name: x\ntrain:\n  - disc: {inertia: 1, 5: }\n")[0][1]
+
+
+@pytest.mark.parametrize(
+    ("component", "wanted"),
+    [
+        (
+            "propeller: {inertia: -1, blades: 4, damping: {model: schwanecke}}",
+            ("out of range", "schwanecke needs diameter, pitch_ratio, area_ratio"),
+        ),
+        ("coupling: {stiffness: 1e4, psi: 1, viscous: 5, inertia: true}", ("exclude each other", "is not a list")),
+        ("shaft: {length: -1, diameter: 50 mm, bore: 60 mm}", ("out of range", "the bore is not smaller")),
+        ("shaft: {length: -1, diameter: -50 mm, bore: 60 mm}", ("out of range", "out of range")),
+        ("shaft: {lenght: 1, diameter: 50 mm, bore: 60 mm}", ("`length` is missing", "unknown key `lenght`")),
+        ("disc: {inertia: -1}", ("out of range",)),
+        ("disc: {inerta: 1}", ("did you mean `inertia`",)),
+        ("propeller: {inertia: 1, damping: {model: schwanecke, factor: -1}, diameter: 1 kg}", ("is", "is")),
+    ],
+)
+def test_what_sound_keys_need_of_each_other_is_told_beside_faulty_ones(component, wanted):
+    found = stated(f"name: x\ntrain:\n  - {component}\n")
+    assert of(found, *((3, words) for words in wanted)), found

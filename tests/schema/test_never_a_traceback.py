@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 from torsion.components import KINDS, component
 from torsion.errors import InputError
-from torsion.schema.example import example
+from torsion.schema import template
 from torsion.schema.scene_reader import parse
 from torsion.study import Study
 
 ROOT = Path(__file__).parents[2]
-GOOD = [(ROOT / "tests" / "faults" / "good.yaml").read_text(encoding="utf-8"), example()]
+GOOD = [(ROOT / "tests" / "faults" / "good.yaml").read_text(encoding="utf-8"), template("example.yaml")]
 FIELDS = {field.alias or key for kind in KINDS for key, field in component(kind).model_fields.items()}
 WORDS = sorted({"train", "between", "at", "limit", "count", "name", "of_mean", "from", "to", *KINDS, *FIELDS})
 ODD = """ ~ -1 0 1e400 .nan 1e-320 5_deg 1e99999999_N*m '1e99999999' true no [] {} [[]] [1,_2] [null] {a:_1} {null:_1}

@@ -12,7 +12,7 @@ from torsion.errors import Fault, InputError
 from torsion.fields import Amount
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run
-from torsion.schema.example import example
+from torsion.schema import template
 from torsion.schema.scene_reader import located, parse, read
 
 SCENES = sorted((Path(__file__).parents[2] / "shafting_specs").glob("**/*.yaml"))
@@ -149,7 +149,7 @@ def test_fault_that_is_found_after_reading_is_shown_in_the_file():
 
 
 def test_example_of_the_new_command_reads_and_every_line_is_explained():
-    text = example()
+    text = template("example.yaml")
     study = parse(text)
     assert {part.kind for part in study.train.parts} == {"motor", "coupling", "gear", "shaft", "propeller"}
     assert [name for name, _ in study.rules] == ["iacs-m68", "coupling-maker", "gear-hammer"]
@@ -157,13 +157,13 @@ def test_example_of_the_new_command_reads_and_every_line_is_explained():
 
 
 def test_example_of_the_new_command_solves_and_meets_its_rules():
-    checks = run(parse(example())).need(Checks).lines
+    checks = run(parse(template("example.yaml"))).need(Checks).lines
     assert {check.rule for check in checks} == {"iacs-m68", "coupling-maker", "gear-hammer"}
     assert [check for check in checks if check.verdict == "fail"] == []
 
 
 def test_example_reads_with_every_optional_key_that_it_shows():
-    lines, found = example().splitlines(), 0
+    lines, found = template("example.yaml").splitlines(), 0
     for number, line in enumerate(lines):
         key = line.strip().removeprefix("# ")
         indented = line.startswith(("  ", "# analyses:", "# excitations:", "#   "))

@@ -326,7 +326,7 @@ def test_any_text_is_data_with_places_or_an_input_error(text: str) -> None:
         read = parse_source(text, "f")
     except InputError as error:
         faults = error.faults
-        lines = source._BREAK.split(text)
+        lines = Source("", text).lines
         assert faults
         assert all(fault.message.isprintable() for fault in faults)
         assert all(1 <= (fault.line or 0) <= len(lines) for fault in faults)

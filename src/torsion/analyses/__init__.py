@@ -64,7 +64,7 @@ class Analysis:
 ANALYSES: dict[str, Analysis] = {
     "sections": Analysis(
         "cross-sections", "torsion.analyses.discretisation", "run_sections",
-        wanted=lambda study: study.has_meshed_sections,
+        wanted=lambda study: study.train.has_meshed_sections,
     ),
     "assembly": Analysis(
         "assembly", "torsion.analyses.discretisation", "run_assembly", needs=("sections",), wanted=always
@@ -86,10 +86,9 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("mean_torques",), place=("operation",),
     ),
     "response": Analysis(
-        "response over speed", "torsion.analyses.response.requested_response",
-        settings="torsion.analyses.response.over_speed:ResponseSettings", needs=("steady",),
+        "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
-        chapters=("forced_response", "shaft_stress", "gear_meshes", "coupling_loads"),
+        chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
     ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
@@ -99,7 +98,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "stability": Analysis(
         "stability", "torsion.analyses.motion.requested_motion", "run_stability",
-        settings="torsion.analyses.motion.stability_settings:StabilitySettings", needs=("modes",),
+        settings="StabilitySettings", needs=("modes",),
         results={"stability": "torsion.analyses.motion.stability_over_speed:Stability"}, chapters=("stability_ranges",),
     ),
     "stability map": Analysis(
@@ -112,7 +111,7 @@ ANALYSES: dict[str, Analysis] = {
         "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
         results={"frequency_response": "FrequencyResponse"},
         wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
-        chapters=("frequency_response",), place=("analyses", "response", "frequencies"),
+        chapters=("forced_response:over_frequency",), place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(
         "critical speeds", "torsion.analyses.critical", needs=("modes",),

@@ -7,11 +7,10 @@ import numpy as np
 
 from torsion.kernels.distributed.condensed_element import CondensedElements
 from torsion.kernels.distributed.dense_elements import dense_modes, estimated_frequencies
-from torsion.kernels.enclosure import SHARE_OF_LIMIT, brackets
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import rigidity
-from torsion.kernels.sturm import count_below
+from torsion.kernels.sturm import SHARE_OF_LIMIT, brackets, count_below
 from torsion.kernels.tree import Tree
 
 JUST_ABOVE = 1e-3  # relative

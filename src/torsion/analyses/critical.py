@@ -3,8 +3,6 @@
 import math
 from fractions import Fraction
 
-import numpy as np
-
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.harmonic_components import Line, lines
 from torsion.analyses.undamped_modes import Modes
@@ -39,29 +37,26 @@ def critical_speeds(
     modes: Modes | DampedModes, lines: tuple[Line, ...], operation: Operation
 ) -> tuple[CriticalSpeed, ...]:
     """Every crossing of an order with a mode, by ascending speed; fixed frequencies cross nothing."""
-    found = []
+    speeds, found = operation.speeds, []
     for line in lines:
         if line.order is None:
             continue
         for mode, frequency in enumerate(modes.frequency.tolist(), start=1):
             speed = 2.0 * math.pi * frequency / float(line.order)
-            found.append(_crossing(mode, line.order, line.sources, frequency, speed, operation))
+            inside = speeds is not None and speeds.first <= speed <= speeds.last
+            margin = _margin(speed, operation)
+            found.append(CriticalSpeed(mode, line.order, line.sources, frequency, speed, inside, margin))
     return tuple(sorted(found, key=lambda crossing: (crossing.speed, crossing.mode)))
 
 
-def _crossing(
-    mode: int, order: Fraction, sources: tuple[str, ...], frequency: float, speed: float, operation: Operation
-) -> CriticalSpeed:
-    speeds, rated = operation.speeds, operation.rated
-    inside = speeds is not None and speeds.first <= speed <= speeds.last
-    margin = None
-    if rated is not None:
-        margin = (speed - rated.speed) / rated.speed
-    elif speeds is not None:
-        ends = np.array([speeds.first, speeds.last])
-        end = float(ends[np.argmin(np.abs(ends - speed))])
-        margin = (speed - end) / end
-    return CriticalSpeed(mode, order, sources, frequency, speed, inside, margin)
+def _margin(speed: float, operation: Operation) -> float | None:
+    """Relative distance from the rated speed, else from the nearest end of the range."""
+    if operation.rated is not None:
+        return (speed - operation.rated.speed) / operation.rated.speed
+    if operation.speeds is None:
+        return None
+    end = min(operation.speeds.first, operation.speeds.last, key=lambda end: abs(end - speed))
+    return (speed - end) / end
 
 
 def run(work: Work) -> None:

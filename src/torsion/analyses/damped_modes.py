@@ -9,7 +9,7 @@ from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.undamped_modes import modes_as_discretised, modes_settings, span_torques
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.assembly.segment_groups import SegmentGroups
+from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Work
@@ -69,7 +69,7 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         -eigenvalue.real / np.abs(eigenvalue),
         eigenvalue,
         found.angle[condensed.node][:, keep] * system.speed_ratio[:, None],
-        span_torques(system, found.torque[:, keep], np.empty(0, dtype=np.int64), np.empty((0, len(keep)))),
+        span_torques(system, found.torque[:, keep]),
         found.real_root,
         speed,
     )
@@ -77,33 +77,32 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
 
 def run(work: Work) -> None:
     """The damped modes at the operating speed, where modes are requested and something damps."""
-    study, system, log = work.study, work.system, work.log
+    study, system = work.study, work.system
     settings = modes_settings(study, work.ruled)
     if settings is None:
         return
-    if settings.damped is False or not system.damps:
-        log.without("damped modes", "`damped: false`" if settings.damped is False else "nothing in the train damps")
-        return
-    if system.bars is not None:
-        log.without("damped modes", f"they are built for `model: lumped`; the response of {system.model} is damped")
-        return
-    if system.condensed.extra.size:
-        why = "the train has closed loops, or rigid spans hold it at several points"
-        log.without("damped modes", f"{why}; its response is damped all the same")
-        return
-    if why := too_many_stations(system):
-        log.without("damped modes", why)
-        return
     speed = study.operation.speed
-    needs_speed = any(damper.torque_factor or damper.speed_factor for damper in system.dampers)
     needs_torque = any(damper.torque_factor for damper in system.dampers)
-    if (needs_speed and speed is None) or (needs_torque and not study.operation.has_mean_torque):
-        log.without("damped modes", "the damping depends on speed and mean torque; give `operation: rated`")
+    needs_speed = needs_torque or any(damper.speed_factor for damper in system.dampers)
+    why = ""
+    if settings.damped is False or not system.damps:
+        why = "`damped: false`" if settings.damped is False else "nothing in the train damps"
+    elif system.bars is not None:
+        why = f"they are built for `model: lumped`; the response of {system.model} is damped"
+    elif system.condensed.extra.size:
+        why = "the train has closed loops, or rigid spans hold it at several points"
+        why += "; its response is damped all the same"
+    elif too_many := too_many_stations(system):
+        why = too_many
+    elif (needs_speed and speed is None) or (needs_torque and not study.operation.has_mean_torque):
+        why = "the damping depends on speed and mean torque; give `operation: rated`"
+    if why:
+        work.log.without("damped modes", why)
         return
     mean = None
     if needs_torque and speed is not None:
         mean = steady(study.train, system, study.operation, np.array([speed]))
-    with log.step("damped modes", "something damps") as step:
+    with work.log.step("damped modes", "something damps") as step:
         found = damped(system, speed=speed or 0.0, steady=mean, count=settings.count)
         step.method = "Newton with two-sided vectors on the quadratic problem"
         step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")

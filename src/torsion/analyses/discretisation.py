@@ -9,8 +9,7 @@ from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.undamped_modes import Modes, Ruled, condensed_modes, modes, modes_settings
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
-from torsion.assembly.segment_groups import MOST_GROUPS, condensed
-from torsion.assembly.system import System
+from torsion.assembly.system import MOST_GROUPS, System, condensed
 from torsion.findings import Work
 from torsion.study import Study
 
@@ -52,7 +51,7 @@ def no_response(study: Study, system: System, ruled: Ruled) -> str:
 
 def has_inertia(system: System) -> bool:
     """Something can vibrate."""
-    if any(bar.density > 0 for bar in system.train.bars):
+    if system.train.has_shafts:
         return True
     return bool(np.any(np.isfinite(system.inertia) & (system.inertia > 0)))
 
@@ -60,24 +59,6 @@ def has_inertia(system: System) -> bool:
 def assembled(study: Study, frequency: float = 0.0) -> System:
     """The system of a study in its model, for a highest frequency (Hz)."""
     return assemble(study.train, study.model, frequency=frequency, degree=study.fem.degree, elements=study.fem.elements)
-
-
-def model_words(system: System) -> str:
-    """The model and how its shafts are treated, in words."""
-    words = {
-        "lumped": "lumped, kept in factors",
-        "exact": "exact: shafts as continua, no error of discretisation",
-    }
-    if system.model != "fem" or system.bars is None:
-        return words.get(system.model, system.model)
-    return f"fem: elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
-
-
-def method_words(system: System, found: Modes) -> str:
-    """How the modes were found, in words."""
-    if system.bars is not None and not found.certified:
-        return "dense problem of all unknowns, not certified: the elements are too few for counts"
-    return "tree elimination in mixed form, certified by Sturm counts"
 
 
 def discretisation_words(system: System) -> str:
@@ -99,7 +80,10 @@ def run_assembly(work: Work) -> None:
         highest = highest_excited(work.study, system, work.ruled)
         if highest:
             system = assembled(work.study, highest)
-        step.method = model_words(system)
+        words = {"lumped": "lumped, kept in factors", "exact": "exact: shafts as continua, no error of discretisation"}
+        step.method = words.get(system.model, system.model)
+        if system.model == "fem" and system.bars is not None:
+            step.method += f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     work.put(system=system)
@@ -119,7 +103,9 @@ def run_modes(work: Work) -> None:
     with work.log.step("natural frequencies", "requested" if "modes" in study.analyses else "the default") as step:
         found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
         system = found.system
-        step.method = method_words(system, found)
+        step.method = "tree elimination in mixed form, certified by Sturm counts"
+        if system.bars is not None and not found.certified:
+            step.method = "dense problem of all unknowns, not certified: the elements are too few for counts"
         step.size = f"{found.frequency.size} of {_size(system)}; {discretisation_words(system)}"
     work.put(system=system, modes=found)
 

@@ -1,18 +1,15 @@
 """The Holzer table of a mode, taken from the mode itself: station by station, all referred to the reference speed."""
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.undamped_modes import STANDS_STILL, Modes
+from torsion.analyses.mode_nodes import TINY
+from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.kernels.tree import Tree
-
-if TYPE_CHECKING:
-    from torsion.kernels.distributed.span_laws import Shafts
 
 
 @dataclass(frozen=True)
@@ -56,15 +53,15 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     ratio = system.speed_ratio[station]
     angle = np.where(condensed.is_held_copy, 0.0, modes.shape[station, mode] / ratio)
     scale = float(angle[rows][np.argmax(np.abs(angle[rows]))])  # the largest where the first stands still
-    if abs(angle[rows][0]) > STANDS_STILL * abs(scale):
+    if abs(angle[rows][0]) > TINY * abs(scale):
         scale = float(angle[rows][0])
     omega = 2.0 * math.pi * modes.frequency[mode]
     torque = np.zeros(condensed.tree.size)
     has = span >= 0
     torque[has] = (modes.torque[:, mode] * system.span_ratio)[span[has]] * condensed.sign[span[has]]
-    inertia, flexibility = condensed.tree.inertia, condensed.tree.flexibility
+    tree = replace(condensed.tree, shafts=system.condensed_shafts)
+    flexibility, inertia = (values[:, 0] for values in tree.at(np.array([omega**2])))
     if system.condensed_shafts is not None:
-        inertia, flexibility = _stiffened(condensed.tree, system.condensed_shafts, omega)
         node = system.condensed_shafts.node
         torque[node] = (angle[condensed.tree.parent] - angle)[node] / flexibility[node]
     own = np.where(condensed.tree.held, np.inf, inertia / ratio**2)
@@ -78,20 +75,8 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     )  # fmt: skip
 
 
-def _stiffened(tree: Tree, bars: "Shafts", omega: float) -> tuple[FloatArray, FloatArray]:
-    """(tree stations,) inertia, kg m2, and flexibility, rad/(N m), with the distributed shafts as they are at omega."""
-    inertia, flexibility = tree.inertia.copy(), tree.flexibility.copy()
-    across, inner, outer = bars.at(np.array([omega**2]))
-    flexibility[bars.node] = across[:, 0]
-    np.add.at(inertia, bars.node, outer[:, 0])
-    np.add.at(inertia, tree.parent[bars.node], inner[:, 0])
-    return inertia, flexibility
-
-
 def _from_root(tree: Tree) -> IntArray:
     """Tree stations, each branch to its end before the next."""
-    if tree.is_chain:
-        return np.arange(tree.size)
     order: list[int] = []
     for root in tree.roots:
         stack = [root]

@@ -1,84 +1,151 @@
-"""Mean torque in every span (order 0): where the power enters and leaves, the load law, and faults of both."""
+"""Mean torque in every span (order 0): where power enters and leaves, how the spans share it, its law, and faults.
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+Shares are exact fractions, referred to the reference speed: 1 is the whole mean torque at that speed. The sums run over
+a spanning tree, so a span that carries nothing carries exactly nothing.
+"""
+
 from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.statics import Shares, statics
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.components.lowering import Part
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
-from torsion.primitives import Torque
+from torsion.kernels.spanning_forest import Walk, closing_no_loop, walk
 from torsion.results import reported, result
 from torsion.study import Operation, Study
 from torsion.train import Train
 
+Shares = list[Fraction]
+
+
+def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray, FloatArray]:
+    """Under 1 N m, of which the shares (stations,) sum to zero: torques (spans,) N m, twists (stations,) rad.
+
+    A torque is positive from driving to driven; twists are against the reference station.
+    A grounded station that neither drives nor loads takes no mean torque: it turns at the mean speed by definition.
+    Raises SolveError where the mean torque has to pass a span without stiffness, or cannot reach its load.
+    """
+    way = _way(system, reference)
+    torque = np.array([float(share) for share in _tree_torques(system, way, applied)])
+    flexibility = system.flexibility / system.span_ratio**2
+    finite = np.where(np.isfinite(flexibility), flexibility, 0.0)
+    loops = np.setdiff1d(np.flatnonzero(np.isfinite(flexibility)), way.above)
+    if loops.size:
+        cycle = _cycles(system, way, loops)
+        around = (cycle * finite) @ cycle.T
+        torque = torque - cycle.T @ np.linalg.solve(around, cycle @ (finite * torque))
+    _refuse_slipping(system, torque)
+    twist = np.zeros(len(system.stations))
+    for station, parent, span in _from_roots(way):
+        if span >= 0:
+            twist[station] = twist[parent] - _toward_leaves(system, span, station) * (finite[span] * torque[span])
+    return torque, twist
+
+
+def _way(system: System, reference: int) -> Walk:
+    """A spanning tree from the reference station, with spans without stiffness only where nothing else leads on."""
+    ends, finite = (len(system.stations), system.driving, system.driven), np.isfinite(system.flexibility)
+    way = walk(*ends, finite, [reference])
+    if finite.all():
+        return way
+    ranked = np.concatenate([way.above[way.above >= 0], np.flatnonzero(~finite)])
+    return walk(*ends, closing_no_loop(*ends, ranked), [reference])
+
+
+def _from_roots(way: Walk) -> list[tuple[int, int, int]]:
+    """Station, parent and span between them, every station after its parent; -1 at a root."""
+    return list(zip(*(each.tolist() for each in (way.order, way.parent[way.order], way.above[way.order])), strict=True))
+
+
+def _toward_leaves(system: System, span: int, station: int) -> int:
+    """1 where the span's driven end is `station`, else -1."""
+    return 1 if system.driven[span] == station else -1
+
+
+def _tree_torques(system: System, way: Walk, applied: Shares) -> Shares:
+    """(spans,) share carried by each span of the tree: what is applied beyond it, with the sign of its direction."""
+    beyond, shares = list(applied), [Fraction(0)] * len(system.spans)
+    for station, parent, span in reversed(_from_roots(way)):
+        if span >= 0:
+            shares[span] = -beyond[station] * _toward_leaves(system, span, station)
+            beyond[parent] += beyond[station]
+        elif beyond[station] != 0:
+            raise SolveError("the mean torque cannot reach the load: drive and load are not joined by any span")
+    return shares
+
+
+def _cycles(system: System, way: Walk, loops: IntArray) -> FloatArray:
+    """(loops, spans) 1 for each span that closes a loop and +-1 for those of the tree around it: their twists are 0."""
+    cycle = np.zeros((len(loops), len(system.spans)))
+    for row, closing in zip(cycle, loops.tolist(), strict=True):
+        row[closing] = 1.0
+        for end, sense in ((int(system.driving[closing]), 1.0), (int(system.driven[closing]), -1.0)):
+            station = end
+            while (span := int(way.above[station])) >= 0:
+                row[span] += sense * _toward_leaves(system, span, station)
+                station = int(way.parent[station])
+    return cycle
+
+
+def _refuse_slipping(system: System, torque: FloatArray) -> None:
+    """A span without stiffness carries no torque while both of its ends turn at one speed."""
+    for span in np.flatnonzero(np.isinf(system.flexibility) & (torque != 0)).tolist():
+        message = f"the mean torque has to pass through '{system.spans[span].name}', that has damping but no stiffness"
+        raise SolveError(f"{message}; give it a stiffness")
+
+
 Shared = list[tuple[int, Fraction]]  # stations with their shares of the power
+Table = tuple[tuple[float, float], ...]  # rad/s, N m
 SAME_POWER = 0.01  # relative: the sum of rounded ratings of motors that is still the rated power
 SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was written in another unit
 
 
-@dataclass(frozen=True)
-class Flow:
-    """Stations that drive and that absorb the power, with their shares of it, and all of that in a sentence."""
+def flow(train: Train, operation: Operation) -> tuple[Shares, str]:
+    """(stations,) shares of the power, in positive and out negative, and where it enters and leaves in a sentence.
 
-    drives: Shared
-    loads: Shared
-    stated: str
-
-
-def flow(train: Train, operation: Operation) -> Flow:
-    """The power enters at the motors, in proportion to their power, and leaves at the propellers, in equal parts.
-
-    Without a motor it enters at the first station, without a propeller it leaves at the last station of the main line;
-    where the power leaves (enters) there already, at the other end. Raises InputError where both ends are taken, or
-    only some of the motors have a power.
+    It enters at the motors, in proportion to their power, and leaves at the propellers, in equal parts. Without a motor
+    it enters at the first station, without a propeller it leaves at the last station of the main line; where the power
+    leaves (enters) there already, at the other end. Raises InputError where both ends are taken, or only some of the
+    motors have a power.
     """
     motors, propellers = ([part for _, part in train.of_kind(kind)] for kind in ("motor", "propeller"))
-    first, last = 0, _last(train)
+    main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
+    first, last = 0, main[-1].stations[-1]
     drives, loads = _driving(motors), _equally(propellers)
     driving, loading = _names(motors), _names(propellers)
     if not motors:
-        end = _free_end((first, last), loads, train, operation)
-        drives, driving = [(end, Fraction(1))], _at_an_end(train, end, "motor", "propeller", end == first)
+        drives, driving = _at_an_end((first, last), loads, ("motor", "propeller"), train, operation)
     elif len(motors) > 1:
         driving += " in equal parts" if motors[0].power is None else " in proportion to their power"
     if not propellers:
-        end = _free_end((last, first), drives, train, operation)
-        loads, loading = [(end, Fraction(1))], _at_an_end(train, end, "propeller", "motor", end == last)
+        loads, loading = _at_an_end((last, first), drives, ("propeller", "motor"), train, operation)
     elif len(propellers) > 1:
         loading += " in equal parts"
+    shares = [Fraction(0)] * len(train.stations)
+    for station, share in (*drives, *((station, -share) for station, share in loads)):
+        shares[station] += share
     stated = f"The mean torque enters at {driving} and leaves at {loading}."
-    return Flow(drives, loads, stated + _shares_alone(motors, operation))
+    return shares, stated + _shares_alone(motors, operation)
 
 
-def _last(train: Train) -> int:
-    """The last station of the main line."""
-    main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
-    return main[-1].stations[-1]
+def _at_an_end(
+    ends: tuple[int, int], taken: Shared, kinds: tuple[str, str], train: Train, operation: Operation
+) -> tuple[Shared, str]:
+    """The first of two ends of the main line that is not taken, in place of a kind of component, and that in words.
 
-
-def _free_end(ends: tuple[int, int], taken: Shared, train: Train, operation: Operation) -> int:
-    """The first of the two ends of the main line that is not taken; raises InputError where both are."""
-    stations = {station for station, _ in taken}
-    for end in ends:
-        if end not in stations:
-            return end
-    where = ("operation", "load" if operation.rated is None else "rated")
-    message = f"the mean torque would enter and leave the train at '{train.stations[ends[0]].name}'"
-    hint = "name what drives a `motor` and what absorbs the power a `propeller`, or leave the power out"
-    raise InputError([Fault(where, message, hint)])
-
-
-def _at_an_end(train: Train, end: int, lacking: str, other: str, usual: bool) -> str:
-    """The name of the end that stands in for a kind of component, and why."""
-    name = train.stations[end].name
-    why = f"there is no {lacking}" if usual else f"there is no {lacking}, and the other end is a {other}"
-    return f"{name} ({why})"
+    kinds: the one that is lacking and the other; raises InputError where both ends are taken.
+    """
+    free = [end for end in ends if end not in dict(taken)]
+    if not free:
+        where = ("operation", "load" if operation.rated is None else "rated")
+        message = f"the mean torque would enter and leave the train at '{train.stations[ends[0]].name}'"
+        hint = "name what drives a `motor` and what absorbs the power a `propeller`, or leave the power out"
+        raise InputError([Fault(where, message, hint)])
+    why = f"there is no {kinds[0]}" + ("" if free[0] == ends[0] else f", and the other end is a {kinds[1]}")
+    return [(free[0], Fraction(1))], f"{train.stations[free[0]].name} ({why})"
 
 
 def _driving(motors: list[Part]) -> Shared:
@@ -128,26 +195,18 @@ class Steady:
 def steady(train: Train, system: System, operation: Operation, speed: FloatArray) -> Steady:
     """Mean torques at reference speeds (speeds,) rad/s.
 
-    Where the torque enters and leaves is `power.flow`'s. Raises InputError as that does, and where the operation says
+    Where the torque enters and leaves is `flow`'s. Raises InputError as that does, and where the operation says
     no mean torque or its table does not cover the speeds.
     """
     speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
     mean = mean_torque(operation, speed)
-    power = flow(train, operation)
-    shares: Shares = [Fraction(0)] * len(system.stations)
-    for station, share in power.drives:
-        shares[station] += share
-    for station, share in power.loads:
-        shares[station] -= share
-    one = statics(system, shares, reference_station(train, operation))
+    shares, stated = flow(train, operation)
+    shares += [Fraction(0)] * (len(system.stations) - len(shares))  # nothing acts inside shafts
+    torque, twist = statics(system, shares, reference_station(train, operation))
     applied = np.array([float(share / station.ratio) for share, station in zip(shares, system.stations, strict=True)])
-    return Steady(
-        speed,
-        np.outer(one.torque / system.span_ratio, mean),
-        np.outer(applied, mean),
-        np.outer(one.twist * system.speed_ratio, mean),
-        power.stated,
-    )
+    each = (torque / system.span_ratio, applied, twist * system.speed_ratio)
+    torques, acting, twists = (np.outer(of_one, mean) for of_one in each)
+    return Steady(speed, torques, acting, twists, stated)
 
 
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
@@ -170,18 +229,24 @@ def mean_torque(operation: Operation, speed: FloatArray) -> FloatArray:
     return torque * (speed / rated.speed) ** 2 if load == "propeller" else np.full_like(speed, torque)
 
 
-def interpolated(table: tuple[tuple[float, float], ...], speed: FloatArray, about: Fault) -> FloatArray:
+def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
     """Torque (speeds,) N m from a table over speed, linear between its rows and never beyond them.
 
     `about` names the table and its place; raises InputError where the table does not cover the speeds.
     """
+    if faults := _uncovered(table, speed, about):
+        raise InputError(faults)
     rows = np.array(table, dtype=np.float64)
-    first, last = rows[0, 0], rows[-1, 0]
-    if speed.size and (speed.min() < first * (1 - SAME_SPEED) or speed.max() > last * (1 + SAME_SPEED)):
-        covers = f"covers {_rpm(first)} to {_rpm(last)}, the speeds run from {_rpm(speed.min())} to {_rpm(speed.max())}"
-        hint = "extend the table, or narrow the speeds; nothing is extrapolated"
-        raise InputError([Fault(about.path, f"{about.message} {covers}", hint)])
     return np.asarray(np.interp(speed, rows[:, 0], rows[:, 1]))
+
+
+def _uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
+    first, last = table[0][0], table[-1][0]
+    if not speed.size or (speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)):
+        return []
+    covers = f"covers {_rpm(first)} to {_rpm(last)}, the speeds run from {_rpm(speed.min())} to {_rpm(speed.max())}"
+    hint = "extend the table, or narrow the speeds; nothing is extrapolated"
+    return [Fault(about.path, f"{about.message} {covers}", hint)]
 
 
 def reference_station(train: Train, operation: Operation) -> int:
@@ -221,8 +286,9 @@ def run(work: Work) -> None:
 def power_faults(study: Study) -> list[Fault]:
     """Why the mean torque finds no way through the train, and a table of the load that does not cover the speeds."""
     operation = study.operation
-    speed = _speeds(operation)
-    if not operation.has_mean_torque or not speed.size:
+    ends = [] if operation.speeds is None else [operation.speeds.first, operation.speeds.last]
+    speed = np.array([*ends, *([] if operation.rated is None else [operation.rated.speed])])
+    if not speed.size:
         return []
     found: list[Fault] = []
     if not isinstance(operation.load, str):
@@ -235,40 +301,17 @@ def power_faults(study: Study) -> list[Fault]:
 
 
 def table_faults(study: Study) -> list[Fault]:
-    """Tables of torques over speed that do not cover the speeds of the response."""
-    operation, orders = study.operation, getattr(study.analyses.get("response"), "orders", "all")
-    if operation.speeds is None:
+    """Tables of torques over speed, of those that the response reads, that do not cover its speeds."""
+    speeds, orders = study.operation.speeds, getattr(study.analyses.get("response"), "orders", "all")
+    if speeds is None:
         return []
-    ends = np.array([operation.speeds.first, operation.speeds.last])
     found: list[Fault] = []
-    for torque in _over_speed(study.train, orders):
-        about = Fault((*torque.path, "torque"), f"the table of the torque at '{torque.name}'")
-        found += _uncovered(torque.table, ends * float(study.train.stations[torque.station].ratio), about)
+    for torque in study.train.torques:
+        ratio = study.train.stations[torque.station].ratio
+        is_read = torque.frequency is not None
+        if torque.order is not None:
+            is_read = not isinstance(orders, tuple) or torque.order * ratio in orders
+        if torque.table and is_read:
+            about = Fault((*torque.path, "torque"), f"the table of the torque at '{torque.name}'")
+            found += _uncovered(torque.table, np.array([speeds.first, speeds.last]) * float(ratio), about)
     return found
-
-
-def _over_speed(train: Train, orders: object) -> Iterator[Torque]:
-    """Torques by table that the response over speed reads; `orders` of the reference, or 'all'."""
-    for torque in train.torques:
-        if not torque.table or (torque.order is None and torque.frequency is None):
-            continue
-        if (
-            torque.order is None
-            or not isinstance(orders, tuple)
-            or torque.order * train.stations[torque.station].ratio in orders
-        ):
-            yield torque
-
-
-def _speeds(operation: Operation) -> FloatArray:
-    """rad/s at which the mean torque is needed, its ends among them."""
-    ends = [] if operation.speeds is None else [operation.speeds.first, operation.speeds.last]
-    return np.array([*ends, *([operation.speed] if operation.rated is not None else [])])
-
-
-def _uncovered(table: tuple[tuple[float, float], ...], speed: FloatArray, about: Fault) -> tuple[Fault, ...]:
-    try:
-        interpolated(table, speed, about)
-    except InputError as error:
-        return error.faults
-    return ()

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.analyses.mode_nodes import nodes
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
@@ -19,72 +20,20 @@ from torsion.results import derived, reported, result
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.kernels.mode_shapes import ShaftModes, TreeModes
+    from torsion.kernels.mode_shapes import ShaftModes
 
-STANDS_STILL = 1e-12  # of the largest amplitude (referred to one speed); a smaller one is rounding and has no sign
 MOST_MODES = 100_000
-LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
+NONE = np.empty(0, dtype=np.int64)  # no spans
 Ruled = frozenset[str]  # analyses that the rules of a study read
 Progress = Callable[[int, int], None]  # (modes found, of how many)
-
-
-def lumped_kinetic(system: System, shape: FloatArray) -> FloatArray:
-    """(stations, modes) twice the kinetic energy / w^2 of what is lumped at each station; shape at own speed."""
-    energy = np.square(shape)
-    energy *= np.where(system.held, 0.0, system.lumped_inertia)[:, None]
-    return energy
-
-
-def lumped_elastic(system: System, torque: FloatArray) -> FloatArray:
-    """(spans, modes) twice the elastic energy of the spans that store any."""
-    energy = np.square(torque)
-    energy *= np.where(is_elastic(system), system.flexibility, 0.0)[:, None]
-    return energy
 
 
 def shares(energy: FloatArray) -> FloatArray:
     """What each one has of the sum over all, (all, modes), in the place of `energy`."""
     energy /= energy.sum(axis=0)
     return energy
-
-
-def is_elastic(system: System) -> BoolArray:
-    """(spans,) spans that store energy: neither rigid nor without stiffness."""
-    return np.asarray((system.flexibility > 0) & np.isfinite(system.flexibility))
-
-
-def nodes(system: System, shape: FloatArray) -> IntArray:
-    """(modes,) spans over which the shape (stations, modes), rad at own speed, changes its sign.
-
-    A station that stands still takes the sign of its neighbour toward the root: a node at a station counts once.
-    A grounded station has no sign: the shape starts there and does not cross it.
-    """
-    block, number = max(1, LARGEST_BLOCK // max(system.condensed.tree.size, 1)), shape.shape[1]
-    counted = [_nodes(system, shape[:, first : first + block]) for first in range(0, number, block)]
-    return np.concatenate([np.empty(0, dtype=np.int64), *counted])
-
-
-def _nodes(system: System, shape: FloatArray) -> IntArray:
-    tree, stations = system.condensed.tree, np.arange(system.condensed.tree.size)[:, None]
-    angle = np.zeros((tree.size, shape.shape[1]))
-    angle[system.condensed.node] = shape / system.speed_ratio[:, None]
-    size = np.abs(angle)
-    sign = np.sign(angle).astype(np.int8)
-    sign[size <= STANDS_STILL * size.max(axis=0, initial=0.0)] = 0
-    sign[tree.held] = 0
-    still = (sign == 0) & ~tree.held[:, None]
-    if still.any():
-        begins = still & (tree.parent < 0)[:, None]
-        sign[begins] = 1
-        moving = np.where(still & ~begins, tree.parent[:, None], stations)
-        while not np.array_equal(beyond := np.take_along_axis(moving, moving, axis=0), moving):
-            moving = beyond
-        sign = np.take_along_axis(sign, moving, axis=0)
-    joined = (tree.parent >= 0) & np.isfinite(tree.flexibility)
-    crosses: IntArray = np.count_nonzero((sign * sign[tree.parent] < 0) & joined[:, None], axis=0)
-    return crosses
 
 
 class ModesSettings(Declared):
@@ -127,30 +76,30 @@ class Modes:
     )  # fmt: skip
     def kinetic(self) -> FloatArray:
         """(stations, modes)."""
-        energy = lumped_kinetic(self.system, self.shape)
+        energy = np.square(self.shape)
+        energy *= np.where(self.system.held, 0.0, self.system.lumped_inertia)[:, None]
         if self.distributed is not None and self.system.bars is not None:
             for end in (0, 1):
                 np.add.at(energy, self.system.bars.ends[:, end], self.distributed.shaft_kinetic / 2.0)
         return shares(energy)
 
     @derived(
-        "1",
-        ("span", "mode"),
-        "share of the elastic energy",
-        key="elastic_share",
-        printed=("mode", "span"),
-        is_total=True,
-    )
+        "1", ("span", "mode"), "share of the elastic energy",
+        key="elastic_share", printed=("mode", "span"), is_total=True,
+    )  # fmt: skip
     def elastic(self) -> FloatArray:
         """(spans, modes)."""
         if self.distributed is not None:
             return shares(self.distributed.elastic[self.system.condensed.span])
-        return shares(lumped_elastic(self.system, self.torque))
+        flexibility, energy = self.system.flexibility, np.square(self.torque)
+        energy *= np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
+        return shares(energy)
 
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
         """(modes,)."""
-        return nodes(self.system, self.shape)
+        square = np.square(2.0 * math.pi * self.frequency)
+        return nodes(self.system, undamped_tree(self.system), chord_spans(self.system), self.shape, square)
 
     @property
     def enclosure(self) -> FloatArray:
@@ -239,16 +188,31 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
 def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.groups is not None:
-        return condensed_modes(modes_as_discretised(system.groups.system, count, progress=progress), system)
+        return condensed_modes(modes_as_discretised(system.whole, count, progress=progress), system)
+    tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.bars import referred_modes
 
-        found = referred_modes(undamped_tree(system), count)
+        found = referred_modes(tree, count)
         outer = found.torque if found.shafts is None else found.shafts.torque_outer
-        return _modes(system, found, bar_torques(system, found.torque, outer))
-    chords = chord_spans(system)
-    found = _referred_modes(system, chords, count, progress)
-    return _modes(system, found, span_torques(system, found.torque, chords, found.loop_torque))
+        torque = bar_torques(system, found.torque, outer)
+    else:
+        if chords.size:
+            from torsion.kernels.loops import graph_modes
+
+            flexibility = (system.flexibility / system.span_ratio**2)[chords]
+            found = graph_modes(tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count)
+        else:
+            from torsion.kernels.natural_modes import tree_modes
+
+            found = tree_modes(tree, count, progress=progress)
+        torque = span_torques(system, found.torque, chords, found.loop_torque)
+    angle, hertz, ratio = _rows(found.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
+    shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
+    return Modes(
+        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
+        system, found.shafts,
+    )  # fmt: skip
 
 
 def condensed_modes(whole: Modes, system: System) -> Modes:
@@ -265,32 +229,15 @@ def condensed_modes(whole: Modes, system: System) -> Modes:
     return found
 
 
-def _referred_modes(system: System, chords: IntArray, count: int | None, progress: Progress | None) -> "TreeModes":
-    """The modes on the condensed tree, with the chords `chords` of its loops."""
-    tree = undamped_tree(system)
-    if not chords.size:
-        from torsion.kernels.natural_modes import tree_modes
-
-        return tree_modes(tree, count, progress=progress)
-    from torsion.kernels.loops.looped_modes import graph_modes
-
-    node = system.condensed.node
-    flexibility = (system.flexibility / system.span_ratio**2)[chords]
-    return graph_modes(tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count)
-
-
 def undamped_tree(system: System) -> Tree:
     """The tree with the laws of its distributed shafts, without spans that have damping but no stiffness.
 
     These hold nothing without damping.
     """
     tree = system.condensed.tree
-    slips = np.isinf(tree.flexibility)
     if system.condensed_shafts is not None:
         tree = replace(tree, shafts=system.condensed_shafts)
-    if not slips.any():
-        return tree
-    return replace(tree, parent=np.where(slips, -1, tree.parent), flexibility=np.where(slips, 0.0, tree.flexibility))
+    return tree.cut(np.isinf(tree.flexibility))
 
 
 def chord_spans(system: System) -> IntArray:
@@ -299,7 +246,9 @@ def chord_spans(system: System) -> IntArray:
     return extra[np.isfinite(system.flexibility[extra])]
 
 
-def span_torques(system: System, torque: np.ndarray, chords: IntArray, chord_torque: np.ndarray) -> np.ndarray:
+def span_torques(
+    system: System, torque: np.ndarray, chords: IntArray = NONE, chord_torque: np.ndarray | float = 0.0
+) -> np.ndarray:
     """(spans, columns) N m at each driving station's speed, from torques (tree stations, columns) on the tree.
 
     chord_torque: (chords, columns) N m at one speed, positive when the driving side pushes.
@@ -316,23 +265,10 @@ def span_torques(system: System, torque: np.ndarray, chords: IntArray, chord_tor
 
 def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
     """(spans, columns) N m at each driving station, from torques (tree stations, columns) at both ends of spans."""
-    condensed = system.condensed
+    from_parent = system.condensed.span[system.condensed.sign > 0]
     at_driving = torque_outer.copy()
-    from_parent = condensed.span[condensed.sign > 0]
     at_driving[from_parent] = torque[from_parent]
-    none = np.empty(0, dtype=np.int64)
-    return span_torques(system, at_driving, none, np.empty((0, torque.shape[1])))
-
-
-def _modes(system: System, found: "TreeModes", torque: FloatArray) -> Modes:
-    """The modes at own speeds."""
-    hertz, ratio = 1.0 / (2.0 * math.pi), system.speed_ratio
-    angle = _rows(found.angle, system.condensed.node)
-    shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
-    return Modes(
-        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
-        system, found.shafts,
-    )  # fmt: skip
+    return span_torques(system, at_driving)
 
 
 def _rows(values: np.ndarray, at: IntArray) -> np.ndarray:

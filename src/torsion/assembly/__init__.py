@@ -1,10 +1,9 @@
 """Primitives to a system: one model a file, imported when it is requested."""
 
 import math
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
-from torsion.assembly.section.solved_sections import resolved
 from torsion.errors import Fault, InputError, SolveError
 
 if TYPE_CHECKING:
@@ -36,18 +35,19 @@ def assemble(
     """
     if model not in MODELS:
         raise InputError([Fault(("model",), f"no model is called '{model}'", f"give {', '.join(MODELS)}")])
-    module, name = MODELS[model].split(":")
-    finite = {"degree": degree, "elements": elements} if model == "fem" else {}
-    system: System = getattr(import_module(module), name)(resolved(train), frequency=frequency, **finite)
+    from torsion.assembly.system import Discretisation
+
+    if train.has_meshed_sections:
+        from torsion.assembly.section.solved_sections import resolved
+
+        train = resolved(train)
+    system: System = resolve_name(MODELS[model])(train, Discretisation(frequency, degree, elements))
     return system
 
 
 def rediscretised(system: "System", frequency: float) -> "System":
     """The same train in the same model, its shafts discretised for another highest frequency (Hz)."""
-    requested = system.requested
-    return assemble(
-        system.train, system.model, frequency=frequency, degree=requested.degree, elements=requested.elements
-    )
+    return assemble(system.train, system.model, **{**vars(system.requested), "frequency": frequency})
 
 
 def is_as_fine(system: "System", other: "System") -> bool:

@@ -2,17 +2,18 @@
 
 import math
 from collections.abc import Callable
-from itertools import pairwise
+from dataclasses import replace
+from itertools import count, pairwise
 
 import numpy as np
 
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.lumped import MOST
 from torsion.assembly.shafts import Piece, bar_segments, is_uniform, phase
-from torsion.assembly.spans import Span
+from torsion.assembly.spans import Row, Span
 from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import Collected
-from torsion.primitives import Bar
+from torsion.primitives import Bar, Station
 from torsion.train import Train
 
 LARGEST_PHASE = 1.0  # rad along a piece at the highest frequency requested; far below pi, from where counts need more
@@ -29,54 +30,42 @@ def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, B
     found = Collected.of(train)
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
     lumped = list(found.inertia)
-    spans, pieces, numbers = list[int](), list[Piece](), dict[str, int]()
-    stated_at = list[tuple[int, int]]()
+    numbers, pieces = dict[str, int](), list[tuple[int, tuple[int, int], Piece]]()
     for bar in train.bars:
         massless = bar.density == 0
         tells_end = not massless and not (bar.driven in held and len(held) > 1)
         numbers[bar.name] = number = (bar.segments or 1) if massless else number_of(bar)
-        ends = found.inside(bar, number)
-        last = bar.driven if not tells_end else found.station(bar, f"{bar.name} end")
-        between = found.pieces(bar, [*ends, last], *bar_segments(bar, number))
-        if tells_end:
-            found.inertia[bar.driven] += found.inertia[last]
-            found.inertia[last] = 0.0
-            found.add(Span(f"{bar.name}, driven end", bar.part, last, bar.driven), 0.0)
+        row = Row(bar, number, len(found.stations), found.stations[bar.driving])
         if not massless:
-            spans.extend(between)
-            stated_at.extend(pairwise([*ends, bar.driven]))
-            pieces.extend(Piece(bar, position, number) for position in range(number))
-    lumped += [0.0] * (len(found.stations) - len(lumped))
+            made = (Piece(bar, position, number) for position in range(number))
+            pieces += zip(count(len(found.spans)), pairwise(row.stations.tolist()), made, strict=False)
+        found.one_by_one(row, *bar_segments(bar, number))
+        if tells_end:
+            found.spans[-1] = replace(found.spans[-1], driven=len(found.stations))
+            found.add(Span(f"{bar.name}, driven end", bar.part, len(found.stations), bar.driven), 0.0)
+            found.stations.append(Station(f"{bar.name} end", bar.part, row.begin.ratio, row.begin.sense))
+            found.inertia.append(0.0)
     if not pieces:
         return found, None, numbers
-    order = sorted(range(len(pieces)), key=lambda k: not is_uniform(pieces[k].bar))
-    halves = np.array([stated_at[k] for k in order], dtype=np.int64).reshape(-1, 2)
-    where = np.array([spans[k] for k in order], dtype=np.int64)
-    return found, BarSpans(where, np.array(lumped), halves, tuple(pieces[k] for k in order)), numbers
-
-
-def steepness(bar: Bar) -> float:
-    """The largest ratio of both ends of a shaft in diameter, wall or mean diameter."""
-    outer, bore = np.array(bar.outer), np.array(bar.bore)
-    sizes = np.array([outer, outer - bore, outer + bore])
-    return float((sizes.max(axis=1) / sizes.min(axis=1)).max())
-
-
-def pieces_for_steepness(bar: Bar) -> int:
-    """Pieces of equal length, none of which is steeper than STEEPEST."""
-    return max(1, int(np.ceil((steepness(bar) - 1.0) / (STEEPEST - 1.0))))
+    pieces.sort(key=lambda piece: not is_uniform(piece[-1].bar))
+    lumped += [0.0] * (len(found.stations) - len(lumped))
+    span, halves, made_of = zip(*pieces, strict=True)
+    return found, BarSpans(np.array(span), np.array(lumped), np.array(halves), made_of), numbers
 
 
 def pieces_for(bar: Bar, frequency: float) -> int:
-    """Pieces of a shaft for a highest frequency (Hz); its `segments` are the least number."""
-    needed = math.ceil(phase(bar, frequency) / LARGEST_PHASE)
-    return max(min(max(needed, FEWEST, pieces_for_steepness(bar)), MOST), bar.segments or 1)
+    """Pieces of a shaft for a highest frequency (Hz), none steeper than STEEPEST; at least its `segments`."""
+    outer, bore = np.array(bar.outer), np.array(bar.bore)
+    sizes = np.array([outer, outer - bore, outer + bore])
+    steepness = float((sizes.max(axis=1) / sizes.min(axis=1)).max())
+    needed = (phase(bar, frequency) / LARGEST_PHASE, FEWEST, (steepness - 1.0) / (STEEPEST - 1.0))
+    return max(min(math.ceil(max(needed)), MOST), bar.segments or 1)
 
 
-def assemble_exact(train: Train, *, frequency: float = 0.0) -> System:
+def assemble_exact(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft is a continuum, in pieces short enough for a highest frequency (Hz).
 
     Raises SolveError for a train with closed loops.
     """
-    found, bars, pieces = collect(train, lambda bar: pieces_for(bar, frequency))
-    return found.system("exact", pieces, Discretisation(frequency), math.inf, bars)
+    found, bars, pieces = collect(train, lambda bar: pieces_for(bar, requested.frequency))
+    return found.system("exact", pieces, requested, math.inf, bars)

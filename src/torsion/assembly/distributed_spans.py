@@ -1,7 +1,6 @@
 """The spans of a system with distributed inertia, and the laws by which the kernels take them."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,22 +27,6 @@ class BarSpans:
     degree: int = 0  # of the finite elements; 0 for the exact model
     error: float = 0.0  # estimated, relative, of a shaft's highest frequency requested
 
-    @property
-    def stiffness(self) -> FloatArray | None:
-        """(spans, degree + 1, degree + 1) N m/rad of finite elements at own speed: driving end, driven end, inside."""
-        return self._matrices[0] if self.degree else None
-
-    @property
-    def inertia(self) -> FloatArray | None:
-        """(spans, degree + 1, degree + 1) kg m2, likewise."""
-        return self._matrices[1] if self.degree else None
-
-    @cached_property
-    def _matrices(self) -> tuple[FloatArray, FloatArray]:
-        from torsion.assembly.element_matrices import element_matrices
-
-        return element_matrices(self.pieces, self.degree)
-
     def laws(self, node: IntArray, ratio: FloatArray, turned: BoolArray) -> "Shafts":
         """The spans as the kernels take them: referred to one speed, in the order of `span`.
 
@@ -55,7 +38,7 @@ class BarSpans:
             return Shafts(node, self._continua(ratio**2)).turned(turned)
         from torsion.assembly.element_matrices import element_law
 
-        return Shafts(node, (element_law(self, ratio**2),)).turned(turned)
+        return Shafts(node, (element_law(self.pieces, self.degree, ratio**2),)).turned(turned)
 
     def _continua(self, ratio2: FloatArray) -> "tuple[Law, ...]":
         """Uniform pieces, which come first, and conical ones."""

@@ -1,8 +1,11 @@
-"""Stiffness and inertia of finite elements of a shaft, by scikit-fem."""
+"""Stiffness and inertia of finite elements of a shaft, by scikit-fem.
 
-from collections.abc import Iterator, Sequence
+The unknowns of an element are the angles at its driving and its driven end, then those inside. The pieces of a shaft
+stand one after another.
+"""
+
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import skfem
@@ -11,14 +14,11 @@ from torsion.arrays import FloatArray
 from torsion.assembly.shafts import Piece, is_uniform, uniform_area
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 
-if TYPE_CHECKING:
-    from torsion.assembly.distributed_spans import BarSpans
-
 DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it
 
 
 def element(degree: int) -> Any:
-    """The element of a degree: its unknowns are the angles at both ends, then those inside."""
+    """The element of a degree."""
     if degree == 1:
         return skfem.ElementLineP1()
     return skfem.ElementLineP2() if degree == 2 else skfem.ElementLinePp(degree)
@@ -30,46 +30,34 @@ def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray
     Integrals of int G I u' v' dx and int rho I u v dx over each piece, exact to rounding. A cell of the mesh has the
     length 1, so that nothing of its place along the shaft enters.
     """
-    shape = (len(pieces), degree + 1, degree + 1)
-    stiffness, inertia = np.empty(shape), np.empty(shape)
-    for begin, first in _shafts(pieces):
-        part = slice(begin, begin + first.number)
-        stiffness[part], inertia[part] = _of_shaft(first, degree)
-    return stiffness, inertia
+    stiffness, inertia = zip(*(_of_shaft(first, degree) for first in pieces if first.position == 0), strict=True)
+    return np.concatenate(stiffness), np.concatenate(inertia)
 
 
-def element_law(bars: "BarSpans", ratio2: FloatArray) -> CondensedElements:
+def element_law(pieces: tuple[Piece, ...], degree: int, ratio2: FloatArray) -> CondensedElements:
     """The elements without their unknowns inside, multiplied by `ratio2` (spans,), the squares of their speed ratios.
 
     Those of uniform shafts are one element to scale: it is condensed once for a degree.
     """
-    uniform = [first for _, first in _shafts(bars.pieces) if is_uniform(first.bar)]
+    uniform = [first for first in pieces if first.position == 0 and is_uniform(first.bar)]
     number = [first.number for first in uniform]
     end, parts = sum(number), list[CondensedElements]()
     if uniform:
         factors = np.repeat([_factors(first) for first in uniform], number, axis=0).T * ratio2[:end]
-        parts.append(_law_of_unit(bars.degree).scaled(*factors))
-    if end < len(bars.pieces):
-        stiffness, inertia = element_matrices(bars.pieces[end:], bars.degree)
+        parts.append(_law_of_unit(degree).scaled(*factors))
+    if end < len(pieces):
+        stiffness, inertia = element_matrices(pieces[end:], degree)
         rest = ratio2[end:, None, None]
         parts.append(condensed_elements(stiffness * rest, inertia * rest))
     return CondensedElements.joined(parts)
 
 
-def _shafts(pieces: Sequence[Piece]) -> Iterator[tuple[int, Piece]]:
-    """Where the pieces of each shaft begin, and its first one."""
-    begin = 0
-    while begin < len(pieces):
-        yield begin, pieces[begin]
-        begin += pieces[begin].number
-
-
 def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Matrices of all pieces of a shaft, from its first one on; of one piece that stands for all if it is uniform."""
+    """Matrices of all pieces of a shaft, from its first one on."""
     bar = first.bar
     if is_uniform(bar):
-        (stiff, heavy), (stiffness, inertia) = _of_unit(degree), _factors(first)
-        return stiff * stiffness, heavy * inertia
+        one, two = (unit * factor for unit, factor in zip(_of_unit(degree), _factors(first), strict=True))
+        return np.repeat(one, first.number, axis=0), np.repeat(two, first.number, axis=0)
     basis = _basis(first.number, degree)
     stiff, heavy = _integrals(basis, first.polar_area_moment(basis.default_parameters()["x"][0]))
     return stiff * (bar.shear_modulus / first.length), heavy * (bar.density * first.length)

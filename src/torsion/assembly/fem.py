@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.assembly.distributed_shafts import collect
 from torsion.assembly.lumped import MOST
-from torsion.assembly.shafts import area_along, bar_segments, gauss, is_uniform, phase
+from torsion.assembly.shafts import GAUSS, area_along, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
 from torsion.train import Train
@@ -23,18 +23,10 @@ def accurate_phase(degree: int) -> float:
     return float((SHARE_OF_ERROR / phase_error(degree, 1.0)) ** (0.5 / degree))
 
 
-def longest_phase(degree: int) -> float:
-    """Phase (rad) along one element that keeps the error below SHARE_OF_ERROR, and counts in reach."""
-    return min(accurate_phase(degree), LARGEST_PHASE)
-
-
 def elements_for(bar: Bar, frequency: float, degree: int) -> int:
     """Elements that keep the error of a shaft below SHARE_OF_ERROR up to a highest frequency (Hz), at least FEWEST."""
-    number = max(math.ceil(phase(bar, frequency) / longest_phase(degree)), FEWEST)
-    while number < MOST:
-        error = section_error(bar, number, degree)
-        if error <= SHARE_OF_ERROR:
-            break
+    number = max(math.ceil(phase(bar, frequency) / min(accurate_phase(degree), LARGEST_PHASE)), FEWEST)
+    while number < MOST and (error := section_error(bar, number, degree)) > SHARE_OF_ERROR:
         number = max(number + 1, math.ceil(number * min((error / SHARE_OF_ERROR) ** (0.5 / degree), 4.0)))
     return min(number, MOST)
 
@@ -48,33 +40,26 @@ def degree_for(train: Train, frequency: float, elements: int) -> int:
     return HIGHEST_DEGREE
 
 
-def assemble_fem(
-    train: Train, *, frequency: float = 0.0, degree: int | None = None, elements: int | None = None
-) -> System:
+def assemble_fem(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has elements of one degree, enough for a highest frequency (Hz).
 
-    degree, elements (of every shaft): where not given, what keeps the error below SHARE_OF_ERROR. Raises SolveError
+    A degree or number of elements that is not requested is what keeps the error below SHARE_OF_ERROR. Raises SolveError
     for a train with closed loops.
     """
-    requested = Discretisation(frequency, degree, elements)
-    if degree is None:
-        degree = DEGREE if elements is None else degree_for(train, frequency, elements)
-    order = degree
+    frequency, degree, elements = requested.frequency, requested.degree, requested.elements
+    order = degree or (DEGREE if elements is None else degree_for(train, frequency, elements))
 
     def number_of(bar: Bar) -> int:
         return _number(bar, elements_for(bar, frequency, order) if elements is None else elements)
 
     found, bars, numbers = collect(train, number_of)
+    moving = [bar for bar in train.bars if bar.density > 0]
     if bars is not None:
-        shafts = {piece.bar.name: piece.bar for piece in bars.pieces}.values()
-        error = max(element_error(bar, numbers[bar.name], order, frequency) for bar in shafts)
+        error = max(element_error(bar, numbers[bar.name], order, frequency) for bar in moving)
         bars = replace(bars, degree=order, error=error)
-    stated = elements is not None and (requested.degree is not None or order == HIGHEST_DEGREE)
-    longest = longest_phase(order) if elements is None else accurate_phase(order)
-    resolved = (
-        numbers[bar.name] * longest / phase(bar, 1.0)
-        for bar in train.bars if bar.density > 0 and not stated
-    )  # fmt: skip
+    is_stated = elements is not None and (degree is not None or order == HIGHEST_DEGREE)
+    longest = accurate_phase(order) if elements is not None else min(accurate_phase(order), LARGEST_PHASE)
+    resolved = (numbers[bar.name] * longest / phase(bar, 1.0) for bar in moving if not is_stated)
     return found.system("fem", numbers, requested, min(resolved, default=math.inf), bars)
 
 
@@ -105,7 +90,7 @@ def section_error(bar: Bar, number: int, degree: int) -> float:
     """
     if is_uniform(bar):
         return 0.0
-    x, weight = gauss()
+    x, weight = GAUSS
     at = (np.arange(number)[:, None] + (x + 1.0) / 2.0) / number
     polynomials = np.polynomial.legendre.legvander(x, degree - 1)
     energy = np.einsum("ng,gi,gj->nij", area_along(bar, at) * weight, polynomials, polynomials)

@@ -32,15 +32,15 @@ def _excess(bar: Bar) -> int:
     return 1 if is_uniform(bar) else 2
 
 
-def assemble_lumped(train: Train, *, frequency: float = 0.0) -> System:
+def assemble_lumped(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has enough segments for a highest frequency (Hz)."""
     found = Collected.of(train)
     segments: dict[str, int] = {}
     for bar in train.bars:
-        segments[bar.name] = number = segments_for(bar, frequency)
+        segments[bar.name] = number = segments_for(bar, requested.frequency)
         found.row(bar, *bar_segments(bar, number))
     resolved = (
         segments[bar.name] / _excess(bar) * LARGEST_PHASE / phase(bar, 1.0)
         for bar in train.bars if bar.density > 0 and bar.segments is None
     )  # fmt: skip
-    return found.system("lumped", segments, Discretisation(frequency), min(resolved, default=math.inf))
+    return found.system("lumped", segments, requested, min(resolved, default=math.inf))

@@ -59,7 +59,7 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
         damping=(across.T * system.viscous) @ across + (basis.T * ground) @ basis,
         loss=(across.T * (stiffness * system.loss_factor)) @ across,
         basis=basis,
-        names=tuple(system.stations[int(np.flatnonzero(group == one)[0])].name for one in free),
+        names=tuple(system.stations[first].name for first in free.tolist()),
         stations=tuple(station.name for station in system.stations),
     )
     return view if system.bars is None else _with_elements(system, system.bars, view)
@@ -67,23 +67,23 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
 
 def _with_elements(system: System, bars: BarSpans, view: Matrices) -> Matrices:
     """The matrices with the finite elements put in; the unknowns inside of them come behind the free angles."""
-    if bars.stiffness is None or bars.inertia is None:
-        return view
-    inner = bars.degree - 1
-    free, number = len(view.names), len(bars.span)
-    size = free + number * inner
+    from torsion.assembly.element_matrices import element_matrices
+
+    inner, elements = bars.degree - 1, element_matrices(bars.pieces, bars.degree)
+    free = len(view.names)
+    size = free + len(bars.span) * inner
     given = view.inertia, view.stiffness, view.damping, view.loss
     inertia, stiffness, damping, loss = (np.pad(matrix, (0, size - free)) for matrix in given)
+    basis = np.pad(view.basis, ((0, 0), (0, size - free)))
     names = list(view.names)
     for place, span in enumerate(bars.span.tolist()):
         own = free + place * inner + np.arange(inner)
         angles = np.zeros((bars.degree + 1, size))
-        angles[0, :free], angles[1, :free] = view.basis[system.driving[span]], view.basis[system.driven[span]]
+        angles[:2] = basis[[system.driving[span], system.driven[span]]]
         angles[np.arange(2, bars.degree + 1), own] = system.span_ratio[span]
-        stiff = angles.T @ bars.stiffness[place] @ angles
+        stiff, heavy = (angles.T @ matrices[place] @ angles for matrices in elements)
         stiffness += stiff
         loss += system.loss_factor[span] * stiff
-        inertia += angles.T @ bars.inertia[place] @ angles
+        inertia += heavy
         names += [f"{system.spans[span].name} inner {k + 1}" for k in range(inner)]
-    basis = np.hstack([view.basis, np.zeros((len(view.basis), number * inner))])
     return Matrices(inertia, stiffness, damping, loss, basis, tuple(names), view.stations)

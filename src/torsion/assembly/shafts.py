@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar
 
 BLOCK = 2**14  # pieces of a cone at once; 3 MB an array
+GAUSS = np.polynomial.legendre.leggauss(24)  # points in -1..1 and weights; exact to rounding for every cone
 
 
 def phase(bar: Bar, frequency: float) -> float:
@@ -60,25 +60,11 @@ def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
         lump = np.full(number + 1, bar.density * length * area)
         lump[[0, -1]] *= 0.5
         return np.full(number, length / (bar.shear_modulus * area)), lump
-    mean_flexibility, mean_area = _means_of_cone(bar, number)
-    half = bar.density * length * mean_area / 2.0
-    return length * mean_flexibility / bar.shear_modulus, np.append(half, 0.0) + np.append(0.0, half)
-
-
-def _means_of_cone(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
-    """Mean of 1 / I_p in 1/m4, and of I_p in m4, over each of `number` pieces (pieces,)."""
-    edge = np.linspace(0.0, 1.0, number + 1)[:-1]
-    x, weight = gauss()
-    means = np.empty((2, number))
+    edge, (x, weight) = np.linspace(0.0, 1.0, number + 1)[:-1], GAUSS
+    means = np.empty((2, number))  # of 1 / I_p in 1/m4, and of I_p in m4, over each piece
     for begin in range(0, number, BLOCK):
         part = slice(begin, begin + BLOCK)
-        area = area_along(bar, edge[part, None] + (x + 1.0) / 2.0 / number)
-        means[:, part] = (1.0 / area) @ weight / 2.0, area @ weight / 2.0
-    return means[0], means[1]
-
-
-@cache
-def gauss() -> tuple[FloatArray, FloatArray]:
-    """Points in -1..1 and weights of a Gauss rule that is exact to rounding for every cone."""
-    x, weight = np.polynomial.legendre.leggauss(24)
-    return x, weight
+        along = area_along(bar, edge[part, None] + (x + 1.0) / 2.0 / number)
+        means[:, part] = (1.0 / along) @ weight / 2.0, along @ weight / 2.0
+    half = bar.density * length * means[1] / 2.0
+    return length * means[0] / bar.shear_modulus, np.append(half, 0.0) + np.append(0.0, half)

@@ -1,13 +1,15 @@
 """Spans, and the stations and spans of a train; those inside of a shaft in segments are made when they are read."""
 
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import accumulate
 from typing import TypeVar, overload
 
 import numpy as np
 
-from torsion.arrays import IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.primitives import Bar, Station
 
 T = TypeVar("T")
@@ -60,14 +62,13 @@ class Runs(Sequence[T]):
     """Things one after another: a `head` that is there, then runs of so many that a rule makes one by one."""
 
     def __init__(self, head: Sequence[T], runs: Sequence[tuple[int, Callable[[int], T]]]) -> None:
-        self.head, self._runs = tuple(head), tuple(runs)
-        self._size = len(self.head) + sum(number for number, _ in self._runs)
+        self._runs = [(len(head), tuple(head).__getitem__), *runs]
+        self._begin = [0, *accumulate(number for number, _ in self._runs)]
 
     def __len__(self) -> int:
-        return self._size
+        return self._begin[-1]
 
     def __iter__(self) -> Iterator[T]:
-        yield from self.head
         for number, made in self._runs:
             yield from map(made, range(number))
 
@@ -77,18 +78,59 @@ class Runs(Sequence[T]):
     def __getitem__(self, at: slice) -> tuple[T, ...]: ...
     def __getitem__(self, at: int | slice) -> T | tuple[T, ...]:
         if isinstance(at, slice):
-            return tuple(self._at(k) for k in range(*at.indices(self._size)))
-        place = at + self._size if at < 0 else at
-        if not 0 <= place < self._size:
-            raise IndexError(f"position {at} of {self._size}")
-        return self._at(place)
+            return tuple(self[k] for k in range(*at.indices(len(self))))
+        if not -len(self) <= at < len(self):
+            raise IndexError(f"position {at} of {len(self)}")
+        run = bisect_right(self._begin, at % len(self)) - 1
+        return self._runs[run][1](at % len(self) - self._begin[run])
 
-    def _at(self, place: int) -> T:
-        if place < len(self.head):
-            return self.head[place]
-        place -= len(self.head)
-        for number, made in self._runs:
-            if place < number:
-                return made(place)
-            place -= number
-        raise IndexError(place)
+
+@dataclass(frozen=True)
+class SegmentGroups:
+    """The stations and spans that stand for all of a system; all but the shafts of too many segments are kept whole.
+
+    Of a group of segments its outer station and its first span stand for it; sums are over the group.
+    """
+
+    stations: IntArray  # (stations kept,) their positions in the system
+    spans: IntArray  # (spans kept,) likewise
+    kept: Sequence[Span]  # (spans kept,) every span or group, between positions in `stations`
+    rows: tuple[Row, ...]  # shafts in segments, in groups
+    segments: int  # spans of the system
+    longest: int  # segments in a group
+
+    @property
+    def first_station(self) -> IntArray:
+        """(stations kept,) position of the first of each group."""
+        return np.append(0, self.stations[:-1] + 1)
+
+    @property
+    def last_span(self) -> IntArray:
+        """(spans kept,) position of the last of each group."""
+        return np.append(self.spans, self.segments)[1:] - 1
+
+    @property
+    def ends(self) -> IntArray:
+        """(spans kept, 2) driving and driven station of each span or group, as positions in `stations`."""
+        return np.array([(span.driving, span.driven) for span in self.kept], dtype=np.int64).reshape(-1, 2)
+
+    @property
+    def is_whole(self) -> bool:
+        """Nothing is left out."""
+        return self.longest == 1
+
+    def names(self) -> list[str]:
+        """(spans kept,) names; of a group with its first and its last segment."""
+        return [span.name for span in self.kept]
+
+    def over_stations(self, values: FloatArray) -> FloatArray:
+        """Sums over groups of values (stations, ...)."""
+        return values if self.is_whole else np.add.reduceat(values, self.first_station, axis=0)
+
+    def over_spans(self, values: FloatArray) -> FloatArray:
+        """Sums over groups of values (spans, ...)."""
+        return values if self.is_whole else np.add.reduceat(values, self.spans, axis=0)
+
+    def place(self, spans: list[int]) -> list[int]:
+        """Positions among the spans kept of some `spans` of the system that are kept."""
+        return [int(place) for place in np.searchsorted(self.spans, spans)]

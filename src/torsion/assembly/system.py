@@ -1,8 +1,12 @@
-"""The system kept in factors: stations, spans and their data, and the tree that the sweeps run over."""
+"""The system kept in factors: stations, spans and their data; and the tree, in one speed, that the sweeps run over.
+
+With theta = ratio * q an inertia becomes J ratio^2, a flexibility h/ratio^2 at the ratio of its driving station, and a
+rigid gear a rigid span: products only, so nothing is lost. The softest spans that close a loop are left over.
+"""
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -10,13 +14,15 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.distributed_spans import BarSpans
-from torsion.assembly.referred_tree import CondensedTrain, fold
-from torsion.assembly.spans import Row, Span
+from torsion.assembly.spans import Row, Runs, SegmentGroups, Span
+from torsion.errors import Fault, InputError
+from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
+from torsion.kernels.tree import Tree
 from torsion.primitives import Damper, Station
-from torsion.train import Train
+from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
-    from torsion.assembly.segment_groups import SegmentGroups
+    from torsion.kernels.distributed.segment_chains import SegmentChains
     from torsion.kernels.distributed.span_laws import Shafts
 
 
@@ -27,6 +33,20 @@ class Discretisation:
     frequency: float = 0.0  # Hz
     degree: int | None = None  # None: what the frequency needs
     elements: int | None = None  # of every shaft; None: what the frequency needs
+
+
+@dataclass(frozen=True)
+class CondensedTrain:
+    """A tree of the train's stations and spans in one speed."""
+
+    tree: Tree
+    node: IntArray  # (stations,) tree station of each station
+    span: IntArray  # (spans,) tree station below each span; -1 where the span closes a loop or doubles another
+    sign: FloatArray  # (spans,) 1 where the driving station is the parent, -1 where the driven one is
+    extra: IntArray  # (extra,) spans that close loops
+    viscous: FloatArray  # (tree stations,) N m s/rad of each tree span, referred
+    loss_factor: FloatArray  # (tree stations,)
+    is_held_copy: BoolArray  # (tree stations,) a second copy of a fixed station, at the end of one of its spans
 
 
 @dataclass(frozen=True)
@@ -48,12 +68,13 @@ class System:
     rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
     requested: Discretisation = Discretisation()
     resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
-    groups: "SegmentGroups | None" = None  # of a condensed system: the segments that its spans stand for
+    groups: SegmentGroups | None = None  # of a condensed system: the segments that its spans stand for
+    uncondensed: "System | None" = None  # of a condensed system: that of all segments
 
     @property
     def whole(self) -> "System":
         """The system of all segments, of which this one is condensed; itself where it is not."""
-        return self if self.groups is None else self.groups.system
+        return self.uncondensed or self
 
     @property
     def own_stations(self) -> int:
@@ -68,16 +89,12 @@ class System:
     @cached_property
     def speed_ratio(self) -> FloatArray:
         """(stations,) speed of each station / reference speed."""
-        own = [station.ratio for station in self.stations[: self.own_stations]]
-        inside = [np.full(row.number - 1, float(row.begin.ratio)) for row in self.rows]
-        return np.concatenate([np.array([r.numerator / r.denominator for r in own], dtype=np.float64), *inside])
+        return self._over_stations(lambda station: float(station.ratio))
 
     @cached_property
     def station_part(self) -> IntArray:
         """(stations,) the component that made each station, as a position in the train's parts."""
-        own = [station.part for station in self.stations[: self.own_stations]]
-        inside = [np.full(row.number - 1, row.bar.part) for row in self.rows]
-        return np.concatenate([np.array(own, dtype=np.int64), *inside])
+        return self._over_stations(lambda station: station.part)
 
     @cached_property
     def span_part(self) -> IntArray:
@@ -114,13 +131,13 @@ class System:
     @cached_property
     def condensed(self) -> CondensedTrain:
         """The train referred to one speed, as a tree (and the spans that close loops)."""
-        return fold(self)
+        return _condensed_train(self)
 
     @cached_property
     def lumped_inertia(self) -> FloatArray:
         """(stations,) kg m2 at own speed, without that of spans with distributed inertia; infinite where fixed."""
         if self.groups is not None:
-            return self.groups.system.inertia[self.groups.stations]
+            return self.whole.inertia[self.groups.stations]
         return self.inertia if self.bars is None else self.bars.lumped
 
     @cached_property
@@ -130,17 +147,32 @@ class System:
         if groups is not None:
             from torsion.kernels.distributed.span_laws import Shafts
 
-            span = np.flatnonzero(groups.last_span > groups.first_span)
-            law = groups.chains(span, self.span_ratio[span])
-            return Shafts(condensed.span[span], (law.turned(condensed.sign[span] < 0),))
+            span = np.flatnonzero(groups.last_span > groups.spans)
+            return Shafts(condensed.span[span], (self._chains(groups, span).turned(condensed.sign[span] < 0),))
         if bars is None:
             return None
         return bars.laws(condensed.span[bars.span], self.span_ratio[bars.span], condensed.sign[bars.span] < 0)
+
+    def _chains(self, groups: SegmentGroups, span: IntArray) -> "SegmentChains":
+        """The segments of the groups that some spans stand for, referred."""
+        from torsion.kernels.distributed.segment_chains import SegmentChains
+
+        ratio2, last = self.span_ratio[span, None] ** 2, groups.last_span[span, None]
+        segment = groups.spans[span, None] + np.arange(groups.longest)
+        flexibility = self.whole.flexibility[np.minimum(segment, last)] / ratio2
+        inside = self.whole.lumped_inertia[self.whole.driven[np.minimum(segment, last)]] * ratio2
+        none = np.zeros(len(span), dtype=bool)
+        return SegmentChains(np.where(segment <= last, flexibility, 0.0), np.where(segment < last, inside, 0.0), none)
 
     @cached_property
     def damps(self) -> bool:
         """Anything in the train takes energy out."""
         return bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+
+    def _over_stations(self, of: Callable[[Station], float]) -> np.ndarray:
+        """(stations,) what is known of every station one by one, and of all those inside of a row at once."""
+        own = [of(station) for station in self.stations[: self.own_stations]]
+        return np.concatenate([own, *(np.full(row.number - 1, of(row.station(0))) for row in self.rows)])
 
     def _over_spans(self, of: Callable[[Span], int], over: Callable[[Row], IntArray]) -> IntArray:
         """(spans,) what is known of every span one by one, and of every row at once."""
@@ -157,3 +189,156 @@ class System:
                 row = row + damper.torque_factor * np.abs(mean_torque[damper.station]) / own
             damping[damper.station] += row
         return damping
+
+
+def _condensed_train(system: System) -> CondensedTrain:
+    """The tree of a system; raises InputError where rigid spans close a loop or join two fixed stations.
+
+    Where rigid spans lead to several fixed stations of one part of the train, each of these is a root of its own, and
+    the softest spans between them are left over as those that close a loop (through ground).
+    """
+    flexibility = system.flexibility / system.span_ratio**2
+    ends = _split_held(system)
+    chosen = np.ones(len(flexibility), dtype=bool)
+    way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
+    if ends.anchors or len(flexibility) > np.count_nonzero(way.parent >= 0):
+        chosen = _spanning(system, flexibility, ends)
+        way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
+    return _layout(system, flexibility, ends, chosen, way)
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """Ends of every span after fixed stations were split into one copy a span."""
+
+    number: int  # of stations and copies
+    driving: IntArray
+    driven: IntArray
+    copies: tuple[int, ...]  # the fixed station that each further node copies
+    roots: list[int]  # fixed stations (no ground) to walk from, in this order
+    anchors: tuple[int, ...]  # fixed stations that rigid spans join to one part, where there are several
+
+
+def _split_held(system: System) -> _Ends:
+    """A fixed station stays the root of its train once; every other fixed station becomes one leaf a span.
+
+    One with a single span is a root or a leaf as it is. A rigid span can only lead away from a root.
+    """
+    driving, driven = system.driving.copy(), system.driven.copy()
+    number = len(system.stations)
+    if not system.held.any():
+        return _Ends(number, driving, driven, (), [], ())
+    free = ~system.held[driving] & ~system.held[driven]
+    group = connected(number, driving[free], driven[free])  # stations joined without passing through a fixed one
+    held = np.flatnonzero(system.held).tolist()
+    touching = {station: _touching(system, station) for station in held}
+    root, anchors = _rigidly_rooted(system, touching, group)
+    copies: list[int] = []
+    for station in held:
+        is_ground = system.stations[station].is_ground
+        for side, span, other in touching[station] if len(touching[station]) > 1 else []:
+            here, there = (driving, driven) if side == 0 else (driven, driving)
+            is_between = bool(system.held[other]) and there[span] < number
+            is_elsewhere = root.get(int(group[other]), station) != station
+            if system.flexibility[span] > 0 and (is_ground or is_between or is_elsewhere):
+                here[span] = number + len(copies)
+                copies.append(station)
+        if not is_ground:
+            for _, _, other in touching[station]:
+                root.setdefault(int(group[other]), station)
+    first = dict.fromkeys(root.values())
+    rest = [station for station in held if station not in first and not system.stations[station].is_ground]
+    return _Ends(number + len(copies), driving, driven, tuple(copies), [*first, *rest], anchors)
+
+
+def _touching(system: System, station: int) -> list[tuple[int, int, int]]:
+    """(0 as its driving end or 1, span, station at the other end) of every span of a station."""
+    found = []
+    for side, here, there in ((0, system.driving, system.driven), (1, system.driven, system.driving)):
+        found += [(side, span, int(there[span])) for span in np.flatnonzero(here == station).tolist()]
+    return found
+
+
+def _rigidly_rooted(
+    system: System, touching: dict[int, list[tuple[int, int, int]]], group: IntArray
+) -> tuple[dict[int, int], tuple[int, ...]]:
+    """The first fixed station that a rigid span joins to each group, and the anchors."""
+    root, anchors = dict[int, int](), set[int]()
+    for station, spans in touching.items():
+        for _, span, other in spans:
+            if system.flexibility[span] == 0:
+                first = other if system.held[other] else root.setdefault(int(group[other]), station)
+                anchors |= {first, station} if first != station else set()
+    return root, tuple(sorted(anchors))
+
+
+def _spanning(system: System, flexibility: FloatArray, ends: _Ends) -> BoolArray:
+    """Which spans form the tree: the stiffest that close no loop and join no two anchors; those of `links` last."""
+    closes = np.array([part.path[0] == "links" for part in system.train.parts])[system.span_part]
+    ranked = np.lexsort((closes, flexibility))
+    chosen = closing_no_loop(ends.number, ends.driving, ends.driven, ranked, ends.anchors)
+    rigid = ranked[~chosen[ranked] & (flexibility[ranked] == 0)]
+    if rigid.size:
+        part = system.train.parts[system.span_part[rigid[0]]]
+        key = () if part.ratings is None else ("flexibility",)  # a rigid coupling says so itself
+        message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
+        loop = Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
+        raise InputError(fixed_point_faults(system.train) or [loop])
+    return chosen
+
+
+def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> CondensedTrain:
+    """Number the tree from its roots to its leaves."""
+    stations = len(system.stations)
+    order, number = way.order, len(way.order)
+    place = np.argsort(order)
+    parent, above = way.parent[order], way.above[order]
+    node = np.flatnonzero(above >= 0)
+    span = above[node]
+    flexible, viscous, loss = elastic = np.zeros((3, number))
+    elastic[:, node] = np.array([flexibility, system.viscous * system.span_ratio**2, system.loss_factor])[:, span]
+    span_node = np.full(len(flexibility), -1, dtype=np.int64)
+    span_node[span] = node
+    copied = order >= stations
+    source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
+    inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
+    tree = Tree(np.where(parent >= 0, place[parent], -1), flexible, inertia, system.held[source])
+    sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
+    return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
+
+
+MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about so many groups
+
+
+def segment_groups(system: System, most: int) -> SegmentGroups:
+    """At most about `most` groups of every shaft; its last segment is one of its own."""
+    station, span, inside, longest = system.own_stations, len(system.own_spans), system.own_stations, 1
+    stations, spans, rows = [np.arange(station)], [np.arange(span)], list[Row]()
+    for row in system.rows:
+        step = 1 if row.number <= most else -(-(row.number - 1) // most)
+        starts = np.append(np.arange(0, row.number - 1, step), row.number - 1)
+        stations.append(station - 1 + starts[1:])
+        spans.append(span + starts)
+        edges = (*starts.tolist(), row.number)
+        whole = tuple(row.edges[edge] for edge in edges) if row.edges else edges
+        rows.append(Row(row.bar, len(starts), inside, row.begin, whole))
+        station, span, inside = station + row.number - 1, span + row.number, inside + len(starts) - 1
+        longest = max(longest, step)
+    kept = Runs(system.own_spans, [(row.number, row.span) for row in rows])
+    return SegmentGroups(np.concatenate(stations), np.concatenate(spans), kept, tuple(rows), len(system.spans), longest)
+
+
+def condensed(system: System, most: int = MOST_GROUPS) -> System:
+    """The system with groups in place of the segments of its long shafts; itself where it has none, or closed loops.
+
+    Inertia and flexibility of a group are reported as sums. The whole system stays at hand as `uncondensed`.
+    """
+    groups = segment_groups(system, most)
+    if groups.is_whole or system.bars is not None or system.condensed.extra.size:
+        return system
+    stations = Runs(system.stations[: system.own_stations], [(row.number - 1, row.station) for row in groups.rows])
+    return replace(
+        system, groups=groups, uncondensed=system, rows=groups.rows, stations=stations, spans=groups.kept,
+        inertia=groups.over_stations(system.inertia), flexibility=groups.over_spans(system.flexibility),
+        viscous=system.viscous[groups.spans], loss_factor=system.loss_factor[groups.spans],
+    )  # fmt: skip

@@ -39,34 +39,19 @@ class Collected:
             found.add(Span(mesh.name, mesh.part, mesh.driving, mesh.driven, mesh.ratio, mesh.error), mesh.flexibility)
         return found
 
-    def add(self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0) -> int:
-        """Add a span; its position."""
+    def add(self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0) -> None:
+        """Add a span."""
         self.spans.append(span)
         self.elastic.append((flexibility, viscous, loss_factor))
-        return len(self.spans) - 1
 
-    def station(self, bar: Bar, name: str) -> int:
-        """A new station of a shaft."""
-        first = self.stations[bar.driving]
-        self.stations.append(Station(name, bar.part, first.ratio, first.sense))
-        self.inertia.append(0.0)
-        return len(self.stations) - 1
-
-    def inside(self, bar: Bar, number: int) -> list[int]:
-        """The driving station of a shaft of so many pieces, and new ones between its pieces."""
-        return [bar.driving, *(self.station(bar, f"{bar.name} {k}/{number}") for k in range(1, number))]
-
-    def pieces(self, bar: Bar, ends: list[int], flexibility: FloatArray, lumps: FloatArray) -> list[int]:
-        """Add a span between every two `ends` and the `lumps` of inertia at them; the positions of the spans."""
-        number = len(flexibility)
-        names = [bar.name if number == 1 else f"{bar.name} [{piece + 1}]" for piece in range(number)]
-        found = [
-            self.add(Span(name, bar.part, ends[k], ends[k + 1]), float(flexibility[k]), 0.0, bar.loss_factor)
-            for k, name in enumerate(names)
-        ]
-        for end, lump in zip(ends, lumps.tolist(), strict=True):
+    def one_by_one(self, row: Row, flexibility: FloatArray, lumps: FloatArray) -> None:
+        """Add the stations between the pieces of a shaft, its inertia lumped at their ends, and its spans."""
+        self.stations += map(row.station, range(row.number - 1))
+        self.inertia += [0.0] * (row.number - 1)
+        for end, lump in zip(row.stations.tolist(), lumps.tolist(), strict=True):
             self.inertia[end] += lump
-        return found
+        for k, own in enumerate(flexibility.tolist()):
+            self.add(row.span(k), own, 0.0, row.bar.loss_factor)
 
     def row(self, bar: Bar, flexibility: FloatArray, lumps: FloatArray) -> None:
         """Add a whole shaft in segments; no station or span of another kind may be added after it."""

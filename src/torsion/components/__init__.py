@@ -1,6 +1,6 @@
 """The kinds of component: one file each; a kind is imported when a scene first names it."""
 
-from importlib import import_module
+from pkgutil import resolve_name
 
 from torsion.components.component import Component
 
@@ -20,6 +20,5 @@ UNBUILT = ("engine",)  # kinds of the format that are refused because they are n
 
 def component(kind: str) -> type[Component]:
     """The class of a kind; raises KeyError for a word that is no kind."""
-    module, name = KINDS[kind].split(":")
-    found: type[Component] = getattr(import_module(module), name)
+    found: type[Component] = resolve_name(KINDS[kind])
     return found

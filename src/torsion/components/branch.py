@@ -1,6 +1,6 @@
 """A branch: a train that the point before it carries."""
 
-from torsion.components.component import Component, Line
+from torsion.components.component import Component, Line, lower_branch
 from torsion.components.lowering import Lowering
 from torsion.fields import required
 
@@ -14,4 +14,4 @@ class Branch(Component, keyword="branch", sort="none"):
         if build.at.here is None:
             build.fault("a branch has no point before it that carries it", "put it after a point")
             return
-        build.branch(build.at, self.train, (*build.parts[-1].path, "train"))
+        lower_branch(build, build.at, self.train, (*build.parts[-1].path, "train"))

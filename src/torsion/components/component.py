@@ -1,13 +1,14 @@
 """What every component is: a frozen declaration of its fields, and how it lowers to primitives."""
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import InstanceOf, WithJsonSchema
 
+from torsion.components.lowering import Arrival, Lowering, Part
+from torsion.errors import Path
 from torsion.fields import Sized, given
-
-if TYPE_CHECKING:
-    from torsion.components.lowering import Lowering
 
 
 class Component(Sized):
@@ -26,11 +27,36 @@ class Component(Sized):
         for name, fact in facts.items():
             setattr(cls, name, fact)
 
-    def lower(self, build: "Lowering") -> None:
+    def lower(self, build: Lowering) -> None:
         """Add this component's stations and primitives where the train has arrived."""
         raise NotImplementedError
+
+    def enter(self, build: Lowering, path: Path) -> None:
+        """Make this component a part of the train where that has arrived, and lower it; `path` is its entry's."""
+        build.number[self.keyword] += 1
+        part = Part(
+            self.name or f"{self.keyword}-{build.number[self.keyword]}", self.keyword, self.sort == "point",
+            (*path, self.keyword), ratio=build.at.ratio, depth=build.at.depth, referred_to=build.at.referred_to,
+            is_named=self.name is not None, note=self.note, source=self.source,
+        )  # fmt: skip
+        build.parts.append(part)
+        self.lower(build)
 
 
 Line = Annotated[
     tuple[InstanceOf[Component], ...], WithJsonSchema({"allOf": [{"$ref": "#/$defs/train"}]})
 ]  # a train in a component
+
+
+def lower_line(build: Lowering, components: Sequence[Component], path: Path) -> None:
+    """Lower a list of components, each from where the one before it ended."""
+    for position, component in enumerate(components):
+        component.enter(build, (*path, position))
+
+
+def lower_branch(build: Lowering, start: Arrival, components: Sequence[Component], path: Path) -> None:
+    """Lower a branch from `start`, then return to where the train had arrived."""
+    main = build.at
+    build.at = replace(start, depth=start.depth + 1)
+    lower_line(build, components, path)
+    build.at = main

@@ -1,16 +1,15 @@
 """A coupling: an elastic (or rigid) link with its damping, its end inertias and its maker's limits."""
 
 import math
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering
-from torsion.components.part_records import CouplingRatings
+from torsion.components.lowering import CouplingRatings, Lowering
 from torsion.fields import Quantity, given, refuse
-from torsion.primitives import Inertia, Spring
+from torsion.primitives import Spring
 
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
 DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
@@ -36,8 +35,7 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
     heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
     tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
+    def refuse_clashes(self) -> None:
         if (self.stiffness is None) == (self.flexibility is None):
             what = "`stiffness` or `flexibility` is missing" if self.stiffness is None else "both are given"
             raise refuse(what, "give one of `stiffness` and `flexibility` (0 = rigid)")
@@ -46,20 +44,16 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
             raise refuse(f"{' and '.join(found)} exclude each other", "give one kind of damping", found[1])
         if self.flexibility == 0 and found:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
-        return self
 
     def lower(self, build: Lowering) -> None:
         ratings = CouplingRatings(
             self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance
         )
-        damping = [(key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None]
-        build.record(ratings=ratings, damping=damping[0] if damping else None)
-        driving, driven = build.link()
-        at_driving, at_driven = self.inertia or (0.0, 0.0)
-        build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
-        own = 1.0 if build.at.referred == 1 else float(build.at.referred**2)
-        flexibility = self.flexibility * own if self.flexibility is not None else 1.0 / build.own(self.stiffness or 1.0)
-        loss = self.psi / (2.0 * math.pi) if self.psi is not None else self.loss_factor or 0.0
-        loss = 1.0 / self.magnifier if self.magnifier is not None else loss
-        viscous = build.own(self.viscous or 0.0)
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss))
+        damping = next(((key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None), None)
+        build.record(ratings=ratings, damping=damping)
+        driving, driven = build.link(halves=self.inertia)
+        given, scale = self.flexibility, build.at.scale
+        flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
+        loss = 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
+        loss = self.psi / (2.0 * math.pi) if self.psi is not None else loss
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, build.own(self.viscous or 0.0), loss))

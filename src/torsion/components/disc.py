@@ -1,9 +1,6 @@
 """A disc: a point with an inertia, or a fixed end."""
 
 import math
-from typing import Self
-
-from pydantic import model_validator
 
 from torsion import fields
 from torsion.components.component import Component
@@ -19,19 +16,16 @@ class Rotor(Component, sort="point"):
     held: bool = given("turns at exactly its mean speed: a fixed end", False)
     damping: fields.Damping | None = given("viscous damping to ground of the deviation from the mean motion")
 
-    @model_validator(mode="after")
-    def _inertia_or_held(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.held and self.inertia is not None:
             raise refuse("`inertia` and `held: true` exclude each other", "a fixed point needs no inertia", "inertia")
         if not self.held and self.inertia is None:
             raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
-        return self
 
-    def place(self, build: Lowering, extra: float = 0.0) -> int:
-        """The station of this point, with its inertia (and so much more) and its damping."""
+    def place(self, build: Lowering) -> int:
+        """The station of this point, with its inertia and its damping."""
         here = build.point()
-        inertia = math.inf if self.held else build.own(self.inertia or 0.0) + extra
-        build.add(Inertia(here, inertia))
+        build.add(Inertia(here, math.inf if self.held else build.own(self.inertia or 0.0)))
         if self.damping:
             build.add(Damper(here, constant=build.own(self.damping)))
         return here

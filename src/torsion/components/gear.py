@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from torsion import fields
-from torsion.components.component import Component, Line
+from torsion.components.component import Component, Line, lower_branch
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Arrival, Lowering
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
@@ -26,10 +26,8 @@ class GearBranch(Declared):
     sense: Literal[-1, 1] = given("-1: turns against the driving gear", -1)
     train: Line = given("the train behind the wheel", ())
 
-    @model_validator(mode="after")
-    def _ratio(self) -> Self:
+    def refuse_clashes(self) -> None:
         _one_ratio(self)
-        return self
 
 
 class Gear(Component, keyword="gear", sort="link"):
@@ -50,49 +48,33 @@ class Gear(Component, keyword="gear", sort="link"):
         "K_A of the gear rating"
     )
 
-    @model_validator(mode="after")
-    def _ratios(self) -> Self:
+    def refuse_clashes(self) -> None:
         _one_ratio(self)
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
-        return self
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor)
-        speed = self._speed(self)
-        before = build.at
-        driving, driven = build.link(speed, self.sense)
-        start = replace(before, here=driving, is_open=False)
-        build.at = self._after(build.at, before)
-        at_driving, at_driven = self.inertia or (0.0, 0.0)
-        scale = float(before.referred**2)
-        build.add(Inertia(driving, at_driving / scale), Inertia(driven, build.own(at_driven)))
-        mesh = 0.0 if self.mesh_stiffness is None else scale / self.mesh_stiffness
-        build.add(Constraint(build.name, build.part, driving, driven, speed, mesh))
-        part = build.part
+        before, part, gear = build.at, build.part, build.parts[-1]
+        referred_to = before.ratio if self.referred and before.referred_to is None else before.referred_to
+        driving, driven = build.link(self._speed(self), self.sense, self.inertia, referred_to=referred_to, yoke=None)
+        build.add(self._mesh(self, gear.name, part, (driving, driven), before))
+        main = build.at
         for position, branch in enumerate(self.branches):
-            self._lower_branch(build, branch, start, position, part)
-
-    def _lower_branch(self, build: Lowering, branch: GearBranch, start: Arrival, position: int, part: int) -> None:
-        main, gear = build.at, build.parts[part]
-        speed = self._speed(branch)
-        driving = start.here or 0
-        build.at = replace(start, ratio=start.ratio * speed, sense=start.sense * branch.sense, depth=start.depth + 1)
-        name = f"{gear.name} wheel {position + 2}"
-        driven = build.station(name, part=part)
-        build.at = self._after(replace(build.at, here=driven, is_open=True), start)
-        scale = float(start.referred**2)
-        mesh = 0.0 if branch.mesh_stiffness is None else scale / branch.mesh_stiffness
-        build.add(Inertia(driven, build.own(branch.inertia)))
-        build.add(Constraint(name, part, driving, driven, speed, mesh))
-        build.branch(build.at, branch.train, (*gear.path, "branches", position, "train"), deeper=False)
+            ratio, name = before.ratio * self._speed(branch), f"{gear.name} wheel {position + 2}"
+            build.at = replace(main, ratio=ratio, sense=before.sense * branch.sense)
+            driven = build.station(name, part=part)
+            build.add(Inertia(driven, build.own(branch.inertia)))
+            build.add(self._mesh(branch, name, part, (driving, driven), before))
+            path = (*gear.path, "branches", position, "train")
+            lower_branch(build, replace(build.at, here=driven), branch.train, path)
         build.at = main
 
-    def _after(self, arrival: Arrival, before: Arrival) -> Arrival:
-        """The arrival behind a mesh: no joint is counted from before it; once figures are referred, they stay so."""
-        starts = self.referred and before.referred_to is None
-        return replace(arrival, referred_to=before.ratio if starts else before.referred_to, yoke=None)
+    def _mesh(self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival) -> Constraint:
+        """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
+        flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
+        return Constraint(name, part, *ends, self._speed(wheel), flexibility)
 
     def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
         """Speed after / speed before, of a wheel on this gear."""

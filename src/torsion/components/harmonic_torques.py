@@ -1,9 +1,9 @@
 """Harmonic torques that act at a component: a motor's ripple and the file's own excitations."""
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
-from pydantic import field_validator, model_validator
+from pydantic import field_validator
 
 from torsion import fields
 from torsion.errors import Path
@@ -22,11 +22,9 @@ class Harmonic(Declared):
     if TYPE_CHECKING:
         torque: Any
 
-    @model_validator(mode="after")
-    def _order_or_frequency(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.order is not None and self.frequency is not None:
             raise refuse("`order` and `frequency` exclude each other", "keep one of them", "frequency")
-        return self
 
     def primitive(self, name: str, station: int, path: Path) -> Torque:
         """The torque at a station; `path` is where the file states it."""
@@ -40,11 +38,10 @@ class Ripple(Harmonic):
 
     torque: fields.TorqueAmount = required("amplitude (half range): N m, or % of the mean torque")
 
-    @model_validator(mode="after")
-    def _is_placed(self) -> Self:
+    def refuse_clashes(self) -> None:
+        super().refuse_clashes()
         if self.order is None and self.frequency is None:
             raise refuse("a ripple needs `order` or `frequency`", "for example `order: 6`")
-        return self
 
 
 class Excitation(Harmonic, Sized):

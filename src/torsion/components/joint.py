@@ -2,20 +2,18 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.coupling import Pair
-from torsion.components.lowering import Lowering
-from torsion.components.part_records import JointRecord
+from torsion.components.lowering import JointRecord, Lowering
 from torsion.errors import SolveError
 from torsion.fields import Quantity, given, refuse, required
 from torsion.kinematics import cross, tripod
-from torsion.primitives import Constraint, Inertia
+from torsion.primitives import Constraint
 
 OF_A_TRIPOD = ("radius", "arm", "bearing")
 
@@ -43,13 +41,12 @@ class Joint(Component, keyword="joint", sort="link"):
         "of a tripod: single (default) moves the end of its driven shaft, twin is of constant velocity"
     )
 
-    @model_validator(mode="after")
-    def _kind_has_its_keys(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.kind != "tripod":
             for key in OF_A_TRIPOD:
                 if getattr(self, key) is not None:
                     raise refuse(f"a joint of kind {self.kind} has no `{key}`", "leave it out, or `kind: tripod`", key)
-            return self
+            return
         missing = [key for key in ("radius", "arm") if getattr(self, key) is None]
         if missing:
             raise refuse(f"a tripod needs `{missing[0]}`", "for example `radius: 30 mm, arm: 600 mm`")
@@ -60,7 +57,6 @@ class Joint(Component, keyword="joint", sort="link"):
             except SolveError:
                 hint = "make the angle or the radius smaller, or the arm longer"
                 raise refuse("the end of this tripod's driven shaft finds no way around", hint, "angle") from None
-        return self
 
     @property
     def order(self) -> int:
@@ -85,13 +81,11 @@ class Joint(Component, keyword="joint", sort="link"):
         yoke = phase if before is None else before + phase - plane
         joint = JointRecord(self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm)
         build.record(joint=joint)
-        driving, driven = build.link()
+        driving, driven = build.link(halves=self.inertia)
         # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
         # with the driving side's is counted from, so nothing is added.
         driven_yoke = yoke + math.pi / 2 if self.kind == "cross" else yoke
         build.at = replace(build.at, yoke=driven_yoke, joint=build.part)
-        at_driving, at_driven = self.inertia or (0.0, 0.0)
-        build.add(Inertia(driving, build.own(at_driving)), Inertia(driven, build.own(at_driven)))
         build.add(Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after))
 
     def _refuse_on_a_first_joint(self, build: Lowering) -> None:

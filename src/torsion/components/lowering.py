@@ -1,15 +1,104 @@
-"""Where the train has arrived while its components are lowered, one after another."""
+"""Where the train has arrived while its components are lowered, and what each leaves on its part for others."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from torsion.components.component import Component
 from torsion.components.material import Material
-from torsion.components.part_records import CouplingRatings, JointRecord, PropellerRecord, ShaftRecord
 from torsion.errors import Fault, Path
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Inertia, Primitive, Spring, Station
+
+Distance = Annotated[float, Quantity("m", at_least=0)]
+LateralStiffness = Annotated[float, Quantity("N/m", at_least=0)]
+LateralDamping = Annotated[float, Quantity("N*s/m", at_least=0)]
+Mass = Annotated[float, Quantity("kg", at_least=0)]
+
+
+class Support(Declared):
+    """A bearing on springs: y lies along the normal of the joint's plane, z in the plane, square to the shaft."""
+
+    at: Distance = required("distance along this shaft from its end that faces the joint")
+    stiffness: Annotated[tuple[LateralStiffness, ...], OneOrMany] = required("stiffness, one or [y, z]")
+    damping: Annotated[tuple[LateralDamping, ...], OneOrMany] = given("damping, one or [y, z]", (0.0,))
+    mass: Mass = given("mass that moves with the shaft there", 0.0)
+    source: str | None = given("where the figures come from: maker, drawing, estimate")
+
+    def refuse_clashes(self) -> None:
+        for key in ("stiffness", "damping"):
+            if len(getattr(self, key)) not in (1, 2):
+                raise refuse(f"`{key}` is one value or [y, z]", "y: along the normal of the joint's plane", key)
+        if not any(self.stiffness):
+            raise refuse("a support of no stiffness holds nothing", "give a stiffness above 0", "stiffness")
+
+    @property
+    def stiffness_of_planes(self) -> tuple[float, float]:
+        """N/m in y and z."""
+        return self.stiffness[0], self.stiffness[-1]
+
+    @property
+    def damping_of_planes(self) -> tuple[float, float]:
+        """N s/m in y and z."""
+        return self.damping[0], self.damping[-1]
+
+
+@dataclass(frozen=True)
+class CouplingRatings:
+    """Limits of a coupling's maker; None where the file gives none."""
+
+    rated_torque: float | None  # N m, T_KN
+    vibratory_torque: float | None  # N m, T_KW, half range
+    max_torque: float | None  # N m, T_Kmax
+    heat_limit: float | None  # W, P_KW
+    tolerance: float | None  # of the stiffness
+
+    @property
+    def limit_vibration(self) -> bool:
+        """There is a limit of the vibratory or the greatest torque, or of the heat."""
+        return any(limit is not None for limit in (self.vibratory_torque, self.max_torque, self.heat_limit))
+
+    @property
+    def limit_anything(self) -> bool:
+        """There is a limit at all."""
+        return self.rated_torque is not None or self.limit_vibration
+
+
+@dataclass(frozen=True)
+class ShaftRecord:
+    """What a shaft is for the class rules, what it is made of, and its bearings (its dimensions are on its `Bar`)."""
+
+    material: str  # name of one of the train's materials
+    role: Literal["intermediate", "thrust", "propeller"] | None
+    features: tuple[str, ...]
+    support: tuple[Support, ...]
+
+
+@dataclass(frozen=True)
+class JointRecord:
+    """A universal joint; angles in rad, plane and phase 0 where the file gives none."""
+
+    kind: Literal["cross", "tripod", "cv"]
+    angle: float
+    plane: float
+    phase: float
+    yoke: float  # from its plane to its driving yoke at angle zero, every shaft before it standing undisturbed
+    order: int  # of its transmission error over its driving shaft; 0: constant velocity
+    radius: float | None  # m, of a tripod
+    arm: float | None  # m, of a tripod
+
+
+@dataclass(frozen=True)
+class PropellerRecord:
+    """A propeller: its inertia in parts, its size, and how its damping was given."""
+
+    inertia: float  # kg m2, dry
+    water: float | None  # kg m2, entrained; None where the file gives none
+    blades: int | None
+    diameter: float | None  # m
+    damping_model: str
+    damping_factor: float | None
 
 
 @dataclass(frozen=True)
@@ -50,14 +139,14 @@ class Arrival:
     depth: int = 0
 
     @property
-    def referred(self) -> Fraction:
-        """Own speed / speed at which figures are given."""
-        return Fraction(1) if self.referred_to is None else self.ratio / self.referred_to
+    def scale(self) -> float:
+        """(Own speed / speed at which figures are given)^2, by which those of the component are to be divided."""
+        return 1.0 if self.referred_to is None else float((self.ratio / self.referred_to) ** 2)
 
 
 @dataclass
 class Lowering:
-    """Collects stations and primitives. Components call `point` or `link`, then `add`."""
+    """Collects parts, stations and primitives. Components call `point` or `link`, then `add`."""
 
     materials: Mapping[str, Material]
     parts: list[Part] = field(default_factory=list)
@@ -65,7 +154,7 @@ class Lowering:
     primitives: list[Primitive] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
     at: Arrival = field(default_factory=Arrival)
-    _numbers: dict[str, int] = field(default_factory=dict)
+    number: Counter[str] = field(default_factory=Counter)  # of components of a kind that were met
 
     @property
     def part(self) -> int:
@@ -76,23 +165,6 @@ class Lowering:
     def name(self) -> str:
         """Name of the component that is being lowered."""
         return self.parts[-1].name
-
-    def walk(self, components: Sequence[Component], path: Path) -> None:
-        """Lower a list of components, each from where the one before it ended."""
-        for position, component in enumerate(components):
-            self._place(component, (*path, position, component.keyword))
-
-    def _place(self, component: Component, path: Path) -> None:
-        number = self._numbers[component.keyword] = self._numbers.get(component.keyword, 0) + 1
-        name = component.name or f"{component.keyword}-{number}"
-        at = self.at
-        part = Part(
-            name, component.keyword, component.sort == "point", path,
-            ratio=at.ratio, depth=at.depth, referred_to=at.referred_to,
-            is_named=component.name is not None, note=component.note, source=component.source,
-        )  # fmt: skip
-        self.parts.append(part)
-        component.lower(self)
 
     def record(self, **facts: Any) -> None:
         """Leave facts on the part of the component that is being lowered, by the fields of `Part`."""
@@ -106,73 +178,44 @@ class Lowering:
 
     def point(self) -> int:
         """The station of a point: the open end of the link before it, or a new one rigidly joined to the last point."""
-        before, part = self.at.here, self.part
+        before = self.at.here
         if before is not None and self.at.is_open:
             here = before
-            self.stations[here] = replace(self.stations[here], name=self.name, part=part)
+            self.stations[here] = replace(self.stations[here], name=self.name, part=self.part)
         else:
             here = self.station(self.name)
             if before is not None:
-                self.add(Spring(f"{self.name} rigid", part, before, here, 0.0))
+                self.add(Spring(f"{self.name} rigid", self.part, before, here, 0.0))
         self.at = replace(self.at, here=here, is_open=False)
-        self.parts[part] = replace(self.parts[part], stations=(here,))
+        self.record(stations=(here,))
         return here
 
-    def link(self, ratio: Fraction = Fraction(1), sense: int = 1) -> tuple[int, int]:
-        """The driving and the driven station of a link; the driven one is massless until a point takes it."""
-        part = self.part
+    def link(
+        self, ratio: Fraction = Fraction(1), sense: int = 1, halves: tuple[float, float] | None = None, **behind: Any
+    ) -> tuple[int, int]:
+        """The driving and the driven station of a link with the inertias of its `halves`; a point may take the driven.
+
+        behind: what changes of the arrival, beside speed and sense.
+        """
         driving = self.at.here if self.at.here is not None else self.station(f"{self.name} start")
-        self.at = replace(self.at, ratio=self.at.ratio * ratio, sense=self.at.sense * sense)
+        at_driving, at_driven = halves or (0.0, 0.0)
+        self.add(Inertia(driving, self.own(at_driving)))
+        self.at = replace(self.at, ratio=self.at.ratio * ratio, sense=self.at.sense * sense, **behind)
         driven = self.station(f"{self.name} end")
+        self.add(Inertia(driven, self.own(at_driven)))
         self.at = replace(self.at, here=driven, is_open=True)
-        self.parts[part] = replace(self.parts[part], stations=(driving, driven))
+        self.record(stations=(driving, driven))
         return driving, driven
-
-    def branch(self, start: Arrival, components: Sequence[Component], path: Path, *, deeper: bool = True) -> None:
-        """Lower a branch from `start`, then return to where the train had arrived."""
-        main = self.at
-        self.at = replace(start, depth=start.depth + deeper)
-        self.walk(components, path)
-        self.at = main
-
-    def join(self, first: Part, second: Part, component: Component, path: Path) -> None:
-        """Lower a link between two points that are there already, which closes a loop."""
-        driving, driven = first.stations[0], second.stations[0]
-        sense = self.stations[driving].sense
-        main, self.at = self.at, Arrival(driving, False, first.ratio, sense, first.referred_to)
-        before = len(self.primitives)
-        self._place(component, (*path, component.keyword))
-        made = self.parts[-1].stations[-1]
-        swapped = [_moved(primitive, made, driven) for primitive in self.primitives[before:]]
-        self.primitives[before:] = swapped
-        del self.stations[made]
-        self.parts[-1] = replace(self.parts[-1], stations=(driving, driven))
-        self.at = main
 
     def add(self, *primitives: Primitive) -> None:
         """Collect primitives; an inertia of nothing is left out."""
         self.primitives.extend(p for p in primitives if not (isinstance(p, Inertia) and p.inertia == 0))
 
-    def material(self, name: str) -> Material | None:
-        """The material of that name, or None with a fault noted."""
-        found = self.materials.get(name)
-        if found is None:
-            self.fault(f"no material is called '{name}'", f"there is {', '.join(self.materials)}", "material")
-        return found
-
     def own(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""
-        return value if self.at.referred == 1 else value / float(self.at.referred**2)
+        return value / self.at.scale
 
     def fault(self, message: str, hint: str = "", key: str | int | None = None) -> None:
         """Note that the component being lowered cannot stand where or as it stands."""
         path = self.parts[-1].path if key is None else (*self.parts[-1].path, key)
         self.faults.append(Fault(path, message, hint))
-
-
-def _moved(primitive: Primitive, old: int, new: int) -> Primitive:
-    """The primitive with one of its stations exchanged."""
-    changes: dict[str, Any] = {
-        key: new for key in ("station", "driving", "driven") if getattr(primitive, key, None) == old
-    }
-    return replace(primitive, **changes)

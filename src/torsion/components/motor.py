@@ -1,9 +1,5 @@
 """A motor: an inertia that drives the train, with an optional torque ripple."""
 
-from typing import Self
-
-from pydantic import model_validator
-
 from torsion import fields
 from torsion.components.disc import Rotor
 from torsion.components.harmonic_torques import Ripple
@@ -19,13 +15,12 @@ class Motor(Rotor, keyword="motor"):
     )
     ripple: tuple[Ripple, ...] = given("torque ripple: list of {order or frequency, torque, phase}", ())
 
-    @model_validator(mode="after")
-    def _ripple_moves_it(self) -> Self:
+    def refuse_clashes(self) -> None:
+        super().refuse_clashes()
         if self.held and self.ripple:
             raise refuse(
                 "a fixed motor cannot be moved by its ripple", "give its `inertia` in place of `held`", "ripple"
             )
-        return self
 
     def lower(self, build: Lowering) -> None:
         build.record(power=self.power)

@@ -2,18 +2,19 @@
 
 import math
 from fractions import Fraction
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering
-from torsion.components.part_records import PropellerRecord
+from torsion.components.lowering import Lowering, PropellerRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Damper, Inertia, Torque
 
 SEA_WATER = 1025.0  # kg/m3
+USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}
+Ratio = Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))]
 
 
 class BladeTorque(Declared):
@@ -31,30 +32,24 @@ class PropellerDamping(Declared):
     value: fields.Damping | None = given("of `viscous`: the damping itself")
     factor: fields.Number | None = given("of archer (20..40 with n in rpm), frahm (2..4), quasi-steady: the factor")
 
-    @model_validator(mode="after")
-    def _factor(self) -> Self:
-        if self.model in ("archer", "frahm", "quasi-steady") and self.factor is None:
-            usual = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}[self.model]
-            raise refuse(f"`factor` is missing for {self.model}", f"usual: {usual}")
+    def refuse_clashes(self) -> None:
+        if self.model in USUAL_FACTOR and self.factor is None:
+            raise refuse(f"`factor` is missing for {self.model}", f"usual: {USUAL_FACTOR[self.model]}")
         if self.model == "viscous" and self.value is None:
             raise refuse("`value` is missing", "damping in N*m*s/rad")
         if self.model == "schwanecke" and self.factor is not None:
             raise refuse("schwanecke has no `factor`", "it follows from diameter, pitch_ratio and area_ratio", "factor")
         if self.model != "viscous" and self.value is not None:
             raise refuse(f"{self.model} has no `value`", "give `factor`, or the value alone", "value")
-        return self
 
 
 def _plain_value(value: Any) -> Any:
     return value if isinstance(value, dict | PropellerDamping) else {"model": "viscous", "value": value}
 
 
-def _read_entrained(value: Any) -> fields.Amount:
-    if isinstance(value, fields.Amount):
-        return value
-    if isinstance(value, str) and value.strip().endswith("%"):
-        return fields.Amount(of_mean=Quantity("1", at_least=0).read(value))
-    return fields.Amount(torque=Quantity("kg*m**2", at_least=0).read(value))
+def _read_entrained(value: Any) -> tuple[str, float]:
+    unit = "1" if isinstance(value, str) and value.strip().endswith("%") else "kg*m**2"
+    return unit, Quantity(unit, at_least=0).read(value)
 
 
 class Propeller(Component, keyword="propeller", sort="point"):
@@ -66,50 +61,45 @@ class Propeller(Component, keyword="propeller", sort="point"):
     )
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades")
     diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
-    pitch_ratio: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
-        "pitch / diameter"
-    )
-    area_ratio: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
-        "expanded blade area / disc area"
-    )
+    pitch_ratio: Ratio | None = given("pitch / diameter")
+    area_ratio: Ratio | None = given("expanded blade area / disc area")
     damping: Annotated[PropellerDamping, BeforeValidator(_plain_value, float | str | PropellerDamping)] | None = given(
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}"
     )
     excitation: tuple[BladeTorque, ...] = given("list of {blade_order, torque, phase}", ())
 
-    @model_validator(mode="after")
-    def _is_whole(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.excitation and self.blades is None:
             raise refuse("`blades` is missing; blade orders need the number of blades", key="excitation")
         needed = ("diameter", "pitch_ratio", "area_ratio")
         missing = [key for key in needed if getattr(self, key) is None]
         if self.damping is not None and self.damping.model == "schwanecke" and missing:
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
-        return self
 
     def lower(self, build: Lowering) -> None:
         model, factor = ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
-        entrained = self.entrained
-        water = None if entrained is None else float(self.inertia * entrained.of_mean + entrained.torque)
-        build.record(propeller=PropellerRecord(self.inertia, water, self.blades, self.diameter, model, factor))
+        unit, amount = self.entrained or ("", 0.0)
+        water = self.inertia * amount if unit == "1" else amount
+        entrained = None if self.entrained is None else water
+        build.record(propeller=PropellerRecord(self.inertia, entrained, self.blades, self.diameter, model, factor))
         here = build.point()
-        build.add(Inertia(here, build.own(self.inertia + (water or 0.0))))
+        build.add(Inertia(here, build.own(self.inertia + water)))
         if self.damping is not None:
-            build.add(self.damper(here, build))
+            build.add(self.damper(self.damping, here, build))
         for place, line in enumerate(self.excitation):
             order = Fraction(line.blade_order * (self.blades or 0))
             size, path = line.torque, (*build.parts[-1].path, "excitation", place)
             build.add(Torque(build.name, here, order, None, size.torque, size.of_mean, phase=line.phase, path=path))
 
-    def damper(self, station: int, build: Lowering) -> Damper:
+    def damper(self, damping: PropellerDamping, station: int, build: Lowering) -> Damper:
         """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega.
 
         Schwanecke: 0.0231 rho D^5 (P/D)^2 EAR/pi per speed, N m s2/rad2 (to be verified against its source).
         """
-        model, factor = ("", 0.0) if self.damping is None else (self.damping.model, self.damping.factor or 0.0)
-        if self.damping is not None and model == "viscous":
-            return Damper(station, constant=build.own(self.damping.value or 0.0))
-        if model == "schwanecke":
+        if damping.model == "viscous":
+            return Damper(station, constant=build.own(damping.value or 0.0))
+        if damping.model == "schwanecke":
             diameter, pitch, area = self.diameter or 0.0, self.pitch_ratio or 0.0, self.area_ratio or 0.0
             return Damper(station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi)
-        return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0 if model == "archer" else factor)
+        factor = damping.factor or 0.0
+        return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0 if damping.model == "archer" else factor)

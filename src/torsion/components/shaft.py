@@ -1,23 +1,31 @@
 """A shaft: distributed inertia and stiffness from its dimensions and material; uniform, conical or of any section."""
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering
-from torsion.components.meshed_section import MeshedSection
-from torsion.components.part_records import ShaftRecord
-from torsion.components.support import Support
-from torsion.fields import OneOrMany, Quantity, given, refuse, required
-from torsion.primitives import Bar
+from torsion.components.lowering import Lowering, ShaftRecord, Support
+from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.primitives import Bar, SectionMesh
+
+UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}  # m, in which a mesh may be drawn
 
 Feature = Literal[
     "flange", "shrink fit", "taper keyway", "cylinder keyway", "radial hole", "slot", "thrust collar", "roller bearing",
     "propeller flange", "propeller keyless", "propeller keyed", "tube shaft",
 ]  # fmt: skip
+
+
+class MeshedSection(Declared):
+    """A cross-section by mesh."""
+
+    mesh: str = required(
+        "file of triangles, relative to this file (.msh, .vtk, ...); its origin is the axis", min_length=1
+    )
+    unit: Literal["m", "cm", "mm", "in"] = given("unit of the mesh's coordinates", "m")
 
 
 class Shaft(Component, keyword="shaft", sort="link"):
@@ -53,19 +61,17 @@ class Shaft(Component, keyword="shaft", sort="link"):
             raise refuse("`support` is an empty list", "give a support, or leave the key out")
         return support
 
-    @model_validator(mode="after")
-    def _has_a_wall(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.section is not None:
             if "bore" in self.model_fields_set:
                 raise refuse("a shaft with a `section` has no `bore`", "the mesh says the dimensions", "bore")
-            return self
+            return
         for key in ("diameter", "bore"):
             if len(getattr(self, key)) not in (1, 2):
                 raise refuse(f"`{key}` is one value or [from, to]", key=key)
         pairs = zip(_ends(self.diameter), _ends(self.bore), strict=True)
         if any(bore >= outer for outer, bore in pairs):
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
-        return self
 
     def lower(self, build: Lowering) -> None:
         build.record(
@@ -73,10 +79,14 @@ class Shaft(Component, keyword="shaft", sort="link"):
             damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
         )
         driving, driven = build.link()
-        material = build.material(self.material)
+        material = build.materials.get(self.material)
         if material is None:
+            hint = f"there is {', '.join(build.materials)}"
+            build.fault(f"no material is called '{self.material}'", hint, "material")
             return
-        section = None if self.section is None else self.section.lowered(unusual=self.unusual)
+        section, widest = None, math.inf if self.unusual else WIDEST
+        if self.section is not None:
+            section = SectionMesh(self.section.mesh, UNITS[self.section.unit], widest)
         unknown = (math.nan, math.nan)
         build.add(
             Bar(

@@ -10,8 +10,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.kernels.lapack import bidiagonal_singular_values, call, jacobi_svd
 from torsion.kernels.reduction import ReducedTrain
-from torsion.kernels.rerooting import rerooted_at_middle
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, rerooted_at_middle
 
 _BODIES_FOR_JACOBI = 30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
 _BODIES_FOR_SQUARE = 150  # above, the eigenvalues of the square take a third of the time of a decomposition (measured)
@@ -37,14 +36,9 @@ def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
     values = banded_values(train) if len(train.inertia) > _BODIES_FOR_BAND else None
     if values is not None or len(train.inertia) > _BODIES_FOR_DENSE:
         return values
-    return _singular_values(_factor(train, elastic))
-
-
-def _factor(train: ReducedTrain, elastic: int) -> FloatArray:
-    """G (bodies, elastic) of a train of any shape."""
     if train.acyclic and len(train.stiffness) + np.count_nonzero(train.ground) == elastic:
-        return incidence_factor(train)
-    return star_mesh_factor(train.inertia, conductance(train), train.ground)[:, :elastic]
+        return _singular_values(incidence_factor(train))
+    return _singular_values(star_mesh_factor(train)[:, :elastic])
 
 
 def _singular_values(factor: FloatArray) -> FloatArray:
@@ -75,13 +69,16 @@ def incidence_factor(train: ReducedTrain) -> FloatArray:
     return factor
 
 
-def star_mesh_factor(inertia: FloatArray, conductance: FloatArray, ground: FloatArray) -> FloatArray:
-    """G (bodies, rank) of any graph: `conductance` (bodies, bodies) symmetric N m/rad, `ground` (bodies,).
+def star_mesh_factor(train: ReducedTrain) -> FloatArray:
+    """G (bodies, rank) of any graph of springs; parallel ones add.
 
     Cholesky's factorisation with the largest s/J as pivot, s being the row's sum, by the star-mesh rule; it ends at
     s = 0, so that the rank is exact.
     """
-    mesh, tie, root = conductance.copy(), ground.copy(), 1.0 / np.sqrt(inertia)
+    inertia, tie, root = train.inertia, train.ground.copy(), 1.0 / np.sqrt(train.inertia)
+    mesh = np.zeros((len(inertia), len(inertia)))
+    np.add.at(mesh, (train.inner, train.outer), train.stiffness)
+    mesh += mesh.T
     np.fill_diagonal(mesh, 0.0)
     left, columns = np.ones(len(inertia), dtype=bool), []
     for _ in range(len(inertia)):
@@ -98,13 +95,6 @@ def star_mesh_factor(inertia: FloatArray, conductance: FloatArray, ground: Float
         mesh[pivot], mesh[:, pivot], tie[pivot], left[pivot] = 0.0, 0.0, 0.0, False
         np.fill_diagonal(mesh, 0.0)
     return np.array(columns).reshape(-1, len(inertia)).T.copy(order="F")
-
-
-def conductance(train: ReducedTrain) -> FloatArray:
-    """Stiffness (bodies, bodies) N m/rad of the springs between each two bodies; parallel ones add."""
-    matrix = np.zeros((len(train.inertia),) * 2)
-    np.add.at(matrix, (train.inner, train.outer), train.stiffness)
-    return matrix + matrix.T
 
 
 def _chain_grounds(train: ReducedTrain) -> tuple[float, float] | None:

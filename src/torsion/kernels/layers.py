@@ -1,7 +1,7 @@
 """Stations in layers of equal distance from their root, so that one numpy call sweeps a whole layer."""
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -118,3 +118,19 @@ def of_the_rest(layer: Layer, above: FloatArray, passed: FloatArray, out: FloatA
         own, rows = passed[family], out[family.start - layer.stations.start : family.stop - layer.stations.start]
         rows[1:] += np.add.accumulate(own[:-1], axis=0)
         rows[:-1] += np.add.accumulate(own[:0:-1], axis=0)[::-1]
+
+
+def share(children: Sequence[int], through: list[Any], rest: list[Any], remainder: Any, add: Any = np.add) -> None:
+    """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
+    if len(children) == 1:
+        rest[children[0]] = remainder
+        return
+    before = remainder
+    for child in children:
+        rest[child] = before
+        before = add(before, through[child])
+    after: Any = None
+    for child in reversed(children):
+        if after is not None:
+            rest[child] = add(rest[child], after)
+        after = through[child] if after is None else add(after, through[child])

@@ -1,9 +1,4 @@
-"""Shapes of the modes next to given frequencies, by sweeps over a tree.
-
-One sweep to the roots and one to the leaves give the dynamic stiffness of both sides of every span as sums of terms
-only; one more each way the angles, as products along the train from one station, and the torques, as products of a
-stiffness and an angle (`two_sides`, which sweeps station by station). Without distributed shafts, a chain is swept from
-both ends at once and a large tree layer by layer: the same recurrence, in a third of the calls (measured).
+"""Shapes of the modes next to given frequencies, by the `two_sides` of every span.
 
 For s = w^2 and angles x that solve D(s) x = 0, -x' (dD/ds) x is the generalised inertia, distributed inertia included:
 a shaft has t^2 dh/ds + a^2 d(s Ji)/ds + b^2 d(s Jo)/ds of it, with its end angles a and b and the torque t = (a - b)/h
@@ -15,10 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.back_ends import sides_of, spread
 from torsion.kernels.distributed.span_laws import Slopes
 from torsion.kernels.tree import Tree
-from torsion.kernels.two_sides import TwoSides
+from torsion.kernels.two_sides import TwoSides, sides_of, spread
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
@@ -133,17 +127,17 @@ def _in_blocks(tree: Tree, frequency: FloatArray) -> Shapes:
 
 def _free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     """The shape at each frequency `w` (m,) rad/s, from the station where the residual |Z| / J is least."""
-    if not tree.is_ready and tree.shafts is None:
+    if not tree.is_ready:
         raise ValueError("shapes_at takes a tree whose stations are numbered layer by layer")
-    with np.errstate(divide="ignore", over="ignore", under="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         sides = sides_of(tree, w)
         start, column = _least_residual(tree, sides.total), np.arange(len(w))
         angle, torque, product, is_toward_root = spread(tree, sides, start)
         passed = np.add.reduce(np.abs(product, product), axis=0)
         mass = tree.moving_inertia @ np.multiply(angle, angle, product[: tree.size])
         inner = outer = angle[:0]
-        if tree.shafts is not None and sides.stations is not None and is_toward_root is not None:
-            inner, outer = _end_torques(tree, tree.shafts.node, sides.stations, angle, torque, is_toward_root)
+        if tree.shafts is not None and isinstance(sides, TwoSides) and is_toward_root is not None:
+            inner, outer = _end_torques(tree, tree.shafts.node, sides, angle, torque, is_toward_root)
             mass = mass + shaft_inertia(tree, tree.shafts.slopes(w * w), angle, torque).sum(axis=0)
         correction = sides.total[start, column] / mass
         passed /= np.where(mass < np.inf, mass, np.nan)

@@ -8,7 +8,6 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.enclosure import bisect, brackets, enclose
 from torsion.kernels.factors import banded_values, start_frequencies
 from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
 from torsion.kernels.mode_shapes import (
@@ -20,11 +19,10 @@ from torsion.kernels.mode_shapes import (
     shape_sign,
     shapes_at,
 )
-from torsion.kernels.reactions import cut, needs_cutting, with_reactions
-from torsion.kernels.reduction import Rigidity, reduce_tree, rigid_shapes, rigidity
+from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
-from torsion.kernels.rerooting import rerooted_at_middle
-from torsion.kernels.tree import Tree
+from torsion.kernels.sturm import bisect, brackets, enclose
+from torsion.kernels.tree import Tree, rerooted_at_middle
 
 _SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
 _STEPS = 3  # more; Rayleigh quotients converge cubically, and a start that needs more is bisected instead
@@ -65,7 +63,7 @@ def tree_modes(
     rigid, wanted = len(known.free_roots), known.elastic if count is None else count
     if tree.shafts is None or not math.isfinite(tree.shafts.limit):
         wanted = min(wanted, known.elastic)
-    solved = cut(tree, known) if needs_cutting(tree.static, known) else tree
+    solved = cut(tree, known)
     rerooted = rerooted_at_middle(solved)
     swept = rerooted.tree
     if wanted == 0:

@@ -1,15 +1,17 @@
 """The train of its moving inertias only: rigid spans merged, massless stations eliminated, without a subtraction.
 
 Adding inertias merges a rigid span; the star-mesh rule k_ij += k_i k_j / sum(k) eliminates a massless station. Both
-only add, multiply and divide positive numbers, so that every frequency keeps its relative accuracy.
+only add, multiply and divide positive numbers, so that every frequency keeps its relative accuracy. What rigid spans
+join to a fixed station does not move, and their torques are sums of reactions.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.spanning_forest import walk
 from torsion.kernels.tree import Tree
 
 
@@ -28,6 +30,7 @@ class Rigidity:
 class ReducedTrain:
     """Inertias (bodies,) kg m2 joined by springs (springs,) N m/rad and each tied to ground by `ground` (bodies,)."""
 
+    head: IntArray  # (bodies,) the first station of each body
     inertia: FloatArray
     inner: IntArray  # (springs,)
     outer: IntArray  # (springs,)
@@ -78,53 +81,32 @@ def reduce_tree(
 
     `chords` gives the stations at both ends and the flexibility (loops,) rad/(N m), positive.
     """
+    stations = np.arange(tree.size)
     if tree.is_plain and chords is None:
-        inner, outer = tree.parent[1:], known.body[1:]
-        return ReducedTrain(tree.inertia, inner, outer, 1.0 / tree.flexibility[1:], np.zeros(tree.size), True)
-    number, total = _bodies(tree, known)
-    joined = [(p, i, h) for i, (p, h) in enumerate(zip(tree.parents, tree.flexibility.tolist(), strict=True)) if p >= 0]
-    if chords is not None:
-        joined += zip(*(part.tolist() for part in chords), strict=True)
-    springs, ground = [], [0.0] * len(total)
-    for near, far, flexibility in joined:
-        one, other = number[near], number[far]
-        if flexibility > 0.0 and one != other:
-            if one >= 0 and other >= 0:
-                springs.append((one, other, 1.0 / flexibility))
-            else:
-                ground[max(one, other)] += 1.0 / flexibility
-    whole = _train(total, springs, ground, chords is None)
-    return whole if min(total, default=1.0) > 0.0 else _without_massless(whole)
-
-
-def _bodies(tree: Tree, known: Rigidity) -> tuple[list[int], list[float]]:
-    """Number of the moving body of each station, -1 where it is fixed, and the inertia of each body, kg m2."""
-    number, total = list[int](), list[float]()
-    inertias, fixed = tree.moving_inertia.tolist(), known.fixed.tolist()
-    for station, (body, inertia) in enumerate(zip(known.body.tolist(), inertias, strict=True)):
-        if fixed[station]:
-            number.append(-1)
-        elif body == station:
-            number.append(len(total))
-            total.append(inertia)
-        else:
-            number.append(number[body])
-            total[number[body]] += inertia
-    return number, total
-
-
-def _train(
-    inertia: list[float], springs: list[tuple[int, int, float]], ground: list[float], acyclic: bool
-) -> ReducedTrain:
-    inner, outer, stiffness = zip(*springs, strict=True) if springs else ((), (), ())
-    return ReducedTrain(
-        inertia=np.array(inertia, dtype=np.float64),
-        inner=np.array(inner, dtype=np.int64),
-        outer=np.array(outer, dtype=np.int64),
-        stiffness=np.array(stiffness, dtype=np.float64),
-        ground=np.array(ground, dtype=np.float64),
-        acyclic=acyclic,
+        stiffness, ground = 1.0 / tree.flexibility[1:], np.zeros(tree.size)
+        return ReducedTrain(stations, tree.inertia, tree.parent[1:], stations[1:], stiffness, ground, True)
+    head = np.flatnonzero((known.body == stations) & ~known.fixed)
+    number = np.full(tree.size, -1)
+    number[head] = np.arange(len(head))
+    number = number[known.body]  # of the moving body of each station; -1 where it is fixed
+    spans = tree.parent, stations, tree.flexibility
+    near, far, flexibility = spans if chords is None else (np.append(*pair) for pair in zip(spans, chords, strict=True))
+    one, other = number[near], number[far]
+    is_soft = (near >= 0) & (flexibility > 0.0) & (one != other)
+    is_between = np.minimum(one, other) >= 0
+    spring, tie = is_soft & is_between, is_soft & ~is_between
+    inertia, ground = np.asarray(np.bincount(known.body, tree.moving_inertia), dtype=np.float64), np.zeros(len(head))
+    np.add.at(ground, np.maximum(one, other)[tie], 1.0 / flexibility[tie])
+    whole = ReducedTrain(
+        head=head,
+        inertia=inertia[head],
+        inner=one[spring],
+        outer=other[spring],
+        stiffness=1.0 / flexibility[spring],
+        ground=ground,
+        acyclic=chords is None,
     )
+    return whole if whole.inertia.min(initial=1.0) > 0.0 else _without_massless(whole)
 
 
 def _without_massless(train: ReducedTrain) -> ReducedTrain:
@@ -145,4 +127,40 @@ def _without_massless(train: ReducedTrain) -> ReducedTrain:
     kept = np.flatnonzero(train.inertia > 0.0)
     number = {body: position for position, body in enumerate(kept.tolist())}
     springs = sorted((number[a], number[b], k) for a in number for b, k in neighbours[a].items() if a < b)
-    return _train(train.inertia[kept].tolist(), springs, [ground[body] for body in number], acyclic)
+    inner, outer, stiffness = np.array(springs, dtype=np.float64).reshape(-1, 3).T
+    ends = inner.astype(np.int64), outer.astype(np.int64)
+    return ReducedTrain(train.head[kept], train.inertia[kept], *ends, stiffness, np.array(ground)[kept], acyclic)
+
+
+def cut(tree: Tree, known: Rigidity) -> Tree:
+    """The tree with every fixed station `held` and the rigid spans between them taken out; itself if there are none."""
+    if not (tree.holds and _inside(tree, known).any()):
+        return tree
+    return replace(tree, parent=np.where(_inside(tree, known), -1, tree.parent), held=known.fixed)
+
+
+def with_reactions(tree: Tree, known: Rigidity, torque: FloatArray, outside: FloatArray | float = 0.0) -> FloatArray:
+    """Torque (stations, m) of the cut tree, completed in the rigid spans between fixed stations by equilibrium.
+
+    `outside` (stations, m) N m is what acts on each station besides its spans.
+
+    Where a body is fixed more than once, the shares are not determined: the fixed station numbered first takes all.
+    """
+    inside, stations = _inside(tree, known), np.arange(tree.size)
+    load = np.where(tree.parent[:, None] >= 0, torque, 0.0) + outside
+    for station, parent in enumerate(tree.parents):
+        if parent >= 0 and not inside[station]:
+            load[parent] -= torque[station]
+    full = torque.copy()
+    way = walk(tree.size, tree.parent, stations, inside, np.flatnonzero(tree.held).tolist())
+    for station in way.order[::-1].tolist():
+        nearer, span = way.parent[station], way.above[station]
+        if nearer >= 0:
+            full[span] = -load[station] if span == station else load[station]
+            load[nearer] += load[station]
+    return full
+
+
+def _inside(tree: Tree, known: Rigidity) -> BoolArray:
+    """Stations (stations,) whose span is rigid and joins fixed stations."""
+    return np.asarray(known.fixed & (tree.static.flexibility == 0.0) & (tree.parent >= 0))

@@ -1,4 +1,4 @@
-"""Sturm counts: how many natural frequencies lie below a given one, by one sweep from the leaves to the roots.
+"""Sturm counts: how many natural frequencies lie below a given one; and where these lie, proven by such counts.
 
 At angular frequency w the dynamic stiffness z of a station's branch, seen at it, is the sum of what the spans to its
 children pass on, less w^2 J; a span of flexibility h passes on zz = z / (1 + h z). Eliminating the angle of a station
@@ -14,19 +14,29 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.errors import SolveError
 from torsion.kernels.layers import sweep_to_roots
-from torsion.kernels.rerooting import by_layers, rerooted_at_middle
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, by_layers
 
+SHARE_OF_LIMIT = 0.95  # of the frequency from which counts of distributed shafts would need a correction
+_OCTAVES = 332  # searched below the limit; with squares, end inertias and stiffnesses in range
+_GRID = 2.0 ** np.arange(-166.0, 167.0)  # rad/s, without limit; squares, times or over sensible inertias, stay in range
+_POINTS = 15  # inside the bracket of one mode in one sweep of the multisection
+_COLUMNS = 512  # frequencies in one sweep above which points cost more than sweeps (measured)
+_POINTS_A_MODE = 3  # at least
+_NEAR = 1e-2  # relative width of a bracket from which a mode alone in it, divided once more, is polished
+_COINCIDENT = 1e-7  # relative width at which counts no longer separate modes
+_NARROWEST = 2.0**-51  # relative half width first tried where nothing else is known, two units in the last place
+_WIDEST = 2.0**-39  # 1.8e-12, after 12 doublings of the narrowest; a value not proven then is taken to be wrong
+_WIDEST_OF_SHAFTS = 2.0**-36  # 1.5e-11, for the rounding of their laws is in it too
+_OVER_MARGIN = 1.25  # for the roundings that a margin outweighs: with it most enclosures succeed at once (measured)
 _UNIT_ROUNDOFF = 2.0**-53
 # Roundings that a bound has to outweigh, one unit each, and one more for every child of the station they enter:
 _ROUNDINGS_OF_INERTIA = 5  # w^2, its margin, the product with J
 _ROUNDINGS_OF_FLEXIBILITY = 3  # z and 1/z, seen as an error of h
 _ROUNDINGS_OF_STIFFNESS = 6  # the same z and 1/z, h + 1/z, its reciprocal and its margin
 _ROUNDINGS_OF_ENDS = 3  # sums of the end inertias of shafts
-_ARGUMENT = (
-    16 * _UNIT_ROUNDOFF
-)  # relative, of s in the laws: w^2, the travel time of a shaft or the modes of an element
+_ARGUMENT = 16 * _UNIT_ROUNDOFF  # relative, of s in the laws: w^2, the travel time of a shaft, the modes of an element
 _LARGEST_SWEEP = 2**21  # stations times frequencies kept at once; 16 MB an array
 _MOST_IN_BYTE = 255
 _ONE = np.ones(())
@@ -45,17 +55,16 @@ def count_below(tree: Tree, frequency: ArrayLike, *, bound: ArrayLike = 0) -> In
     with many digits for all others.
     """
     w = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    swept = tree if tree.is_ready or tree.shafts is not None else by_layers(tree).tree
     lean = np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)
-    return _count(swept, w, lean if lean.any() else None)
+    return _count(tree, w, lean if lean.any() else None)
 
 
 def count_bounds(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
     """A count never less than the exact one at each of `low` (m,) rad/s, and one never more at each of `high` (m,)."""
-    number, swept = len(low), tree if tree.is_ready else rerooted_at_middle(tree).tree
+    number = len(low)
     lean = np.ones(2 * number)
     lean[number:] = -1.0
-    count = _count(swept, np.concatenate((low, high)), lean)
+    count = _count(tree, np.concatenate((low, high)), lean)
     return count[:number], count[number:]
 
 
@@ -75,11 +84,10 @@ def _count(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
 
     `lean` (m,) is the direction in which every rounding is outweighed.
     """
+    tree = tree if tree.is_ready else by_layers(tree).tree
     block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
+    parts = [slice(begin, begin + block) for begin in range(0, max(len(w), 1), block)]
     with np.errstate(divide="ignore", over="ignore", under="ignore"):
-        if len(w) <= block:
-            return _negative(tree, w, lean)
-        parts = [slice(begin, begin + block) for begin in range(0, len(w), block)]
         return np.concatenate([_negative(tree, w[part], None if lean is None else lean[part]) for part in parts])
 
 
@@ -177,3 +185,99 @@ def _sum_of_rows(rows: BoolArray) -> IntArray:
     for begin in range(0, len(rows), _MOST_IN_BYTE):
         number += np.add.reduce(rows[begin : begin + _MOST_IN_BYTE].view(np.uint8), axis=0, dtype=np.uint8)
     return number
+
+
+def enclose(
+    tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Bounds `lower`, `upper` (m,) rad/s of the modes rigid, rigid + 1, ... and which (m,) of them are proven.
+
+    Mode j is proven by a count that exceeds the exact one at `lower` and is at most j, and one that the exact count
+    exceeds at `upper` and is at least j + 1. `passed` (m,) N m of the shapes says in which width an enclosure is
+    expected to succeed: see `expected_width`.
+    """
+    widest = _WIDEST if tree.shafts is None else _WIDEST_OF_SHAFTS
+    half = expected_width(tree, frequency, 0.0 if passed is None else passed)
+    unlikely = ~(half <= widest)
+    if unlikely.any():
+        half[unlikely] = expected_width(tree, frequency, 0.0)[unlikely]
+    left, proven = np.arange(len(frequency)), np.zeros(len(frequency), dtype=np.bool_)
+    lower = upper = frequency
+    while len(left):
+        lower, upper = frequency * (1.0 - half), frequency * (1.0 + half)
+        at_most, at_least = count_bounds(tree, lower[left], upper[left])
+        proven[left] = (at_most <= left + rigid) & (at_least > left + rigid)
+        half = np.where(proven, half, 2.0 * half)
+        left = np.flatnonzero(~proven & (half <= widest))
+    return lower, upper, proven
+
+
+def expected_width(tree: Tree, frequency: FloatArray, passed: FloatArray | float) -> FloatArray:
+    """Relative half width (m,) in which an enclosure of each frequency (m,) should succeed, to first order.
+
+    A margin d of the stiffness that a span passes on moves w^2 by d times torque times angle at the parent, whose sum
+    over the spans is `passed` (m,) N m for shapes of generalised inertia 1; one of all inertias by d w^2.
+    """
+    square = frequency**2
+    of_square, of_laws, of_stiffness = margins(tree, square)
+    with np.errstate(invalid="ignore", over="ignore"):
+        moved: FloatArray = of_square + of_laws + of_stiffness * passed / square
+    return _NARROWEST + _OVER_MARGIN * 0.5 * moved
+
+
+def bisect(tree: Tree, mode: IntArray, *, tolerance: float) -> FloatArray:
+    """Middles (m,) rad/s of the `brackets` of the modes `mode` (m,), of the relative width `tolerance`."""
+    low, high = brackets(tree, mode, tolerance=tolerance)
+    return low + 0.5 * (high - low)
+
+
+def brackets(tree: Tree, mode: IntArray, *, tolerance: float | None = None) -> tuple[FloatArray, FloatArray]:
+    """Bounds (m,) rad/s of the modes `mode` (m,), ascending, counted from 0 with the rigid ones.
+
+    To a relative `tolerance`, by default near enough to polish. All brackets are divided by one sweep over the tree.
+    Raises SolveError for a mode above the limit of distributed shafts, or outside 1e-50..1e50 rad/s.
+    """
+    top = np.inf if tree.shafts is None else SHARE_OF_LIMIT * tree.shafts.limit
+    grid = top * 2.0 ** np.arange(-float(_OCTAVES), 1.0) if np.isfinite(top) else _GRID
+    count = np.maximum.accumulate(count_below(tree, grid))
+    above = np.searchsorted(count, mode, side="right")
+    if np.isfinite(top) and np.any(above == len(grid)):
+        raise SolveError(
+            f"only {np.count_nonzero(above < len(grid))} of the requested natural frequencies lie below {top:.6g} rad/s"
+            ", for which the pieces of the shafts are short enough; divide the shafts more finely, or request"
+            " fewer modes"
+        )
+    if np.any((above == 0) | (above == len(grid))):
+        raise SolveError("a natural frequency lies outside 1e-50..1e50 rad/s; check the units of inertia and stiffness")
+    found = np.array([grid[above - 1], grid[above], count[above - 1], count[above]])
+    left = np.arange(len(mode))
+    while len(left):
+        before = found[:, left]
+        found[:, left] = _refined(tree, mode[left], before)
+        low, high, *_ = found[:, left]
+        width = (high - low) / high
+        if tolerance is None:
+            done = ((before[3] - before[2] == 1) & (width <= _NEAR)) | (width <= _COINCIDENT)
+        else:
+            done = (width <= tolerance) | (high - low >= before[1] - before[0])
+        left = left[~done]
+    return found[0], found[1]
+
+
+def _refined(tree: Tree, mode: IntArray, found: FloatArray) -> FloatArray:
+    """Narrower brackets of `mode` (m,): each divided by points in proportion to the modes that share it.
+
+    `found` (4, m): bounds rad/s, and the counts at them.
+    """
+    _, first, which, sharing = np.unique(found[0], return_index=True, return_inverse=True, return_counts=True)
+    number = np.maximum(min(_POINTS, max(_POINTS_A_MODE, _COLUMNS // len(mode))), _POINTS_A_MODE * sharing)
+    inside = [a + (b - a) * (np.arange(1, n + 1) / (n + 1)) for a, b, n in zip(*found[:2, first], number, strict=True)]
+    counts = np.split(count_below(tree, np.concatenate(inside)), np.cumsum(number)[:-1])
+    members = np.split(np.argsort(which.reshape(-1), kind="stable"), np.cumsum(sharing)[:-1])
+    narrower = found.copy()
+    for (low, high, below, up_to), places, count, rows in zip(found[:, first].T, inside, counts, members, strict=True):
+        ladder = np.concatenate(([low], places, [high]))
+        known = np.concatenate(([below], np.clip(np.maximum.accumulate(count), below, up_to), [up_to]))
+        above = np.searchsorted(known, mode[rows], side="right")
+        narrower[:, rows] = ladder[above - 1], ladder[above], known[above - 1], known[above]
+    return narrower

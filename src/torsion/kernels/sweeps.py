@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import BoolArray, ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.layers import share
 from torsion.kernels.tree import Tree
 
 Row = NDArray[Any]  # (columns,) real or complex: one value a frequency or a root
@@ -58,22 +59,17 @@ def layout(tree: Tree, compliance: NDArray[Any]) -> Layout:
     rigid = zero if zero.ndim == 1 else zero.all(axis=1)
     if zero.ndim > 1 and bool((zero.any(axis=1) & ~rigid).any()):
         raise ValueError("a span is rigid at some frequencies only; expected rigid at all or at none")
-    _check_held(tree, rigid)
-    parent = tree.parent.tolist()
-    held = tree.held.tolist()
-    prescribed = list(held)
-    for station, inner in enumerate(parent):
-        if inner >= 0 and not held[station]:
-            prescribed[station] = bool(rigid[station]) and prescribed[inner]
-    return Layout(parent, tree.children, held, rigid.tolist(), prescribed)
-
-
-def _check_held(tree: Tree, rigid: BoolArray) -> None:
     leaf = tree.held & (tree.parent >= 0)
     if any(tree.children[station] for station in np.flatnonzero(leaf)):
         raise ValueError("a fixed station has spans on both sides; expected a root or a leaf (split the tree there)")
     if bool((leaf & rigid).any()):
         raise ValueError("a rigid span leads to a fixed leaf; expected that fixed station as the root")
+    held, is_rigid = tree.held.tolist(), rigid.tolist()
+    prescribed = list(held)
+    for station, inner in enumerate(tree.parents):
+        if inner >= 0 and is_rigid[station]:
+            prescribed[station] = prescribed[inner]
+    return Layout(tree.parents, tree.children, held, is_rigid, prescribed)
 
 
 def branches(
@@ -133,22 +129,6 @@ def guarded_sum(product: Row, guard: bool) -> Row:
     if guard:
         product[product == 0] = EPS
     return product
-
-
-def share(children: Sequence[int], through: Rows, rest: Rows, remainder: Any, add: Any = np.add) -> None:
-    """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
-    if len(children) == 1:
-        rest[children[0]] = remainder
-        return
-    before = remainder
-    for child in children:
-        rest[child] = before
-        before = add(before, through[child])
-    after: Any = None
-    for child in reversed(children):
-        if after is not None:
-            rest[child] = add(rest[child], after)
-        after = through[child] if after is None else add(after, through[child])
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Forced response of a tree at many frequencies, with full torques, a residual and an amplification of errors."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.residual import equilibrium_residual
 from torsion.kernels.sweeps import EPS, Equations, Layout, layout, solve, values_or_rows
 from torsion.kernels.tree import Tree
 
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once, whose rows stay in the cache
+BLOCK_VALUES = 2**14  # of which the residual is found at once: 256 KiB of each array
 SHORTEST_CHUNK, LONGEST_CHUNK = 1024, 2048  # columns: fewer, and calls cost more than sums; more, and caches overflow
 Part = slice | IntArray
 
@@ -38,30 +38,28 @@ class TreeResponse:
 
     angle: ComplexArray  # (stations, frequencies) rad
     torque: ComplexArray  # (stations, frequencies) N m, elastic and damping share together; 0 at a root
+    torque_outer: ComplexArray  # (stations, frequencies) N m; `torque` itself where no span has inertia
     residual: FloatArray  # (frequencies,) of the worst equation, relative to the terms in it; NaN if not checked
-    amplification: (
-        FloatArray  # (frequencies,) growth of relative errors of the data; infinite where singular, NaN if not checked
-    )
+    # (frequencies,) growth of relative errors of the data; infinite where singular, NaN if not checked
+    amplification: FloatArray
     chord_torque: ComplexArray  # (chords, frequencies) N m of each chord of a loop on its end
-    at_outer_end: ComplexArray | None = None  # (stations, frequencies) N m; None where no span has inertia
 
-    @property
-    def torque_outer(self) -> ComplexArray:
-        """Torque (stations, frequencies) N m at the outer end of every span."""
-        return self.torque if self.at_outer_end is None else self.at_outer_end
+    @classmethod
+    def blank(cls, tree: Tree, frequencies: int) -> "TreeResponse":
+        """A response to be filled in place."""
+        angle, torque = np.zeros((2, tree.size, frequencies), dtype=np.complex128)
+        outer = torque if tree.shafts is None else torque.copy()
+        residual, amplification = np.full((2, frequencies), np.nan)
+        return cls(angle, torque, outer, residual, amplification, np.zeros((0, frequencies), dtype=np.complex128))
 
     def part(self, part: slice) -> "TreeResponse":
         """A view of some frequencies."""
-        angle, torque, chord = self.angle[:, part], self.torque[:, part], self.chord_torque[:, part]
-        outer = None if self.at_outer_end is None else self.at_outer_end[:, part]
-        return TreeResponse(angle, torque, self.residual[part], self.amplification[part], chord, outer)
+        return TreeResponse(*(values[..., part] for values in vars(self).values()))
 
     def store(self, block: "TreeResponse", at: IntArray) -> None:
         """Replace what stands at these numbers of frequencies."""
-        self.angle[:, at], self.torque[:, at] = block.angle, block.torque
-        self.residual[at], self.amplification[at] = block.residual, block.amplification
-        if self.at_outer_end is not None:
-            self.at_outer_end[:, at] = block.torque_outer
+        for name, values in vars(self).items():
+            values[..., at] = getattr(block, name)
 
 
 def tree_response(
@@ -86,17 +84,17 @@ def tree_response(
     Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
     Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
-    problem = pose(tree, w, ground_damping, compliance, shaft_loss)
-    acting = sources(problem, force, twist)
-    result = blank_response(tree, problem.w.size)
+    given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance, "shaft_loss": shaft_loss}
+    problem = pose(tree, w, force, twist=twist, **given)
+    result = TreeResponse.blank(tree, problem.w.size)
     length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // tree.size, LONGEST_CHUNK))
     for part in (slice(start, start + length) for start in range(0, problem.w.size, length)):
         block = result.part(part)
-        solve_part(problem, acting, part, block, check=check)
+        solve_part(problem, part, block, check=check)
         lost = np.flatnonzero(np.isinf(block.amplification)) + part.start
         if lost.size:
-            block = blank_response(tree, lost.size)
-            solve_part(problem, acting, lost, block, check=check, guard=True)
+            block = TreeResponse.blank(tree, lost.size)
+            solve_part(problem, lost, block, check=check, guard=True)
             result.store(block, lost)
     return result
 
@@ -136,21 +134,26 @@ def status(amplification: FloatArray, residual: FloatArray) -> NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Problem:
-    """Everything but the sources, checked once."""
+    """What `tree_response` is given, checked once."""
 
     plan: Layout
+    tree: Tree
+    w: FloatArray  # (frequencies,) rad/s
+    force: list[Any]  # N m, a number or a row a station; None where none acts at any frequency
+    twist: list[Any]  # rad, the same of the span
     damping: FloatArray  # (stations,) or (stations, frequencies) N m s/rad to ground
     damped: list[int]  # stations with such damping
     compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
-    w: FloatArray  # (frequencies,) rad/s
-    tree: Tree
     shaft_loss: FloatArray  # (shafts,) loss factor of each distributed shaft
 
-    def equations(self, part: Part, acting: "Sources") -> tuple[Equations, Pi | None]:
+    def equations(self, part: Part) -> tuple[Equations, Pi | None]:
         """The equations at the frequencies of `part`, and what the distributed shafts have brought to them."""
         own, compliance, shafts = _own_stiffness(self, part), _columns(self.compliance, part), self.tree.shafts
+        force, twist = (
+            [row[part] if isinstance(row, np.ndarray) else row for row in rows] for rows in (self.force, self.twist)
+        )
         if shafts is None:
-            return Equations(own, compliance, *acting.part(part)), None
+            return Equations(own, compliance, force, twist), None
         square = self.w[part] * self.w[part]
         lossy = self.shaft_loss.any()
         flexibility, inner, outer = shafts.lossy(square, self.shaft_loss) if lossy else shafts.at(square)
@@ -160,59 +163,32 @@ class Problem:
         rows = np.empty((self.tree.size, len(square)), dtype=np.result_type(compliance, flexibility))
         rows[:] = compliance[:, None] if compliance.ndim == 1 else compliance
         rows[shafts.node] = flexibility
-        return Equations(own, rows, *acting.part(part)), pi
-
-
-@dataclass(frozen=True)
-class Sources:
-    """What acts: rows or numbers, None for a station on which nothing does at any frequency."""
-
-    force: list[Any]  # N m
-    twist: list[Any]  # rad
-
-    def part(self, part: Part) -> tuple[list[Any], list[Any]]:
-        """Force and twist at some frequencies."""
-        force, twist = (
-            [row[part] if isinstance(row, np.ndarray) else row for row in rows] for rows in (self.force, self.twist)
-        )
-        return force, twist
-
-
-def sources(problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None) -> Sources:
-    """Forces and twists by station; raises ValueError for a shape that does not fit."""
-    given = {"force": np.asarray(force), "twist": np.zeros(problem.plan.size) if twist is None else np.asarray(twist)}
-    _check_shapes(problem.plan.size, problem.w, given)
-    shafts = problem.tree.shafts
-    if shafts is not None and given["twist"][shafts.node].any():
-        raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span beside it")
-    pairs = (zip(values_or_rows(values), _any_in_rows(values), strict=True) for values in given.values())
-    return Sources(*([row if acts else None for row, acts in rows] for rows in pairs))
-
-
-def _any_in_rows(values: NDArray[Any]) -> list[bool]:
-    """Whether any value of each station differs from zero."""
-    if values.ndim == 1:
-        return list((values != 0).tolist())
-    return [row.size > 0 and bool(row[0] != 0 or row.any()) for row in values]
+        return Equations(own, rows, force, twist), pi
 
 
 def pose(
     tree: Tree,
     w: FloatArray,
-    ground_damping: FloatArray | None,
-    compliance: NDArray[Any] | None,
+    force: NDArray[Any],
+    *,
+    twist: NDArray[Any] | None = None,
+    ground_damping: FloatArray | None = None,
+    compliance: NDArray[Any] | None = None,
     shaft_loss: FloatArray | None = None,
 ) -> Problem:
-    """The problem in the arrays that the sweeps take; raises ValueError for a shape that does not fit."""
-    shafts = tree.shafts
-    damping = np.zeros(tree.size) if ground_damping is None else np.asarray(ground_damping, dtype=np.float64)
-    hc = tree.flexibility if compliance is None else np.asarray(compliance)
-    loss = np.zeros(len(tree.shaft_parent)) if shaft_loss is None else np.asarray(shaft_loss, dtype=np.float64)
-    w = np.asarray(w, dtype=np.float64)
+    """The problem in the arrays that the sweeps take; arguments and errors as of `tree_response`."""
+    w, shafts, none = np.asarray(w, dtype=np.float64), tree.shafts, np.zeros(tree.size)
     if w.ndim != 1:
         raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
-    _check_shapes(tree.size, w, {"compliance": hc, "ground_damping": damping})
-    damped = np.flatnonzero(_any_in_rows(damping)).tolist()
+    damping = none if ground_damping is None else np.asarray(ground_damping, dtype=np.float64)
+    hc = tree.flexibility if compliance is None else np.asarray(compliance)
+    force, twist = np.asarray(force), none if twist is None else np.asarray(twist)
+    allowed = (tree.size,), (tree.size, w.size)
+    given = {"compliance": hc, "ground_damping": damping, "force": force, "twist": twist}
+    for name, values in given.items():
+        if values.shape not in allowed:
+            raise ValueError(f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}")
+    loss = np.zeros(len(tree.shaft_parent)) if shaft_loss is None else np.asarray(shaft_loss, dtype=np.float64)
     if loss.shape != tree.shaft_parent.shape:
         raise ValueError(f"shaft_loss has shape {loss.shape}; expected {tree.shaft_parent.shape}")
     rigid, highest = hc, float(np.max(w, initial=0.0))
@@ -224,19 +200,33 @@ def pose(
                 f"{highest:.6g} rad/s is above {shafts.reach:.6g} rad/s, to which the pieces of the shafts are short"
                 " enough; divide the shafts more finely"
             )
-    return Problem(layout(tree, rigid), damping, damped, hc, w, tree, loss)
+        if twist[shafts.node].any():
+            raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span beside it")
+    damped = np.flatnonzero(_any_in_rows(damping)).tolist()
+    return Problem(layout(tree, rigid), tree, w, _acting(force), _acting(twist), damping, damped, hc, loss)
 
 
-def solve_part(
-    problem: Problem, acting: Sources, part: Part, block: TreeResponse, *, check: bool, guard: bool = False
-) -> None:
+def _acting(values: NDArray[Any]) -> list[Any]:
+    """Numbers or rows, one a station; None for a station on which nothing acts at any frequency."""
+    rows = zip(values_or_rows(values), _any_in_rows(values), strict=True)
+    return [row if acts else None for row, acts in rows]
+
+
+def _any_in_rows(values: NDArray[Any]) -> list[bool]:
+    """Whether any value of each station differs from zero."""
+    if values.ndim == 1:
+        return list((values != 0).tolist())
+    return [row.size > 0 and bool(row[0] != 0 or row.any()) for row in values]
+
+
+def solve_part(problem: Problem, part: Part, block: TreeResponse, *, check: bool, guard: bool = False) -> None:
     """Fill `block` with the response at the frequencies of `part`.
 
     Amplification is 1 + 2 sum |own receptance| over the stations: twice the relative change of the determinant of the
     dynamic stiffness under relative changes of every inertia and damper to ground. In a mode the springs hold as much
     energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
     """
-    given, pi = problem.equations(part, acting)
+    given, pi = problem.equations(part)
     columns = block.angle.shape[1]
     sensitivity = np.zeros(columns * given.own.itemsize // 8) if check else None
     with np.errstate(all="ignore"):
@@ -253,11 +243,9 @@ def solve_part(
     block.amplification[lost] = np.inf
 
 
-def residual_of(
-    problem: Problem, force: NDArray[Any], twist: NDArray[Any] | None, response: TreeResponse
-) -> FloatArray:
+def residual_of(problem: Problem, response: TreeResponse) -> FloatArray:
     """Worst relative residual of any equation, (frequencies,), of a response found in any way."""
-    given, pi = problem.equations(slice(None), sources(problem, force, twist))
+    given, pi = problem.equations(slice(None))
     torque = response.torque
     if pi is not None and problem.tree.shafts is not None:
         torque = torque.copy()
@@ -280,22 +268,79 @@ def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     return own
 
 
-def blank_response(tree: Tree, frequencies: int) -> TreeResponse:
-    """A response to be filled in place."""
-    angle, torque = (np.zeros((tree.size, frequencies), dtype=np.complex128) for _ in range(2))
-    residual, amplification = (np.full(frequencies, np.nan) for _ in range(2))
-    chord_torque = np.zeros((0, frequencies), dtype=np.complex128)
-    outer = None if tree.shafts is None else torque.copy()
-    return TreeResponse(angle, torque, residual, amplification, chord_torque, outer)
-
-
-def _check_shapes(stations: int, w: FloatArray, arrays: Mapping[str, NDArray[Any]]) -> None:
-    allowed = ((stations,), (stations, w.size))
-    for name, values in arrays.items():
-        if values.shape not in allowed:
-            raise ValueError(f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}")
-
-
 def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:
     """The columns of `values` that `part` names; values that do not vary along the columns stay as they are."""
     return values if values.ndim == 1 else values[:, part]
+
+
+Terms = tuple[ComplexArray, FloatArray]  # an answer (stations, columns), and its magnitudes
+
+
+@dataclass(frozen=True)
+class _Balance:
+    """Equations, one a station: coefficient times value, plus or minus what `other` is here less there = acting."""
+
+    coefficient: NDArray[Any]  # (stations,) or (stations, columns)
+    value: Terms
+    other: Terms
+    plus: np.ufunc
+    minus: np.ufunc
+    there: Sequence[Sequence[int]]  # stations whose `other` counts
+    acting: Sequence[Any]
+    without: list[bool]  # stations that have no such equation
+
+    def put(self, block: slice, error: ComplexArray, scale: FloatArray) -> None:
+        """What each equation of a block is wrong by, and the sum of the magnitudes in it."""
+        factor = self.coefficient[block]
+        factor = factor[:, None] if factor.ndim == 1 else factor
+        (value, size), (other, other_size) = self.value, self.other
+        np.multiply(factor, value[block], out=error)
+        if factor.shape[1] == 1:
+            np.multiply(np.abs(factor), size[block], out=scale)
+        else:
+            np.abs(error, out=scale)
+        self.plus(error, other[block], out=error)
+        scale += other_size[block]
+        for mine, there in _runs((i, there) for i, near in enumerate(self.there[block]) for there in near):
+            self.minus(error[mine], other[there], out=error[mine])
+            scale[mine] += other_size[there]
+        for line, row in enumerate(self.acting[block]):
+            if row is not None:
+                error[line] -= row
+                scale[line] += np.abs(row)
+
+
+def equilibrium_residual(plan: Layout, given: Equations, angle: ComplexArray, torque: ComplexArray) -> FloatArray:
+    """Worst relative residual, (columns,), over every station that is not fixed and every span.
+
+    Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
+    all zero is satisfied.
+    """
+    size, columns = angle.shape
+    angles, torques, worst = (angle, np.abs(angle)), (torque, np.abs(torque)), np.zeros(columns)
+    inner, roots = [() if parent < 0 else (parent,) for parent in plan.parent], [parent < 0 for parent in plan.parent]
+    stations = _Balance(given.own, angles, torques, np.subtract, np.add, plan.children, given.force, plan.held)
+    spans = _Balance(given.compliance, torques, angles, np.add, np.subtract, inner, given.twist, roots)
+    height = min(size, max(1, BLOCK_VALUES // max(columns, 1)))
+    errors, (scales, sizes) = np.empty((height, columns), dtype=np.complex128), np.empty((2, height, columns))
+    for start in range(0, size, height):
+        block = slice(start, min(start + height, size))
+        error, scale, relative = (part[: block.stop - start] for part in (errors, scales, sizes))
+        for balance in (stations, spans):
+            balance.put(block, error, scale)
+            np.abs(error, out=relative)
+            np.divide(relative, scale, out=relative)
+            relative[balance.without[block]] = 0
+            np.fmax(worst, np.fmax.reduce(relative, axis=0), out=worst)
+    return worst
+
+
+def _runs(pairs: Iterable[tuple[int, int]]) -> list[tuple[slice, slice]]:
+    """Pairs of lines in as few runs of both as they form in the order given; a chain is one run."""
+    found: list[list[int]] = []
+    for here, there in pairs:
+        if found and found[-1][0] + found[-1][2] == here and found[-1][1] + found[-1][2] == there:
+            found[-1][2] += 1
+        else:
+            found.append([here, there, 1])
+    return [(slice(here, here + count), slice(there, there + count)) for here, there, count in found]

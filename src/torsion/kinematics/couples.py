@@ -20,15 +20,11 @@ Carrier = Literal["driving", "driven"]  # the shaft whose torque is constant
 
 @dataclass(frozen=True, slots=True)
 class Couple:
-    """Couple on one shaft in fixed axes, N m."""
+    """Couple on one shaft, N m: in fixed axes, and turning with the yoke of that shaft."""
 
     normal: FloatArray
     inplane: FloatArray
-
-    @property
-    def size(self) -> FloatArray:
-        """Magnitude, N m."""
-        return np.hypot(self.normal, self.inplane)
+    yoke: FloatArray  # about d x pin; there is none about the pin itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,34 +38,22 @@ class Couples:
     driven_torque: FloatArray
     driving: Couple
     driven: Couple
-    driving_yoke: FloatArray  # on the driving shaft, about d x pin turning with its yoke; none about the pin itself
-    driven_yoke: FloatArray  # on the driven shaft, likewise
-
-
-@dataclass(frozen=True, slots=True)
-class Harmonic:
-    """mean + Re(second exp(2 i x)) over the angle x of the shaft with the constant torque; N m."""
-
-    mean: FloatArray
-    second: ComplexArray
 
 
 @dataclass(frozen=True, slots=True)
 class CoupleHarmonics:
-    """Harmonics of the four couples of one joint in fixed axes."""
+    """Couple on one shaft in fixed axes: mean + Re(amplitude exp(2 i x)), x of the shaft with the constant torque; N m.
 
-    driving_normal: Harmonic
-    driving_inplane: Harmonic
-    driven_normal: Harmonic
-    driven_inplane: Harmonic
+    About the normal there is no mean.
+    """
+
+    mean: FloatArray  # in the plane
+    normal: ComplexArray
+    inplane: ComplexArray
 
 
 def couples(
-    driving: ArrayLike,
-    angle: ArrayLike,
-    torque: ArrayLike,
-    carrier: Carrier = "driving",
-    convention: Convention = "P",
+    driving: ArrayLike, angle: ArrayLike, torque: ArrayLike, carrier: Carrier = "driving", convention: Convention = "P"
 ) -> Couples:
     """Couples at driving angles, the torque of one shaft being given (Liu 2023, eq. 13, with T2 corrected).
 
@@ -83,28 +67,24 @@ def couples(
     sine, cosine = (np.sin(turned), np.cos(turned)) if convention == "N" else (np.cos(turned), -np.sin(turned))
     slope, tilt = np.tan(bend), np.sin(bend)
     normal = before * slope * sine * cosine
+    driven_yoke = -before * slope * sine * np.sqrt(cosine * cosine + (np.cos(bend) * sine) ** 2)
     return Couples(
         driving_torque=before + np.zeros_like(normal),
         driven_torque=behind + np.zeros_like(normal),
-        driving=Couple(-normal, before * slope * cosine * cosine),
-        driven=Couple(normal, before * tilt * sine * sine),
-        driving_yoke=before * slope * cosine,
-        driven_yoke=-before * slope * sine * np.sqrt(cosine * cosine + (np.cos(bend) * sine) ** 2),
+        driving=Couple(-normal, before * slope * cosine * cosine, before * slope * cosine),
+        driven=Couple(normal, before * tilt * sine * sine, driven_yoke),
     )
 
 
 def couple_harmonics(
     angle: ArrayLike, torque: ArrayLike, carrier: Carrier = "driving", convention: Convention = "P"
-) -> CoupleHarmonics:
-    """Mean and second harmonic of the couples in fixed axes, over the angle of the shaft whose torque is constant."""
+) -> tuple[CoupleHarmonics, CoupleHarmonics]:
+    """Harmonics of the couples on the driving and the driven shaft."""
     bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
     slope, tilt = 0.5 * given * np.tan(bend), 0.5 * given * np.sin(bend)
     sign = 1.0 if convention == "N" else -1.0
     before, behind = (slope, tilt) if carrier == "driving" else (tilt, slope)
-    none = np.zeros_like(slope)
-    return CoupleHarmonics(
-        driving_normal=Harmonic(none, 1j * sign * slope),
-        driving_inplane=Harmonic(before, sign * before + 0j),
-        driven_normal=Harmonic(none, -1j * sign * slope),
-        driven_inplane=Harmonic(behind, -sign * behind + 0j),
+    return (
+        CoupleHarmonics(before, 1j * sign * slope, sign * before + 0j),
+        CoupleHarmonics(behind, -1j * sign * slope, -sign * behind + 0j),
     )

@@ -28,40 +28,19 @@ class Transfer:
     curvature: FloatArray  # second derivative, 1/rad: driven acceleration / driving speed^2 at constant driving speed
 
 
-@dataclass(frozen=True, slots=True)
-class Extremes:
-    """Extremes over a revolution and the driving angle x, 0 <= x < pi, at which each first occurs; rad.
-
-    Greatest error and curvature: the least are their negatives, at the driving angle mirrored, pi - x.
-    """
-
-    error: FloatArray
-    error_at: FloatArray
-    ratio_greatest: FloatArray
-    ratio_greatest_at: FloatArray
-    ratio_least: FloatArray
-    ratio_least_at: FloatArray
-    curvature: FloatArray
-    curvature_at: FloatArray
-
-
 def unevenness(angle: ArrayLike) -> FloatArray:
     """q = tan(angle/2)^2: order-2 amplitude of the transmission error, rad."""
-    half: FloatArray = np.tan(np.asarray(angle, dtype=float) / 2.0)
-    return half * half
+    return np.asarray(np.tan(np.asarray(angle, dtype=float) / 2.0) ** 2)
 
 
 def rapidity(angle: ArrayLike) -> FloatArray:
     """ln(1/cos(angle)), the logarithm of the greatest speed ratio; q = tanh(rapidity/2)."""
-    slope: FloatArray = np.tan(np.asarray(angle, dtype=float))
-    return 0.5 * np.log1p(slope * slope)
+    return np.asarray(0.5 * np.log1p(np.tan(np.asarray(angle, dtype=float)) ** 2))
 
 
 def fluctuation(angle: ArrayLike) -> FloatArray:
     """(greatest - least)/mean driven speed at constant driving speed: 1/cos(angle) - cos(angle)."""
-    bend = np.asarray(angle, dtype=float)
-    result: FloatArray = np.sin(bend) * np.tan(bend)
-    return result
+    return np.asarray(np.sin(angle) * np.tan(angle))
 
 
 def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Transfer:
@@ -83,25 +62,19 @@ def behind(before: Transfer, joint: Transfer) -> Transfer:
     return Transfer(before.error + joint.error, joint.ratio * rate, gain)
 
 
-def speed_ratio(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> FloatArray:
-    """Driven speed / driving speed: c/(1 - (s cos x)^2) in convention P, c/(1 - (s sin x)^2) in N."""
-    return transfer(driving, angle, convention).ratio
+def error_amplitude(angle: float, yoke: float) -> complex:
+    """Complex amplitude of order 2 of the transmission error, over the driving shaft's angle (convention P).
 
-
-def error_amplitude(angle: float, yoke: float, harmonic: int = 1) -> complex:
-    """Complex amplitude of order 2*harmonic of the transmission error, over the driving shaft's angle.
-
-    q^k/k sin 2k(x + yoke) = Re(-i q^k/k exp(2 i k yoke) exp(2 i k x)), convention P.
+    Of order 2k it is -i q^k/k exp(2 i k yoke).
     """
-    size = float(unevenness(angle)) ** harmonic / harmonic
-    return complex(-1j * size * np.exp(2j * harmonic * yoke))
+    return complex(-1j * unevenness(angle) * np.exp(2j * yoke))
 
 
-def extremes(angle: ArrayLike, convention: Convention = "P") -> Extremes:
-    """Extremes of error, speed ratio and second derivative of one joint, and where they occur.
+def greatest_curvature(angle: ArrayLike) -> FloatArray:
+    """The greatest second derivative over a revolution, 1/rad; the least is its negative.
 
-    The error is greatest, asin q, where tan x = sqrt(c). The second derivative is extreme where
-    cos 2x = -+4 s^2/(1 + c^2 + sqrt(4 c^2 + 9 s^4)), the root of its derivative written without a difference.
+    It stands where cos 2x = -+4 s^2/(1 + c^2 + sqrt(4 c^2 + 9 s^4)), the root of its derivative written without a
+    difference.
     """
     bend = np.asarray(angle, dtype=float)
     cosine, square = np.cos(bend), np.sin(bend) ** 2
@@ -109,16 +82,4 @@ def extremes(angle: ArrayLike, convention: Convention = "P") -> Extremes:
     whole = 1.0 + cosine**2 + root
     less = cosine**2 * (2.0 + 4.0 / (root + 3.0 * square)) / whole  # 1 + cos 2x of convention N
     steepest = np.arctan2(np.sqrt(1.0 + 4.0 * square / whole), np.sqrt(less))
-    leading = np.arctan(np.sqrt(cosine))
-    start, quarter = np.zeros_like(bend), np.full_like(bend, np.pi / 2.0)
-    in_plane = convention == "P"
-    return Extremes(
-        error=np.arctan2(np.sin(bend / 2.0) ** 2, np.sqrt(cosine)),
-        error_at=leading if in_plane else leading + quarter,
-        ratio_greatest=1.0 / cosine,
-        ratio_greatest_at=start if in_plane else quarter,
-        ratio_least=cosine,
-        ratio_least_at=quarter if in_plane else start,
-        curvature=transfer(steepest, bend, "N").curvature,
-        curvature_at=steepest + quarter if in_plane else steepest,
-    )
+    return transfer(steepest, bend, "N").curvature

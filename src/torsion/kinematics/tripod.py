@@ -48,10 +48,8 @@ class TripodStatics:
 def error_size(angle: ArrayLike, radius: ArrayLike, arm: ArrayLike) -> FloatArray:
     """Amplitude, rad, of cos 3 x in the transmission error, to first order in radius/arm (Chang and Li, eq. 1)."""
     bend = np.asarray(angle, dtype=float)
-    size: FloatArray = (
-        np.asarray(radius, dtype=float) / (2.0 * np.asarray(arm)) * np.tan(bend / 2.0) ** 2 * np.tan(bend)
-    )
-    return size
+    share = np.asarray(radius, dtype=float) / (2.0 * np.asarray(arm))
+    return np.asarray(share * np.tan(bend / 2.0) ** 2 * np.tan(bend))
 
 
 def error_amplitude(angle: float, spider: float, radius: float, arm: float) -> complex:
@@ -114,8 +112,7 @@ def exact_statics(
 
 def constant_velocity_couple(angle: ArrayLike, torque: ArrayLike) -> FloatArray:
     """T tan(angle/2), N m: steady couple in the plane on either shaft of a twin tripod or another cv joint."""
-    slope: FloatArray = np.tan(np.asarray(angle, dtype=float) / 2.0)
-    return np.asarray(torque, dtype=float) * slope
+    return np.asarray(torque, dtype=float) * np.tan(np.asarray(angle, dtype=float) / 2.0)
 
 
 def _standing(turned: FloatArray, sine: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -3,9 +3,12 @@
 Texts may hold `_{x}` for a subscript; names and values of the scene stand in cells, where nothing is interpreted.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any, Literal
+
+from torsion.output.numbers import cell
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,7 @@ class Verbatim:
 Block = Heading | Paragraph | Points | Table | KeyValues | Figure | Verbatim
 
 
+@lru_cache
 def head(titles: str) -> tuple[Column, ...]:
     """Columns of a table: '< Shaft -> | Critical speed [rpm] -> rpm'; '<' marks words, which stand to the left.
 
@@ -102,6 +106,19 @@ def head(titles: str) -> tuple[Column, ...]:
         align: Literal["left", "right"] = "left" if title.startswith("<") else "right"
         found.append(Column(name, unit, align, short.strip() or (name.lower() if arrow else "")))
     return tuple(found)
+
+
+def table(
+    titles: str | tuple[Column, ...], rows: Iterable[Sequence[Any]], caption: str = "",
+    *, marks: Iterable[str] = (), short: str = "",
+) -> Table:  # fmt: skip
+    """A table of values, which stand in it as `cell` shows them, under the titles of `head` or columns.
+
+    >>> table("< Mode | Frequency [Hz] | Nodes", [("first", 12.5, 1), ("second", None, 2)]).rows
+    (('first', '12.500', '1'), ('second', '–', '2'))
+    """
+    columns = head(titles) if isinstance(titles, str) else titles
+    return Table(columns, tuple(tuple(map(cell, row)) for row in rows), caption, tuple(marks), short)
 
 
 def texts(title: str, short: str = "") -> Column:

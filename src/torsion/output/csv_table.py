@@ -2,26 +2,25 @@
 
 import csv
 import io
-from importlib import import_module
+from pkgutil import resolve_name
 
 import numpy as np
 
 import torsion
-from torsion.output.cover import checksum
 from torsion.output.document import Document
+from torsion.output.scene import checksum
 
 
 def csv_text(document: Document) -> str | None:
     """One row a place of the axis that all columns run over; None where the report has no columns."""
     if not document.report.columns:
         return None
-    module, _, name = document.report.columns.partition(":")
-    findings = document.source
-    columns, study = getattr(import_module(f"torsion.output.chapters.{module}"), name)(findings), findings.study
+    columns = resolve_name(f"torsion.output.chapters.{document.report.columns}")(document.findings)
+    study = document.findings.study
     target = io.StringIO()
     target.write(f"# scene: {one_line(study.name)}\n")
     if study.text:
-        target.write(f"# file: {one_line(study.file)}, SHA-256 {checksum(study.text)}\n")
+        target.write(f"# file: {one_line(study.file)}, SHA-256 {checksum(study)}\n")
     target.write(f"# torsion {torsion.__version__}; motion is that of the shaft behind the joint\n")
     rows = csv.writer(target, lineterminator="\n")
     rows.writerow([one_line(title) for title, _ in columns])

@@ -3,7 +3,11 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
+from typing import Any
+
+import numpy as np
 
 DIGITS = 5  # significant digits of a figure in a table
 MOST_DIGITS = 15  # that distinguish two floating-point numbers
@@ -78,6 +82,22 @@ def degrees(angle: float, digits: int = DIGITS) -> str:
     return given(math.degrees(angle), digits)
 
 
+def cell(value: Any) -> str:
+    """A single value: words as they stand, 2.5, 3 ∠ 40°, 1/2, yes, '–' for none."""
+    if isinstance(value, str):
+        return value
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, complex):
+        return f"{number(abs(value))} ∠ {degrees(float(np.angle(value)), 4)}°"
+    if isinstance(value, float):
+        return number(value)
+    if value is None or isinstance(value, Fraction):
+        return exact(value)
+    return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)
+
+
 def below_right(angle: float, digits: int = DIGITS) -> int:
     """So many significant digits, or as many as keep an angle in rad below 90 deg from reading 90 deg."""
     value = math.degrees(angle)
@@ -96,6 +116,9 @@ class Scale:
     def text(self, value: float | None, digits: int = DIGITS) -> str:
         """An SI value in this unit."""
         return number(None if value is None else value * self.factor, digits)
+
+
+SI = Scale("", 1.0)  # of values that stand as they are
 
 
 def scale(unit: str, values: Iterable[float]) -> Scale:

@@ -5,10 +5,9 @@ import tempfile
 from pathlib import Path
 
 from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, Verbatim
-from torsion.output.document import Document
+from torsion.output.document import Document, Numbered
 from torsion.output.figures.drawing import svg
 from torsion.output.html import SUBSCRIPT
-from torsion.output.numbering import Numbered
 
 COLOURS = {"fail": "#b3261e", "pass": "#14693f", "not kept": "#b3261e", "outside": "#8a6500", "note": "#8a6500"}
 WIDE = 8  # columns from which a table is set smaller

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 from torsion.output.document import Document
@@ -21,8 +21,7 @@ class Output:
 
     def __call__(self, document: Document) -> Any:
         """The document in this form: text, bytes, or what the terminal prints."""
-        module, _, name = self.render.partition(":")
-        return getattr(import_module(module), name)(document)
+        return resolve_name(self.render)(document)
 
 
 OUTPUTS = {
@@ -31,7 +30,7 @@ OUTPUTS = {
     "csv": Output("torsion.output.csv_table:csv_text", ".csv"),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
     "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True),
-    "terminal": Output("torsion.output.terminal.screen:screen"),
+    "terminal": Output("torsion.output.terminal:screen"),
 }
 
 

@@ -10,9 +10,8 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.elastic_elements import Element
 from torsion.output.numbers import RPM, given, number
-from torsion.rules import needed
+from torsion.output.selection import Element
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 if TYPE_CHECKING:
@@ -20,6 +19,10 @@ if TYPE_CHECKING:
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is printed as 0
+UNDAMPED = (
+    "the response has no reliable finite value (undamped resonance). No amplitude is stated there, nor a largest one "
+    "of the range; give the damping of the train."
+)
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
@@ -111,11 +114,6 @@ def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
 def responds(findings: Findings) -> bool:
     """There is a response over speed, and something excites it."""
     return findings.get(Synthesis) is not None and bool(findings.need(Response).lines)
-
-
-def judged(findings: Findings) -> bool:
-    """A rule read the response over speed."""
-    return "response" in needed(findings.study)
 
 
 def orders_together(findings: Findings) -> str:

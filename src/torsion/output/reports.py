@@ -26,17 +26,18 @@ REPORTS = {
         "Torsional vibration calculation",
         (
             "verdict", "plant", "mass_elastic", "@modes", "twisted_train", "@critical", "excitations", "damping_given",
-            "@*", "barred_ranges", "conclusion", "steps_done", "input_file",
+            "@*", "verdict:barred_ranges", "verdict:closing", "provenance:steps", "provenance:input_file",
         ),
         "report", {"json": "results.json", "vtu": "modes.vtu"}, on_request={"twisted_train": "vtu"},
     ),
     "joint": Report(
         "Universal joints",
-        ("joint_motion:summary", "verdict:judged", "joint_motion:alone", "steps_done", "input_file"),
+        ("joint_motion:summary", "verdict:judged", "joint_motion:alone", "provenance:steps", "provenance:input_file"),
         "joints", keys=("joints", "checks"), columns="joint_tables:columns",
     ),
     "check": Report(
-        "Models of a shaft train compared", ("model_comparison", "steps_done", "input_file"), "check", keys=("check",),
+        "Models of a shaft train compared", ("model_comparison", "provenance:steps", "provenance:input_file"), "check",
+        keys=("check",),
     ),
-    "study": Report("Error against run time", ("input_file",), "study"),  # behind the blocks of the run times
+    "study": Report("Error against run time", ("provenance:input_file",), "study"),  # behind the run times
 }  # fmt: skip

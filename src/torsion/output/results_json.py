@@ -1,26 +1,117 @@
-"""The results as JSON: declared, stable, every number finite or null.
+"""The results as JSON: declared, stable, every number finite or null; very long arrays in a file of their own.
 
 Format 1 may gain keys; a key that is there keeps its meaning. Complex amplitudes are pairs [real, imaginary]; orders
 and ratios are texts "a/b".
 """
 
-from collections.abc import Callable, Iterator
+import json
+import zipfile
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 import torsion
 from torsion.analyses import ANALYSES
-from torsion.assembly.segment_groups import MOST_GROUPS
-from torsion.findings import Findings
+from torsion.assembly.system import MOST_GROUPS
+from torsion.findings import Findings, Plan
 from torsion.output.document import Document
-from torsion.output.json_text import MOST_NUMBERS, SERIES, lines, listed, write_json
-from torsion.output.keys import Key, keys
-from torsion.output.plain import plain
+from torsion.output.plain import LISTED, plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
 from torsion.output.selection import Selection
-from torsion.plan import Plan
+from torsion.results import is_list, parts, quantities
 from torsion.rules.verdict_line import Checks
+
+SERIES = "series.npz"  # beside results.json
+MOST_NUMBERS = 1_000_000  # of an array that is written as a list
+BLOCK = 10_000  # numbers turned into text at once
+
+
+def listed(values: Any) -> Any:
+    """The data with nested lists in place of arrays."""
+    return replaced(values, lambda _, array: _listed(array))
+
+
+def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str = "") -> Any:
+    """The data with what `change` gives, from the path of its key and itself, in place of every array."""
+    if isinstance(values, np.ndarray):
+        return change(path, values)
+    if isinstance(values, Mapping):
+        return {key: replaced(value, change, f"{path}.{key}" if path else key) for key, value in values.items()}
+    if isinstance(values, list | tuple):
+        return [replaced(value, change, f"{path}[{place}]") for place, value in enumerate(values)]
+    return values
+
+
+def pieces(values: Any) -> Iterator[str]:
+    """The data as JSON text, piece by piece, so that long arrays are never in memory as text or lists."""
+    if not _has_long(values):
+        yield json.dumps(values, default=_listed, allow_nan=False)
+    elif isinstance(values, Mapping):
+        yield from _joined("{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items()))
+    elif isinstance(values, np.ndarray) and values.ndim == 1:
+        blocks = (values[start : start + BLOCK] for start in range(0, values.size, BLOCK))
+        yield from _joined("[]", ([json.dumps(_listed(block), allow_nan=False)[1:-1]] for block in blocks))
+    else:
+        yield from _joined("[]", map(pieces, values))
+
+
+def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = MOST_NUMBERS) -> list[Path]:
+    """Write a file of one line for each key of `parts`, made when its turn comes; the paths of all that was written.
+
+    Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name.
+    """
+    beside = file.with_name(SERIES)
+
+    def stored(name: str, array: NDArray[Any]) -> Any:
+        if array.size <= most:
+            return array
+        with zipfile.ZipFile(beside, "a") as archive, archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+            np.lib.format.write_array(member, array, allow_pickle=False)
+        return {"file": SERIES, "array": name, "shape": list(array.shape)}
+
+    with file.open("w", encoding="utf-8", newline="\n") as target:
+        target.writelines(lines((key, replaced(make(), stored, key)) for key, make in parts.items()))
+    return [file, beside] if beside.exists() else [file]
+
+
+def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
+    """The text of a JSON object, one line for each key, piece by piece."""
+    for place, (key, value) in enumerate(parts):
+        yield f"{',' if place else '{'}\n{json.dumps(key)}: "
+        yield from pieces(value)
+    yield "\n}\n"
+
+
+def _listed(array: NDArray[Any]) -> Any:
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        known = np.isfinite(array)
+        array = array.astype(object)
+        array[~known] = None
+    return array.tolist()
+
+
+def _has_long(values: Any) -> bool:
+    """Whether an array of more than BLOCK numbers is among the data."""
+    if isinstance(values, np.ndarray):
+        return values.size > BLOCK
+    inside = values.values() if isinstance(values, Mapping) else values if isinstance(values, list | tuple) else ()
+    return any(map(_has_long, inside))
+
+
+def _joined(brackets: str, parts: Iterable[Iterable[str]]) -> Iterator[str]:
+    yield brackets[0]
+    for place, part in enumerate(parts):
+        if place:
+            yield ", "
+        yield from part
+    yield brackets[1]
+
 
 FORMAT = 1
 HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has
@@ -37,6 +128,21 @@ LEGEND = {
     "{file, array, shape}: the file, the name of the array in it and its shape; null is NaN there, words are texts",
     "null": "no value, not a number, or infinite (a fixed station's inertia)",
 }
+POSITIONS = {
+    "named station": "positions in `stations` of the angles reported: those of the stations that the train names",
+    "end span": "positions in `spans` of the torques reported: of an element its first and last",
+    "element": "names of the elements; of each its largest span is reported",
+}
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of the results; `[]` in its path is every element of a list."""
+
+    path: str
+    unit: str
+    axes: tuple[str, ...]  # of the nested lists that stand there
+    meaning: str
 
 
 FIXED = (
@@ -59,18 +165,16 @@ def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
 
 def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]:
     """The same text, piece by piece, as it is made."""
-    return lines({key: make for key, make in _made(findings).items() if not only or key in (*HEAD, *only)})
+    return lines((key, make()) for key, make in _made(findings, only).items())
 
 
 def rendered(document: Document) -> Callable[[Path], list[Path]]:
     """What writes the results that a report is of into a file, and very long arrays into another beside it."""
-    only = document.report.keys
-    made = {key: make for key, make in _made(document.source).items() if not only or key in (*HEAD, *only)}
-    return partial(write_json, made)
+    return partial(write_json, _made(document.findings, document.report.keys))
 
 
-def _made(findings: Findings) -> dict[str, Callable[[], Any]]:
-    """What makes the value of every top-level key, with arrays in it."""
+def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:
+    """What makes the value of every top-level key, with arrays in it; `only` of those, and of the head."""
     chosen = Selection(findings.system)
     names = [name for analysis in ANALYSES.values() for name in analysis.results]
     found: dict[str, Callable[[], Any]] = {
@@ -82,11 +186,34 @@ def _made(findings: Findings) -> dict[str, Callable[[], Any]]:
         "spans": lambda: plain(span_rows(chosen), chosen),
     }
     found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
-    return found | {"plan": lambda: plain(findings.plan, chosen)}
+    found["plan"] = lambda: plain(findings.plan, chosen)
+    return {key: make for key, make in found.items() if not only or key in (*HEAD, *only)}
 
 
 def documented() -> tuple[Key, ...]:
     """Every key of the results, as the manual of results lists them."""
     found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
-    return (*FIXED, *keys(head | found | {"checks": Checks, "plan": Plan}))
+    every = head | found | {"checks": Checks, "plan": Plan}
+    return (*FIXED, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
+
+
+def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:
+    """The keys of a result under a path `modes` or `checks[]`; `above` are the results that it is part of."""
+    declared = quantities(kind)
+    records = {one.axes[0]: one for one in declared if one.record is not None}
+    shown = {axis for one in declared for axis in one.printed}
+    for axis, name in LISTED.items():
+        if axis in shown:
+            yield Key(f"{path}.{name}", "", (axis,), POSITIONS[axis])
+    for one in declared:
+        inner = parts(kind, one)
+        record = next((axis for axis in one.axes if axis in records and records[axis] is not one), None)
+        at = path if record is None else f"{path}.{records[record].key}[]"
+        at = f"{at}.{one.key}" if one.key else at
+        at = f"{at}[]" if (inner is not None and is_list(kind, one)) or one.record else at
+        if inner is None or inner in above:
+            axes = tuple(shown for shown in one.printed if shown not in records)
+            yield Key(f"{at}.{one.record}" if one.record else at, one.unit, axes, one.meaning)
+        else:
+            yield from _keys(inner, at, (*above, kind, inner))

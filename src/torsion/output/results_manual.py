@@ -2,8 +2,7 @@
 
 from itertools import groupby
 
-from torsion.output.keys import Key
-from torsion.output.results_json import LEGEND, documented
+from torsion.output.results_json import LEGEND, Key, documented
 
 HEAD = """# The results: results.json, format 1
 
@@ -22,13 +21,9 @@ def manual() -> str:
     conventions = "".join(f"- {name.replace('_', ' ')}: {words}\n" for name, words in LEGEND.items())
     sections = [
         f"\n## `{name}`\n\n" + _table(list(rows))
-        for name, rows in groupby(documented(), key=lambda key: _top(key.path))
+        for name, rows in groupby(documented(), key=lambda key: key.path.partition(".")[0].removesuffix("[]"))
     ]
     return HEAD + "\n" + conventions + "".join(sections)
-
-
-def _top(path: str) -> str:
-    return path.partition(".")[0].removesuffix("[]")
 
 
 def _table(keys: list[Key]) -> str:

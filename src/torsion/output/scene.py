@@ -3,7 +3,6 @@
 import hashlib
 from fractions import Fraction
 
-from torsion.assembly.system import System
 from torsion.output.selection import Selection
 from torsion.results import derived, reported, result
 from torsion.study import Study
@@ -75,7 +74,7 @@ def scene(study: Study) -> Scene:
         name=study.name,
         description=study.description,
         file=study.file,
-        sha256=hashlib.sha256(study.text.encode("utf-8")).hexdigest() if study.text else None,
+        sha256=checksum(study),
         model=study.model,
         reference=study.operation.at or study.train.parts[0].name,
         speed_range=None if speeds is None else (speeds.first, speeds.last),
@@ -85,10 +84,15 @@ def scene(study: Study) -> Scene:
     )
 
 
+def checksum(study: Study) -> str | None:
+    """SHA-256 of the input as read, in UTF-8; None where it was not read from a text."""
+    return hashlib.sha256(study.text.encode("utf-8")).hexdigest() if study.text else None
+
+
 def station_rows(selection: Selection) -> tuple[StationRow, ...]:
     """Every station, or group of inner stations of a shaft, that is reported."""
-    system: System = selection.system
-    parts, groups = system.train.parts, selection.groups
+    system, groups = selection.system, selection.groups
+    parts = system.train.parts
     inertia = groups.over_stations(system.inertia)
     return tuple(
         StationRow(
@@ -108,8 +112,8 @@ def station_rows(selection: Selection) -> tuple[StationRow, ...]:
 
 def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
     """Every span, or group of segments of a shaft, that is reported."""
-    system: System = selection.system
-    parts, groups = system.train.parts, selection.groups
+    system, groups = selection.system, selection.groups
+    parts = system.train.parts
     names, ends, flexibility = groups.names(), groups.ends.tolist(), groups.over_spans(system.flexibility)
     return tuple(
         SpanRow(

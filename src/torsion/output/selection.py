@@ -1,17 +1,63 @@
-"""What every output shows of the stations and spans of a train, and how values over them are reduced to that."""
+"""What every output shows of a train: elastic elements, stations, spans, and values over them reduced to that."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.segment_groups import MOST_GROUPS, SegmentGroups, segment_groups
-from torsion.assembly.system import System
-from torsion.output.elastic_elements import Element, elements
-from torsion.output.numbers import NONE, Scale, rpm, scale
+from torsion.assembly.spans import SegmentGroups
+from torsion.assembly.system import MOST_GROUPS, System, segment_groups
+from torsion.output.numbers import NONE, SI, Scale, rpm, scale
 from torsion.results import Quantity
+
+
+@dataclass(frozen=True)
+class Element:
+    """A coupling, shaft, gear mesh, joint or other link, with the spans that it was divided into."""
+
+    name: str
+    kind: str  # the component's keyword
+    part: int
+    spans: Sequence[int]
+    ratio: float  # speed at which its torque is stated / reference speed
+
+    def largest(self, values: FloatArray) -> FloatArray:
+        """The largest over the element's spans of values (..., spans)."""
+        return np.asarray(values[..., list(self.spans)].max(axis=-1))
+
+
+def elements(system: System) -> tuple[Element, ...]:
+    """Every element in the order of the train; points that are rigidly joined have none between them."""
+    bars = {bar.part: bar.name for bar in system.train.bars}
+    found: dict[tuple[int, str], list[int]] = {}
+    for index, span in enumerate(system.own_spans):
+        if not _joins_points_rigidly(system, index):
+            found.setdefault((span.part, bars.get(span.part, span.name)), []).append(index)
+    named: list[tuple[int, str, Sequence[int]]] = [(part, name, tuple(spans)) for (part, name), spans in found.items()]
+    first = len(system.own_spans)
+    for row in system.rows:
+        named.append((row.bar.part, row.bar.name, range(first, first + row.number)))
+        first += row.number
+    made = [
+        Element(name, system.train.parts[part].kind, part, spans, float(system.span_ratio[spans[0]]))
+        for part, name, spans in named
+    ]
+    return tuple(sorted(made, key=lambda element: (element.part, element.spans[0])))
+
+
+def damps(system: System, element: Element) -> bool:
+    """Its internal damping takes energy out of a vibration."""
+    first = element.spans[0]
+    return bool(system.loss_factor[first] > 0 or system.viscous[first] > 0)
+
+
+def _joins_points_rigidly(system: System, index: int) -> bool:
+    span = system.spans[index]
+    return system.train.parts[span.part].is_point and bool(system.flexibility[index] == 0)
+
 
 NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}
@@ -58,15 +104,11 @@ class Selection:
     def reduced(self, values: Any, quantity: Quantity, axes: tuple[str, ...]) -> Any:
         """The values with the axes that are printed, in their order; `axes` are those of the values."""
         array = np.asarray(values)
-        kept = [self._shown(axis, quantity) for axis in axes]
+        kept = [next(one for one in quantity.printed if one in WITHIN.get(axis, (axis,))) for axis in axes]
         for place, (axis, shown) in enumerate(zip(axes, kept, strict=True)):
             if axis in WITHIN:
                 array = self._along(array, place, (axis, shown), quantity.is_total)
         return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
-
-    @staticmethod
-    def _shown(axis: str, quantity: Quantity) -> str:
-        return next(shown for shown in quantity.printed if shown in WITHIN.get(axis, (axis,)))
 
     def _along(self, array: Any, place: int, axes: tuple[str, str], is_total: bool) -> Any:
         """The values with one axis, of stations or spans, reduced to what is shown of it."""
@@ -79,7 +121,7 @@ class Selection:
         if self.groups.is_whole:
             return array
         if is_total:
-            first = self.groups.first_station if axis == "station" else self.groups.first_span
+            first = self.groups.first_station if axis == "station" else self.groups.spans
             return np.add.reduceat(array, first, axis=place)
         return array.take(self.groups.stations if axis == "station" else self.groups.spans, axis=place)
 
@@ -95,7 +137,7 @@ def highest(values: FloatArray) -> float:
     return float(np.nanmax(np.append(values, 0.0)))
 
 
-def worst(values: FloatArray, speed: FloatArray, unit: Scale) -> tuple[str, str]:
+def worst(values: FloatArray, speed: FloatArray, unit: Scale = SI) -> tuple[str, str]:
     """The largest of values (speeds,) over speeds in rad/s, and its speed in rpm, as cells of a table."""
     at = largest(values)
     return (NO_VALUE, NONE) if at is None else (unit.text(float(values[at])), rpm(float(speed[at])))

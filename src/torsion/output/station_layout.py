@@ -1,16 +1,20 @@
 """Where every station of the train stands in the sketch and in the plots over the train."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
+from torsion.components.lowering import Part
 from torsion.errors import Path
 
 WIDTH = {"shaft": 1.6, "coupling": 1.0, "gear": 0.45, "joint": 0.8}  # of a link in the sketch
+NOWHERE = (math.inf, -math.inf)  # from where to where a row without components is filled
 RIGID = 0.5  # between two points that are rigidly joined
+MOST_NAMES = 14  # components up to which a picture bears their names, not their numbers alone
 
 
 @dataclass(frozen=True)
@@ -19,6 +23,11 @@ class Layout:
 
     x: FloatArray  # (stations,)
     row: FloatArray  # (stations,)
+
+
+def label(parts: Sequence[Part], position: int) -> str:
+    """What a picture calls a component: its number in the table of components, and its name where there is room."""
+    return f"{position + 1} {parts[position].name}" if len(parts) <= MOST_NAMES else str(position + 1)
 
 
 def layout(system: System) -> Layout:
@@ -55,22 +64,16 @@ class _Rows:
         """The nearest row that is empty from `start` on, with nothing in the way to it; below is tried first."""
         for distance in range(1, len(self._row) + 2):
             for side in (1, -1):
-                between = range(beside + side, beside + side * distance, side)
-                is_open = all(not self._covers(row, start) for row in between)
-                if is_open and self._reach(beside + side * distance) < start - 0.5:
-                    return beside + side * distance
+                row = beside + side * distance
+                between = (self._filled.get(k, NOWHERE) for k in range(beside + side, row, side))
+                is_open = all(not first - 0.5 <= start <= last + 0.5 for first, last in between)
+                if is_open and self._filled.get(row, NOWHERE)[1] < start - 0.5:
+                    return row
         return max(self._filled) + 1
-
-    def _covers(self, row: int, x: float) -> bool:
-        first, last = self._filled.get(row, (math.inf, -math.inf))
-        return first - 0.5 <= x <= last + 0.5
-
-    def _reach(self, row: int) -> float:
-        return self._filled.get(row, (math.inf, -math.inf))[1]
 
     def fill(self, row: int, first: float, last: float) -> None:
         """Note from where to where a component fills a row."""
-        before = self._filled.get(row, (math.inf, -math.inf))
+        before = self._filled.get(row, NOWHERE)
         self._filled[row] = min(before[0], first), max(before[1], last)
 
 

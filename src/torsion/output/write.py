@@ -9,9 +9,9 @@ from pathlib import Path
 
 from torsion.findings import Findings
 from torsion.output.document import Document, document
-from torsion.output.json_text import SERIES
 from torsion.output.renderers import Content, files
 from torsion.output.reports import REPORTS
+from torsion.output.results_json import SERIES
 
 
 def write(

@@ -2,38 +2,21 @@
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
-from torsion.components.lowering import Part
-from torsion.components.part_records import CouplingRatings
+from torsion.assembly.system import System
+from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
-from torsion.rules.judgement import (
-    MOSTLY,
-    RATED,
-    Clause,
-    Continuous,
-    RuleOverSpeed,
-    continuous_faults,
-    continuous_words,
-    curve_of,
-    rule_path,
-    spans_of,
-    vibration,
-    vibration_faults,
-    within,
-)
+from torsion.rules import judgement
+from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.study import Study
 
-if TYPE_CHECKING:
-    from torsion.analyses.response.over_speed import Response
-
-RULE = "coupling-maker"
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 
 
@@ -46,6 +29,7 @@ class CouplingSettings(Declared):
 class CouplingMaker(RuleOverSpeed):
     """The rule, as the study reads it."""
 
+    name = "coupling-maker"
     settings = CouplingSettings
 
     def faults(self, study: Study, settings: CouplingSettings) -> list[Fault]:
@@ -53,20 +37,20 @@ class CouplingMaker(RuleOverSpeed):
         judged = [(part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything]
         if not judged:
             hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
-            return [Fault(rule_path(study, settings), "no coupling has a limit of its maker", hint)]
-        found = continuous_faults(study, settings, RULE, settings.continuous)
+            return [Fault(self.path(study, settings), "no coupling has a limit of its maker", hint)]
+        found = self.continuous_faults(study, settings)
         if any(ratings.limit_vibration for _, ratings in judged):
-            found += vibration_faults(study, settings, RULE)
+            found += judgement.vibration_faults(self, study, settings)
         means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
         if means and not study.operation.has_mean_torque:
-            message = f"the mean torque is not known, and {RULE} compares that of '{means[0].name}'"
+            message = f"the mean torque is not known, and {self.name} compares that of '{means[0].name}'"
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found
 
     def left_out(self, study: Study, settings: CouplingSettings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
-        return tuple((f"{RULE} for {name}", "its maker's limits are not given") for name in silent)
+        return tuple((f"{self.name} for {name}", "its maker's limits are not given") for name in silent)
 
     def clauses(self, evidence: Results, settings: CouplingSettings) -> Iterator[Clause]:
         """Of every coupling, as far as its limits are given.
@@ -75,30 +59,28 @@ class CouplingMaker(RuleOverSpeed):
         """
         steady = evidence.get(Steady)
         for number, part, ratings in _couplings(evidence.study):
-            spans = spans_of(evidence.system, number)
+            spans = judgement.spans_of(evidence.system, number)
             if ratings.rated_torque is not None and steady is not None:
-                mean = curve_of(steady.speed, np.abs(steady.torque[spans]).max(axis=0), ratings.rated_torque)
-                always = np.ones(len(mean.speed), dtype=bool)
-                yield Clause(RULE, "T_KN", part.name, "mean torque", "maker", mean, always)
+                mean = curve_of(steady, np.abs(steady.torque[spans]).max(axis=0), ratings.rated_torque)
+                yield Clause("T_KN", part.name, "mean torque", "maker", mean, np.ones(len(mean.speed), dtype=bool))
             if ratings.limit_vibration:
                 yield from _vibration(evidence, part, ratings, spans, settings)
 
 
-def heat(response: "Response", flexibility: float, viscous: float, loss_factor: float, span: int) -> FloatArray:
-    """(speeds,) W: mean power that a span turns into heat, all lines together.
+def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
+    """(speeds,) W: mean power that spans turn into heat, all lines together.
 
     Of each line omega k eta |twist|^2/2 + omega^2 c |twist|^2/2 with twist = torque/(k (1 + i eta) + i omega c); with
     damping by hysteresis alone it is psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
     """
-    omega = 2.0 * math.pi * response.frequency
-    if flexibility == 0:
-        return np.zeros(len(response.speed))
-    stiffness = 1.0 / flexibility
-    loss = stiffness * loss_factor + omega * viscous
-    dynamic = stiffness + 1j * loss
-    lossy = loss > 0
-    twist = np.divide(response.torque[:, :, span], dynamic, out=np.zeros(omega.shape, complex), where=lossy)
-    return np.asarray(np.sum(0.5 * omega * loss * np.abs(twist) ** 2, axis=1))
+    omega, power = 2.0 * math.pi * response.frequency, np.zeros(len(response.speed))
+    for span in spans[system.flexibility[spans] > 0]:
+        stiffness = 1.0 / system.flexibility[span]
+        loss = stiffness * system.loss_factor[span] + omega * system.viscous[span]
+        dynamic = stiffness + 1j * loss
+        twist = np.divide(response.torque[:, :, span], dynamic, out=np.zeros(omega.shape, complex), where=loss > 0)
+        power = power + np.sum(0.5 * omega * loss * np.abs(twist) ** 2, axis=1)
+    return power
 
 
 def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
@@ -110,19 +92,17 @@ def _vibration(
     evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, settings: CouplingSettings
 ) -> Iterator[Clause]:
     """The clauses about the vibration of one coupling; that the tolerance of its stiffness was not varied is noted."""
-    response, synthesis = vibration(evidence)
-    use, words = within(settings.continuous, response.speed), continuous_words(settings.continuous)
+    response, synthesis, tolerance = evidence.need(Response), evidence.need(Synthesis), ratings.tolerance
+    use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
     half_range, peak = synthesis.half_range[:, spans].max(axis=1), synthesis.peak[:, spans].max(axis=1)
-    system, tolerance = evidence.system, ratings.tolerance
-    laws = zip(system.flexibility[spans], system.viscous[spans], system.loss_factor[spans], spans.tolist(), strict=True)
-    power = np.asarray(np.sum([heat(response, *law) for law in laws], axis=0))
+    power = heat(response, evidence.system, spans)
     varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
     rows = (
-        ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, words),
-        ("P_KW", "power loss, sum of all harmonic components", "W", ratings.heat_limit, power, use, words),
+        ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, in_use),
+        ("P_KW", "power loss, sum of all harmonic components", "W", ratings.heat_limit, power, use, in_use),
         ("T_Kmax", "greatest torque, mean and vibration", "N m", ratings.max_torque, peak, use | True, ""),
     )
     for clause, what, unit, limit, value, judged, where in rows:
         if limit is not None:
-            curve, notes = curve_of(response.speed, value, limit, response), (where, MOSTLY, varied)
-            yield Clause(RULE, clause, part.name, what, "maker", curve, judged, unit, notes, spans)
+            curve, notes = curve_of(response, value, limit), (where, MOSTLY, varied)
+            yield Clause(clause, part.name, what, "maker", curve, judged, unit, notes, spans)

@@ -1,26 +1,27 @@
-"""A rule over speed: what it reads, its clauses, and the worst point of each against its limit."""
+"""A rule over speed: what it reads, its clauses, the worst point of each against its limit, and the speeds of these."""
 
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
-from pydantic import model_validator
 
 from torsion import fields
-from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.response.grid import missed_peaks
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.grid import apart, missed_peaks
 from torsion.analyses.steady import SAME_SPEED, Steady
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import Fault, Path
-from torsion.fields import Declared, refuse, required
+from torsion.errors import Fault
+from torsion.fields import Declared, required
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
+from torsion.rules import of_study
 from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
-from torsion.study import Study
+from torsion.study import Range, Study
 
+FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
 RATED = "rated: {speed: 1500 rpm, power: 100 kW}"  # what to write into the file
 MOSTLY = "mostly"  # note that stands for the harmonic component of the greatest torque
@@ -42,16 +43,11 @@ class Curve:
         share[(self.value == 0) & (self.limit == 0)] = 0.0
         return np.where((self.status != Status.OK) | ~np.isfinite(self.value), np.inf, share)
 
-    def exceeds(self) -> BoolArray:
-        """(speeds,) where the limit exists and is not kept."""
-        return np.isfinite(self.limit) & (self.utilisation() > 1.0)
-
 
 @dataclass(frozen=True)
 class Clause:
     """What a verdict is about: a value over speed, its limit, and where it is judged."""
 
-    rule: str
     clause: str
     where: str
     what: str
@@ -64,7 +60,7 @@ class Clause:
 
 
 class RuleOverSpeed(Rule):
-    """Base of the rules whose clauses each judge the worst point of a value over speed."""
+    """Base of the rules whose clauses each judge the worst point of a value over speed, some in continuous use."""
 
     needs = ("steady", "response")
 
@@ -74,7 +70,7 @@ class RuleOverSpeed(Rule):
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """A verdict for every clause that has a speed."""
-        found = (judge(clause, evidence) for clause in self.clauses(evidence, settings))
+        found = (judge(self.name, clause, evidence) for clause in self.clauses(evidence, settings))
         return tuple(line for line in found if line is not None)
 
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
@@ -87,16 +83,25 @@ class RuleOverSpeed(Rule):
         every = self.clauses(evidence, settings)
         return between((clause.curve, clause.within) for clause in every if clause.spans is not None)
 
+    def continuous_faults(self, study: Study, settings: Any) -> list[Fault]:
+        """A range of continuous use that was not wholly computed cannot be judged."""
+        speeds, use = study.operation.speeds, settings.continuous
+        if use is None or speeds is None or within(speeds, np.array([use.first, use.last])).all():
+            return []
+        computed = f"computed: {in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
+        path = (*self.path(study, settings), self.name, "continuous")
+        return [Fault(path, "the speeds of continuous use leave operation.speeds", computed)]
 
-def curve_of(speed: FloatArray, value: FloatArray, limit: float | FloatArray, of: Response | None = None) -> Curve:
-    """The values (speeds,) against a limit, with the worst status of any harmonic component `of` the response."""
-    status = np.zeros(len(speed), dtype=np.int64)
-    if of is not None:
-        status = np.asarray(np.max(of.status, axis=1, initial=Status.OK), dtype=np.int64)
-    return Curve(speed, value, np.broadcast_to(limit, value.shape), status)
+
+def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatArray) -> Curve:
+    """The values (speeds,) against a limit, with the worst status of any harmonic component of a response."""
+    status = np.zeros(len(found.speed), dtype=np.int64)
+    if isinstance(found, Response):
+        status = np.asarray(np.max(found.status, axis=1, initial=Status.OK), dtype=np.int64)
+    return Curve(found.speed, value, np.broadcast_to(limit, value.shape), status)
 
 
-def judge(clause: Clause, evidence: Results) -> Check | None:
+def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
     """The check at the worst of the speeds that are judged; None where there is no speed."""
     curve = clause.curve
     if not np.any(clause.within):
@@ -106,7 +111,7 @@ def judge(clause: Clause, evidence: Results) -> Check | None:
     is_known = curve.status[at] == Status.OK and np.isfinite(curve.value[at])
     notes = [_largest_component(evidence, at, clause.spans) if note == MOSTLY else note for note in clause.notes]
     return Check(
-        clause.rule, clause.clause, clause.where, clause.what,
+        rule, clause.clause, clause.where, clause.what,
         value=float(curve.value[at]) if is_known else math.inf, limit=float(curve.limit[at]), unit=clause.unit,
         verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known else "fail",  # whatever the limit
         standing=clause.standing, speed=float(curve.speed[at]),
@@ -152,46 +157,55 @@ def _largest_component(evidence: Results, at: int, spans: IntArray | None) -> st
     return f"{MOSTLY} {response.lines[int(np.argmax(size))].words}"
 
 
-class Continuous(Declared):
+def judged_speeds(study: Study) -> FloatArray:
+    """(speeds,) rad/s, ascending, in the range of the operation: what its rules need beyond the speeds requested."""
+    speeds = study.operation.speeds
+    if speeds is None:
+        return np.empty(0)
+    named = [speed for one, settings in _vibration_rules(study) for speed in one.speeds(study, settings)]
+    found = np.unique([*named, *_corners(study)])
+    even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
+    if speeds.steps < FEWEST_JUDGED:
+        found = np.union1d(found, apart(found, even)) if found.size else even
+    return np.asarray(found[(found >= speeds.first) & (found <= speeds.last)])
+
+
+def speeds_between(evidence: Results) -> FloatArray:
+    """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
+    found = [one.speeds_between(evidence, settings) for one, settings in _vibration_rules(evidence.study)]
+    speed, more = evidence.need(Response).speed, np.unique(np.concatenate([np.empty(0), *found]))
+    return apart(speed, more[(more > speed[0]) & (more < speed[-1])])
+
+
+def _vibration_rules(study: Study) -> Iterator[tuple[Rule, Declared]]:
+    """The study's rules that read the response over speed, with their settings."""
+    return ((one, settings) for one, settings in of_study(study) if "response" in one.needs)
+
+
+def _corners(study: Study) -> list[float]:
+    """rad/s of the reference station at the rows of every table of torque, between which it is straight."""
+    train, load = study.train, study.operation.load
+    own = [row[0] / float(train.stations[torque.station].ratio) for torque in train.torques for row in torque.table]
+    return own if isinstance(load, str) else [*own, *(row[0] for row in load)]
+
+
+class Continuous(Range):
     """Speeds of the component `operation.at` at which the train is run for long."""
 
     first: fields.Speed = required("lowest speed", alias="from")
     last: fields.Speed = required("highest speed", alias="to")
 
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        if self.first >= self.last:
-            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
-        return self
 
-
-def within(use: Continuous | None, speed: FloatArray) -> BoolArray:
-    """(speeds,) which speeds are of continuous use."""
+def within(use: Range | None, speed: FloatArray) -> BoolArray:
+    """(speeds,) which speeds lie in a range, but for rounding; all where there is none."""
     if use is None:
         return np.ones(len(speed), dtype=bool)
     return (speed >= use.first * (1 - SAME_SPEED)) & (speed <= use.last * (1 + SAME_SPEED))
 
 
-def continuous_words(use: Continuous | None) -> str:
+def in_use(use: Continuous | None) -> str:
     """Which speeds were judged; empty for the whole range."""
     return "" if use is None else f"in continuous use, {in_rpm(use.first)} to {in_rpm(use.last)}"
-
-
-def continuous_faults(study: Study, settings: Declared, rule: str, use: Continuous | None) -> list[Fault]:
-    """A range of continuous use that was not wholly computed cannot be judged."""
-    speeds = study.operation.speeds
-    if use is None or speeds is None:
-        return []
-    if speeds.first * (1 - SAME_SPEED) <= use.first and use.last <= speeds.last * (1 + SAME_SPEED):
-        return []
-    path = (*rule_path(study, settings), rule, "continuous")
-    computed = f"{in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
-    return [Fault(path, "the speeds of continuous use leave operation.speeds", f"computed: {computed}")]
-
-
-def vibration(evidence: Results) -> tuple[Response, Synthesis]:
-    """The response over speed and its synthesis; raises LookupError where they were not computed."""
-    return evidence.need(Response), evidence.need(Synthesis)
 
 
 def spans_of(system: System, part: int) -> IntArray:
@@ -199,7 +213,7 @@ def spans_of(system: System, part: int) -> IntArray:
     return np.flatnonzero(system.span_part == part)
 
 
-def rated_torque(evidence: Results, spans: IntArray) -> FloatArray | None:
+def rated_torque(evidence: Results) -> FloatArray | None:
     """(spans,) N m: magnitude of the mean torque at the rated speed; None where it is not known.
 
     Between computed speeds the torque is taken linear in the squared speed for the propeller law, which is exact.
@@ -211,16 +225,8 @@ def rated_torque(evidence: Results, spans: IntArray) -> FloatArray | None:
     if not first * (1 - SAME_SPEED) <= rated.speed <= last * (1 + SAME_SPEED):
         return None
     power = 2 if evidence.study.operation.load == "propeller" else 1
-    rows = [np.interp(rated.speed**power, steady.speed**power, steady.torque[span]) for span in spans]
+    rows = [np.interp(rated.speed**power, steady.speed**power, torque) for torque in steady.torque]
     return np.asarray(np.abs(np.array(rows)))
-
-
-def rule_path(study: Study, settings: Declared) -> Path:
-    """Where the rule with these settings stands in the file."""
-    for position, (_, given) in enumerate(study.rules):
-        if given is settings:
-            return ("rules", position)
-    return ("rules",)
 
 
 def rated_speed(study: Study) -> float:
@@ -230,16 +236,17 @@ def rated_speed(study: Study) -> float:
     return study.operation.rated.speed
 
 
-def vibration_faults(study: Study, settings: Declared, rule: str) -> list[Fault]:
+def vibration_faults(rule: Rule, study: Study, settings: Declared) -> list[Fault]:
     """What the file lacks for any rule that reads the response over speed."""
     found = []
     if study.operation.speeds is None:
         hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
-        found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule} judges a speed range", hint))
+        found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule.name} judges a speed range", hint))
     if not study.excites:
-        hint = "give an excitation, or leave the rule out"
-        message = f"nothing excites the train by order or at a frequency of its own, so {rule} has nothing to judge"
-        found.append(Fault(rule_path(study, settings), message, hint))
+        message = (
+            f"nothing excites the train by order or at a frequency of its own, so {rule.name} has nothing to judge"
+        )
+        found.append(Fault(rule.path(study, settings), message, "give an excitation, or leave the rule out"))
     return found
 
 

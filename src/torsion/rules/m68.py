@@ -3,37 +3,20 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import SAME_SPEED
 from torsion.arrays import BoolArray, FloatArray
+from torsion.components.lowering import ShaftRecord
 from torsion.components.material import STEEL
-from torsion.components.part_records import ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.findings import Results
-from torsion.rules import m68_formulas as formulas
-from torsion.rules.judgement import (
-    MOSTLY,
-    RATED,
-    Clause,
-    Curve,
-    between,
-    coverage,
-    curve_of,
-    in_rpm,
-    judge,
-    rated_speed,
-    rated_torque,
-    rule_path,
-    spans_of,
-    vibration,
-    vibration_faults,
-    worst_of,
-)
-from torsion.rules.m68_formulas import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS, barred_range, may_be_barred
-from torsion.rules.m68_shafts import PA, ClassedShaft, M68Settings, classed_shafts, judged, stress_modulus
+from torsion.rules import judgement, m68_shafts
+from torsion.rules.judgement import MOSTLY, RATED, Clause, Curve, curve_of, in_rpm, judge, rated_speed, worst_of
+from torsion.rules.m68_shafts import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS, PA, ClassedShaft, M68Settings
 from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Rule, verdict_of
 from torsion.study import Study
 
@@ -63,16 +46,17 @@ class Barring:
 class M68(Rule):
     """The rule, as the study reads it."""
 
+    name = RULE
     settings = M68Settings
     needs = ("steady", "response")
 
     def faults(self, study: Study, settings: M68Settings) -> list[Fault]:
         """What the file lacks for this rule."""
-        classed, where = judged(study.train), rule_path(study, settings)
+        classed, where = m68_shafts.judged(study.train), self.path(study, settings)
         if not classed:
             hint = "role: intermediate, thrust or propeller; a shaft with a `section` is not judged"
             return [Fault(where, f"no round shaft has a `role`, so {RULE} has nothing to judge", hint)]
-        found = vibration_faults(study, settings, RULE)
+        found = judgement.vibration_faults(self, study, settings)
         if study.operation.rated is None:
             message = f"`rated` is missing; the limits of {RULE} count from it"
             found.append(Fault(("operation", "rated"), message, RATED))
@@ -95,7 +79,7 @@ class M68(Rule):
         if not study.operation.has_mean_torque:
             found.append((f"{RULE}: least diameters", "the rated power is not given"))
         speeds, rated = study.operation.speeds, study.operation.rated
-        if speeds is not None and rated is not None and coverage(speeds.last, rated.speed, LAST_CONTINUOUS):
+        if speeds is not None and rated is not None and judgement.coverage(speeds.last, rated.speed, LAST_CONTINUOUS):
             reach = f"the limits reach to {in_rpm(LAST_CONTINUOUS * rated.speed)}"
             found.append((f"{RULE} above {in_rpm(speeds.last)}", f"`operation.speeds` ends there; {reach}"))
         return tuple(found)
@@ -107,16 +91,16 @@ class M68(Rule):
     def speeds_between(self, evidence: Results, settings: M68Settings) -> FloatArray:
         """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
         found, ends = [], list[float]()
-        for shaft in classed_shafts(evidence.study, settings):
+        for shaft in m68_shafts.classed_shafts(evidence.study, settings):
             curve, barred, ruled = _judged(evidence, shaft, settings)
             found += [(curve, ruled), (curve, ruled & ~barred.passed)]
             ends += [end for one in barred.permitted for end in (one.lower, one.upper)]
-        return np.union1d(between(found), ends)
+        return np.union1d(judgement.between(found), ends)
 
     def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above 1.05; least diameter; of every shaft."""
         found: list[Check | None] = []
-        for shaft in classed_shafts(evidence.study, settings):
+        for shaft in m68_shafts.classed_shafts(evidence.study, settings):
             found += [*_stresses(evidence, shaft, settings), _diameter(evidence, shaft, settings)]
         return tuple(line for line in found if line is not None)
 
@@ -137,28 +121,27 @@ def _settings_faults(settings: M68Settings, shafts: Mapping[str, ShaftRecord], w
     return found
 
 
-def limits(evidence: Results, shaft: str, settings: M68Settings | None = None) -> Limits:
+def limits(evidence: Results, shaft: str) -> Limits:
     """Stress and limits of one shaft over speed, with the study's own settings. Raises KeyError for another name."""
-    own = settings or next((given for name, given in evidence.study.rules if name == RULE), M68Settings())
-    for classed in classed_shafts(evidence.study, cast(M68Settings, own)):
-        if classed.name == shaft:
-            return _limits(evidence, classed)
-    raise KeyError(shaft)
+    settings = next((given for _, given in evidence.study.rules if isinstance(given, M68Settings)), M68Settings())
+    shafts = {classed.name: classed for classed in m68_shafts.classed_shafts(evidence.study, settings)}
+    return _limits(evidence, shafts[shaft])
 
 
 def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:
-    response, synthesis = vibration(evidence)
-    spans, modulus = stress_modulus(evidence.system, shaft)
+    response, synthesis = evidence.need(Response), evidence.need(Synthesis)
+    spans, modulus = m68_shafts.stress_modulus(evidence.system, shaft)
     tau = np.max(synthesis.half_range[:, spans] / modulus * PA, axis=1)
     ratio = response.speed / rated_speed(evidence.study)
-    return Limits(response.speed, shaft.tau_c(ratio), shaft.tau_t(ratio), tau)
+    made_of = shaft.strength, shaft.diameter, shaft.c_k
+    return Limits(response.speed, m68_shafts.tau_c(*made_of, ratio), m68_shafts.tau_t(*made_of, ratio), tau)
 
 
 def _judged(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> tuple[Curve, Barring, BoolArray]:
     """Stress against tau_C, what is barred, and (speeds,) which speeds are not above 1.05."""
     speed, tau_c, _, tau = _limits(evidence, shaft)
     rated = rated_speed(evidence.study)
-    curve = curve_of(speed, tau, tau_c, vibration(evidence)[0])
+    curve = curve_of(evidence.need(Response), tau, tau_c)
     barred = barring(curve, rated, shaft.name, settings.tachometer)
     return curve, barred, speed <= LAST_CONTINUOUS * rated * (1 + SAME_SPEED)
 
@@ -172,13 +155,13 @@ def _stresses(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> 
     curve, barred, ruled = _judged(evidence, shaft, settings)
 
     def judged(clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str) -> Check | None:
-        about, spans = replace(curve, limit=limit), spans_of(evidence.system, shaft.part)
+        about, spans = replace(curve, limit=limit), judgement.spans_of(evidence.system, shaft.part)
         return judge(
-            Clause(RULE, clause, shaft.name, what, shaft.standing, about, within, "N/mm2", notes, spans), evidence
+            RULE, Clause(clause, shaft.name, what, shaft.standing, about, within, "N/mm2", notes, spans), evidence
         )
 
     rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
-    reach = coverage(float(curve.speed[-1]), rated_speed(evidence.study), LAST_CONTINUOUS)
+    reach = judgement.coverage(float(curve.speed[-1]), rated_speed(evidence.study), LAST_CONTINUOUS)
     notes = (MOSTLY, _refusal(barred), rest, *shaft.notes, reach)
     yield judged("tau_C", "synthesis stress amplitude", curve.limit, ruled & ~barred.passed, *notes)
     reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
@@ -208,13 +191,13 @@ def _refusal(barred: Barring) -> str:
 
 def _diameter(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Check | None:
     """The less favourable end against its least diameter, for the rated mean torque."""
-    torque = rated_torque(evidence, spans_of(evidence.system, shaft.part))
-    if torque is None:
+    every = judgement.rated_torque(evidence)
+    if every is None:
         return None
-    factor = formulas.drive_factor(shaft.role, smooth=settings.drive != "other")
-    load = float(np.max(torque)) * KW_PER_RPM
+    factor = m68_shafts.drive_factor(shaft.role, smooth=settings.drive != "other")
+    load = float(np.max(every[judgement.spans_of(evidence.system, shaft.part)])) * KW_PER_RPM
     ends = [
-        (outer, formulas.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
+        (outer, m68_shafts.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
         for outer, bore in shaft.ends
     ]
     diameter, least = max(ends, key=lambda end: end[1] / end[0])
@@ -236,45 +219,38 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
     A run of speeds above tau_C has its critical speed at its worst, wherever that lies; the range about it is refused
     where its upper end reaches 0.8 of the rated speed. Both ends move apart by the `tolerance` of the tachometer.
     """
-    passed, ranges = np.zeros(len(curve.speed), dtype=bool), []
-    above = np.zeros(len(curve.speed), dtype=bool)
-    for first, last in _runs(curve.exceeds()):
-        one = _range(curve, rated, shaft, tolerance, first, last)
-        ranges.append(one)
-        above[first : last + 1] |= not may_be_barred(one.upper / rated)
-    permitted = _apart(curve, [one for one in ranges if may_be_barred(one.upper / rated)])
-    for one in permitted:
+    share, none = curve.utilisation(), np.zeros(len(curve.speed), dtype=bool)
+    permitted, refused, passed, above = list[BarredRange](), list[BarredRange](), none.copy(), none
+    exceeds = np.isfinite(curve.limit) & (share > 1.0)
+    for first, end in np.flatnonzero(np.diff(exceeds, prepend=False, append=False)).reshape(-1, 2).tolist():
+        critical = float(curve.speed[first + worst_of(share[first:end], curve.value[first:end])])
+        lower, upper = m68_shafts.barred_range(critical, rated)
+        lower = min(lower, _crossing(curve, first, first - 1)) * (1.0 - tolerance)
+        upper = max(upper, _crossing(curve, end - 1, end)) * (1.0 + tolerance)
+        if m68_shafts.may_be_barred(upper / rated):
+            permitted.append(BarredRange(lower, upper, critical, shaft))
+        else:
+            refused.append(BarredRange(lower, upper, critical, shaft))
+            above[first:end] = True
+    together = _apart(curve, permitted)
+    for one in together:
         passed |= (curve.speed > one.lower) & (curve.speed < one.upper)
-    refused = _apart(curve, [one for one in ranges if not may_be_barred(one.upper / rated)])
-    return Barring(permitted, refused, passed & ~above)
+    return Barring(together, _apart(curve, refused), passed & ~above)
 
 
 def _apart(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
-    """Ascending ranges with those that overlap as one."""
+    """Ascending ranges, those that overlap as one about the worst of their critical speeds."""
     merged: list[BarredRange] = []
     for later in ranges:
-        if merged and later.lower <= merged[-1].upper:
-            merged[-1] = _together(curve, merged[-1], later)
-        else:
+        if not merged or later.lower > merged[-1].upper:
             merged.append(later)
+            continue
+        pair = merged.pop(), later
+        at = [int(np.flatnonzero(curve.speed == one.critical)[0]) for one in pair]
+        worse = pair[worst_of(curve.utilisation()[at], curve.value[at])]
+        lower, upper = min(one.lower for one in pair), max(one.upper for one in pair)
+        merged.append(BarredRange(lower, upper, worse.critical, worse.shaft))
     return tuple(merged)
-
-
-def _runs(mask: BoolArray) -> list[tuple[int, int]]:
-    """First and last position of every unbroken run."""
-    edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
-    pairs = zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True)
-    return [(first, end - 1) for first, end in pairs]
-
-
-def _range(curve: Curve, rated: float, shaft: str, tolerance: float, first: int, last: int) -> BarredRange:
-    """One range from a run of speeds above tau_C."""
-    run = slice(first, last + 1)
-    critical = float(curve.speed[first + worst_of(curve.utilisation()[run], curve.value[run])])
-    lower, upper = barred_range(critical, rated)
-    lower = min(lower, _crossing(curve, first, first - 1)) * (1.0 - tolerance)
-    upper = max(upper, _crossing(curve, last, last + 1)) * (1.0 + tolerance)
-    return BarredRange(lower, upper, critical, shaft)
 
 
 def _crossing(curve: Curve, above: int, beyond: int) -> float:
@@ -290,10 +266,3 @@ def _crossing(curve: Curve, above: int, beyond: int) -> float:
         return float(curve.speed[beyond])
     step = (share[0] - 1.0) / (share[0] - share[1])
     return float(curve.speed[above] + step * (curve.speed[beyond] - curve.speed[above]))
-
-
-def _together(curve: Curve, one: BarredRange, other: BarredRange) -> BarredRange:
-    """Two overlapping ranges as one, about the worse critical speed."""
-    at = [int(np.flatnonzero(curve.speed == each.critical)[0]) for each in (one, other)]
-    worse = (one, other)[worst_of(curve.utilisation()[at], curve.value[at])]
-    return BarredRange(min(one.lower, other.lower), max(one.upper, other.upper), worse.critical, one.shaft)

@@ -1,29 +1,134 @@
-"""A shaft as IACS UR M68 sees it: its role, strength, factors, and nominal stress for a torque."""
+"""A shaft as IACS UR M68 (Rev. 3, 2021) sees it: factors of its features, formulas, and what they take for it.
+
+Diameters in mm, stresses in N/mm2. "rule text" was compared with a class society's printed rules (KR 2025, Part 5,
+Ch. 4); "to be verified" is to be compared with the edition in force before it is relied on.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Literal, Self, cast
+from typing import Annotated, Literal, Self, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from torsion import fields
-from torsion.arrays import FloatArray, IntArray
-from torsion.components.part_records import ShaftRecord
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.components.lowering import ShaftRecord
 from torsion.fields import Declared, OneOrMany, given, refuse, required
 from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Bar
-from torsion.rules import m68_formulas as formulas
 from torsion.rules.judgement import spans_of
-from torsion.rules.m68_formulas import ASSUMED, DETAILS, Detail, Mark, Role
 from torsion.study import Study
 from torsion.train import Train
 
-if TYPE_CHECKING:
-    from torsion.assembly.system import System
-
 PA = 1e-6  # N/mm2
 MM = 1e3  # mm/m
+Mark = Literal["rule text", "to be verified"]
+Role = Literal["intermediate", "thrust", "propeller"]
+
+LAST_CONTINUOUS = 1.05  # speed ratio above which the rule has no limit
+FLAT_FROM = 0.9  # speed ratio from which tau_C no longer falls
+BARRED_BELOW = 0.8  # no barred range reaches this speed ratio in normal firing
+ROUNDING = 1e-9  # relative: a speed ratio this near to a bound is at the bound
+
+
+@dataclass(frozen=True, slots=True)
+class Detail:
+    """What a design feature does to the permissible stress (C_K) and to the least diameter (k)."""
+
+    c_k: float
+    k: float
+    has_keyway: bool = False
+    condition: str = ""  # what the factor assumes
+    c_k_mark: Mark = "rule text"
+    k_mark: Mark = "to be verified"
+
+
+DETAILS: Mapping[str, Detail] = {
+    "flange": Detail(1.0, 1.0),
+    "shrink fit": Detail(1.0, 1.0),
+    "taper keyway": Detail(0.60, 1.10, has_keyway=True),
+    "cylinder keyway": Detail(0.45, 1.10, has_keyway=True),
+    "radial hole": Detail(0.50, 1.10, condition="hole at most 0.3 of the diameter"),
+    "slot": Detail(0.30, 1.20),
+    "thrust collar": Detail(0.85, 1.10),
+    "roller bearing": Detail(0.85, 1.10),
+    "propeller flange": Detail(0.55, 1.22),
+    "propeller keyless": Detail(0.55, 1.22),
+    "propeller keyed": Detail(0.55, 1.26, has_keyway=True),
+    "tube shaft": Detail(0.80, 1.15, condition="forward of the aftmost bearing"),
+}
+ASSUMED: Mapping[Role, Detail] = {  # for a shaft whose features are not given
+    "intermediate": Detail(1.0, 1.0, condition="integral flange assumed"),
+    "thrust": Detail(0.85, 1.10, condition="thrust collar assumed"),
+    "propeller": Detail(0.55, 1.26, condition="kind of propeller mounting not given, the least favourable taken"),
+}
+STRENGTH_CAP = 600.0  # N/mm2, the greatest tensile strength that counts (rule text)
+ALLOY_STRENGTH_CAP = 800.0  # N/mm2, of intermediate and thrust shafts of alloy steel (rule text)
+LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
+SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
+DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified)
+
+
+def used_strength(strength: float, role: Role, *, alloy: bool) -> float:
+    """The tensile strength that may be used (rule text)."""
+    return min(strength, ALLOY_STRENGTH_CAP if alloy and role != "propeller" else STRENGTH_CAP)
+
+
+def size_factor(diameter: float) -> float:
+    """C_D = 0.35 + 0.93 d^-0.2 (rule text)."""
+    return float(0.35 + 0.93 * diameter**-0.2)
+
+
+def tau_c(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) -> FloatArray:
+    """Stress amplitude permissible in continuous use (rule text); NaN above 1.05 of the rated speed."""
+    ratio = np.asarray(speed_ratio, dtype=float)
+    shape = np.where(ratio < FLAT_FROM, 3.0 - 2.0 * ratio**2, 1.38)
+    limit = (strength + 160.0) / 18.0 * c_k * size_factor(diameter) * shape
+    return np.asarray(np.where(ratio <= LAST_CONTINUOUS * (1 + ROUNDING), limit, np.nan))
+
+
+def tau_t(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) -> FloatArray:
+    """Stress amplitude permissible while a barred range is passed, 1.7 tau_C/sqrt(C_K) (rule text); NaN above 0.8."""
+    ratio = np.asarray(speed_ratio, dtype=float)
+    limit = 1.7 * tau_c(strength, diameter, c_k, ratio) / np.sqrt(c_k)
+    return np.asarray(np.where(ratio <= BARRED_BELOW * (1 + ROUNDING), limit, np.nan))
+
+
+def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
+    """Where a barred range is accepted in normal firing (rule text): below 0.8 of the rated speed."""
+    return np.asarray(np.asarray(speed_ratio, dtype=float) < BARRED_BELOW * (1 - ROUNDING))
+
+
+def barred_range(critical: float, rated: float) -> tuple[float, float]:
+    """Least barred range about a critical speed (rule text): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
+    width = 18.0 - critical / rated
+    return 16.0 * critical / width, width * critical / 16.0
+
+
+def slot_concentration(diameter: float, bore: float, length: float, width: float) -> float:
+    """Stress concentration factor of a longitudinal slot (to be verified)."""
+    e, hollow = width / diameter, bore / diameter
+    a = 2.3 - 3.0 * e + 15.0 * e**2 + 10.0 * e**2 * hollow**2
+    return float(a + 0.8 * (length - width) / diameter / np.sqrt((1.0 - hollow) * e))
+
+
+def slot_c_k(concentration: float) -> float:
+    """C_K = 1.45/scf of a longitudinal slot (to be verified)."""
+    return 1.45 / concentration
+
+
+def drive_factor(role: Role, *, smooth: bool) -> float:
+    """F of the least diameter (to be verified)."""
+    return SMOOTH_DRIVE_FACTOR if smooth and role == "intermediate" else DRIVE_FACTOR
+
+
+def least_diameter(power_per_speed: float, strength: float, factor: float, k: float, bore_share: float = 0.0) -> float:
+    """Least diameter, mm (to be verified), from kW per rpm, F and k; a bore up to 0.4 of it does not count."""
+    hollow = 1.0 - bore_share**4 if bore_share > 0.4 else 1.0
+    return float(factor * k * (power_per_speed / hollow * 560.0 / (strength + 160.0)) ** (1.0 / 3.0))
 
 
 class Slot(Declared):
@@ -59,8 +164,7 @@ class ClassedShaft:
     details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K and the greatest k govern
     diameter: float  # mm, greatest: for C_D
     ends: tuple[tuple[float, float], tuple[float, float]]  # mm, (outer, bore) of the driving and the driven end
-    is_stated: bool  # its strength
-    notes: tuple[str, ...]
+    stated: float | None  # N/mm2: strength as the file gives it
 
     @property
     def governing(self) -> tuple[str, Detail]:
@@ -75,7 +179,7 @@ class ClassedShaft:
     @property
     def standing(self) -> Mark:
         """Of tau_C: that of C_K, and of the least strength of shaft steel where none is stated."""
-        return self.governing[1].c_k_mark if self.is_stated else "to be verified"
+        return self.governing[1].c_k_mark if self.stated is not None else "to be verified"
 
     @property
     def k(self) -> float:
@@ -87,13 +191,23 @@ class ClassedShaft:
         """Features that do not go with a barred range."""
         return tuple(name for name, detail in self.details if detail.has_keyway)
 
-    def tau_c(self, speed_ratio: FloatArray) -> FloatArray:
-        """(speeds,) N/mm2, NaN above 1.05."""
-        return formulas.tau_c(self.strength, self.diameter, self.c_k, speed_ratio)
-
-    def tau_t(self, speed_ratio: FloatArray) -> FloatArray:
-        """(speeds,) N/mm2, NaN above 0.8."""
-        return formulas.tau_t(self.strength, self.diameter, self.c_k, speed_ratio)
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was used, in words."""
+        feature, detail = self.governing
+        doubt = "" if detail.c_k_mark == "rule text" else ", to be verified"
+        condition = f": {detail.condition}" if detail.condition else ""
+        doubt_of_strength = " (none stated: the least of shaft steel assumed, to be verified)"
+        if self.stated is not None:
+            doubt_of_strength = f" (of {self.stated:.4g})" if self.strength < self.stated else ""
+        factors = (
+            f"C_K {self.c_k:.4g} ({feature}{condition}{doubt})",
+            f"C_D {size_factor(self.diameter):.4g}",
+            f"sigma_B {self.strength:.4g} N/mm2{doubt_of_strength}",
+        )
+        (first, _), (last, _) = self.ends
+        cone = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter"
+        return (", ".join(factors), *([cone] if first != last else []))
 
 
 def judged(train: Train) -> list[tuple[Bar, ShaftRecord]]:
@@ -107,7 +221,7 @@ def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft
     return (_classed(study, settings, bar, shaft) for bar, shaft in judged(study.train))
 
 
-def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, FloatArray]:
+def stress_modulus(system: System, shaft: ClassedShaft) -> tuple[IntArray, FloatArray]:
     """Spans of the shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
     spans = spans_of(system, shaft.part)
     bar = next(bar for bar in system.train.bars if bar.part == shaft.part)
@@ -120,16 +234,13 @@ def stress_modulus(system: "System", shaft: ClassedShaft) -> tuple[IntArray, Flo
 def _classed(study: Study, settings: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
     # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
     role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
-    stated = study.train.materials[record.material].tensile_strength
-    steel = formulas.LEAST_STRENGTH if stated is None else stated * PA
-    strength = formulas.used_strength(steel, role, alloy=bar.name in settings.alloy)
-    outer, bore = bar.outer, bar.bore
-    ends = ((outer[0] * MM, bore[0] * MM), (outer[1] * MM, bore[1] * MM))
-    shaft = ClassedShaft(
-        bar.part, bar.name, role, strength, _details(record, role, bar.name, ends, settings),
-        diameter=max(outer) * MM, ends=ends, is_stated=stated is not None, notes=(),
-    )  # fmt: skip
-    return replace(shaft, notes=_notes(shaft, None if stated is None else steel))
+    given_strength = study.train.materials[record.material].tensile_strength
+    stated = None if given_strength is None else given_strength * PA
+    steel = LEAST_STRENGTH if stated is None else stated
+    strength = used_strength(steel, role, alloy=bar.name in settings.alloy)
+    ends = ((bar.outer[0] * MM, bar.bore[0] * MM), (bar.outer[1] * MM, bar.bore[1] * MM))
+    details = _details(record, role, bar.name, ends, settings)
+    return ClassedShaft(bar.part, bar.name, role, strength, details, max(bar.outer) * MM, ends, stated)
 
 
 def _details(
@@ -143,26 +254,7 @@ def _details(
         detail = DETAILS[feature]
         if feature == "slot" and name in settings.slots:
             slot = settings.slots[name].length * MM, settings.slots[name].width * MM
-            worst = max(formulas.slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
-            detail = replace(detail, c_k=min(1.0, formulas.slot_c_k(worst)), c_k_mark="to be verified")
+            worst = max(slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
+            detail = replace(detail, c_k=min(1.0, slot_c_k(worst)), c_k_mark="to be verified")
         found.append((feature, detail))
     return tuple(found)
-
-
-def _notes(shaft: ClassedShaft, stated: float | None) -> tuple[str, ...]:
-    """What was used, in words."""
-    feature, detail = shaft.governing
-    doubt = "" if detail.c_k_mark == "rule text" else ", to be verified"
-    condition = f": {detail.condition}" if detail.condition else ""
-    if stated is None:
-        doubt_of_strength = " (none stated: the least of shaft steel assumed, to be verified)"
-    else:
-        doubt_of_strength = f" (of {stated:.4g})" if shaft.strength < stated else ""
-    (first, _), (last, _) = shaft.ends
-    factors = [
-        f"C_K {shaft.c_k:.4g} ({feature}{condition}{doubt})",
-        f"C_D {formulas.size_factor(shaft.diameter):.4g}",
-        f"sigma_B {shaft.strength:.4g} N/mm2{doubt_of_strength}",
-    ]
-    cone = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter" if first != last else ""
-    return (", ".join(factors), *([cone] if cone else []))

@@ -1,19 +1,19 @@
 """Rule `universal-joints`: makers' limits of non-uniformity, accelerations, speed times angle, and tube speed."""
 
 import math
-from collections import deque
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
 from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
+from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Declared, Number, Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar, Constraint, Spring
-from torsion.rules.judgement import rule_path
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
 from torsion.study import Study
 from torsion.train import Train
@@ -67,7 +67,8 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     names = ", ".join(bar.name for bar in bars)
     ratio, bar, parts = train.stations[bars[0].driving].ratio, bars[0], tuple(bar.part for bar in bars)
     if any(train.shaft(bar).support for bar in bars):
-        return Tube(names, parts, ratio, math.nan, _cannot_bend(train, parts), has_support=True)
+        lacking = (shaft.lacks for shaft in bending_shafts(train)[0] if shaft.lacks and set(shaft.parts) & set(parts))
+        return Tube(names, parts, ratio, math.nan, "; ".join(lacking), has_support=True)
     lacks, critical = "", math.nan
     material = train.materials[train.shaft(bar).material]
     if len(bars) > 1 or any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces):
@@ -83,26 +84,17 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     return Tube(names, parts, ratio, critical, lacks)
 
 
-def _cannot_bend(train: Train, parts: tuple[int, ...]) -> str:
-    """Why the bending of shafts on supports is not computed; empty where it is."""
-    from torsion.analyses.lateral.bending_shafts import bending_shafts
-
-    shafts, _ = bending_shafts(train)
-    return "; ".join(shaft.lacks for shaft in shafts if shaft.lacks and set(shaft.parts) & set(parts))
-
-
 def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
     """What lies on the way from one station to another, along springs and shafts."""
-    pieces: list[Spring | Bar] = [*train.springs, *train.bars]
-    near: dict[int, list[tuple[int, Spring | Bar]]] = {}
+    near = defaultdict[int, list[tuple[int, Spring | Bar]]](list)
+    pieces: tuple[Spring | Bar, ...] = (*train.springs, *train.bars)
     for piece in pieces:
-        near.setdefault(piece.driving, []).append((piece.driven, piece))
-        near.setdefault(piece.driven, []).append((piece.driving, piece))
+        near[piece.driving].append((piece.driven, piece))
+        near[piece.driven].append((piece.driving, piece))
     reached: dict[int, tuple[int, Spring | Bar] | None] = {start: None}
-    queue = deque([start])
-    while queue and end not in reached:
-        here = queue.popleft()
-        for there, piece in near.get(here, ()):
+    queue = [start]
+    for here in queue:  # which grows meanwhile: breadth first
+        for there, piece in near[here]:
             if there not in reached:
                 reached[there] = (here, piece)
                 queue.append(there)
@@ -133,13 +125,14 @@ class JointRuleSettings(Declared):
 class UniversalJoints(Rule):
     """The rule, as the study reads it."""
 
+    name = RULE
     settings = JointRuleSettings
     needs = ("joints",)
 
     def faults(self, study: Study, settings: JointRuleSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not study.has_joints:
-            return [Fault(rule_path(study, settings), f"{RULE} finds no joint in the train", "leave the rule out")]
+            return [Fault(self.path(study, settings), f"{RULE} finds no joint in the train", "leave the rule out")]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
             return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
@@ -164,8 +157,10 @@ class UniversalJoints(Rule):
             for joint in found.joints:
                 value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
                 rows.append(_verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed))
-        every = [_critical(tube, evidence.get(Lateral)) for tube in tubes(evidence.study.train) if not tube.lacks]
-        return (*rows, *(_bending(one, settings.critical_share, speed) for one in every if one is not None))
+        for tube in tubes(evidence.study.train):
+            if not tube.lacks:
+                rows += _bending(tube, evidence.get(Lateral), settings.critical_share, speed)
+        return tuple(rows)
 
 
 def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed: float) -> Iterator[Check]:
@@ -196,36 +191,22 @@ def _steepest(joint: JointFound, first: JointFound, speed: float) -> float:
     return joint.steepest * (speed * float(first.ratio)) ** 2
 
 
-def _bending(one: "_CriticalSpeed", share: float, speed: float) -> Check:
-    """Speed of a tube against a share of its critical bending speed."""
-    own, critical = speed * float(one.tube.ratio) * RPM, one.first * RPM
-    twice = "passes it within the speeds" if own >= one.second * RPM else "stays below it"
+def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Iterator[Check]:
+    """Speed of a tube against a share of its critical bending speed, that of a tube on supports as it was computed."""
+    first, second, origin = tube.critical, tube.critical / 2.0, "simply supported at the joints"
+    if tube.has_support:
+        if bent is None:
+            return
+        known = [one for shaft in bent.shafts if set(shaft.parts) & set(tube.parts) for one in shaft.critical]
+        first, second = (min((one.speed for one in known if one.order == order), default=math.inf) for order in (1, 2))
+        origin = "bending of the shaft on its supports, order 1"
+    own, critical = speed * float(tube.ratio) * RPM, first * RPM
+    twice = "passes it within the speeds" if own >= second * RPM else "stays below it"
     standing: Standing = TO_BE_VERIFIED if share == SHARE_OF_CRITICAL else "setting"
-    words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({one.origin})"
+    words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({origin})"
     couple = f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}"
     limit = share * critical, standing, words
-    return _verdict("n_crit", one.tube.name, "speed of the tube", own, "rpm", limit, speed, after=couple)
-
-
-@dataclass(frozen=True)
-class _CriticalSpeed:
-    """The critical bending speed of a tube, rad/s of its own: met once and twice a revolution."""
-
-    tube: Tube
-    first: float
-    second: float
-    origin: str
-
-
-def _critical(tube: Tube, bent: "Lateral | None") -> _CriticalSpeed | None:
-    """By the bending analysis of a tube on supports, else by the formula; None where bending was not computed."""
-    if not tube.has_support:
-        return _CriticalSpeed(tube, tube.critical, tube.critical / 2.0, "simply supported at the joints")
-    if bent is None:
-        return None
-    known = [one for shaft in bent.shafts if set(shaft.parts) & set(tube.parts) for one in shaft.critical]
-    first, second = (min((one.speed for one in known if one.order == order), default=math.inf) for order in (1, 2))
-    return _CriticalSpeed(tube, first, second, "bending of the shaft on its supports, order 1")
+    yield _verdict("n_crit", tube.name, "speed of the tube", own, "rpm", limit, speed, after=couple)
 
 
 def _verdict(

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.errors import Fault
+from torsion.errors import Fault, Path
 from torsion.fields import Declared
 from torsion.findings import Results
 from torsion.results import reported, result
@@ -87,8 +87,14 @@ class Rule:
     `settings` are the settings of the file, of the class `settings`.
     """
 
+    name: str = ""  # in the file
     settings: type[Declared] = Declared
     needs: tuple[str, ...] = ()  # analyses that it reads
+
+    def path(self, study: Study, settings: Any) -> Path:
+        """Where the rule with these settings stands in the file."""
+        places = (("rules", position) for position, (_, given) in enumerate(study.rules) if given is settings)
+        return next(places, ("rules",))
 
     def faults(self, study: Study, settings: Any) -> list[Fault]:
         """What the file lacks."""

@@ -1,16 +1,16 @@
-"""Faults in an engineer's words from what a declaration refuses."""
+"""What the file says as an instance of its declaration, or faults in an engineer's words from what that refuses."""
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic import BaseModel, BeforeValidator, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails, PydanticCustomError, PydanticUndefined
 
 from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import Declared, Quantity, shown
-from torsion.schema.declaration_keys import items_of, keys_of, mappings_of
 
 Read = TypeVar("Read", bound=Declared)
 
@@ -27,17 +27,52 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
     known = [_without_value((*path, *where), where) for where in _empty(body)]
     known += [unbuilt((*path, key), f"`{key}`") for key in absent if body.get(key) is not None]
     noted = [fault.path[len(path) :] for fault in known]
+    there = _filled({key: item for key, item in body.items() if key not in absent})
     try:
-        there = {key: item for key, item in body.items() if key not in absent}
-        read = kind.model_validate(_filled(there), strict=True)
+        read = kind.model_validate(there, strict=True)
     except ValidationError as error:
-        read = None
-        for detail in error.errors(include_url=False):
+        read, details = None, error.errors(include_url=False)
+        for detail in (*details, *_between_sound_keys(kind, there, details)):
             where, fault = _fault(kind, detail, body)
             if not _is_echo(detail, body) and not any(where[: len(other)] == other[: len(where)] for other in noted):
                 known.append(replace(fault, path=(*path, *fault.path)))
     faults += known
     return None if known else read
+
+
+def _between_sound_keys(
+    kind: type[Declared], there: dict[str, Any], details: list[ErrorDetails]
+) -> Iterator[ErrorDetails]:
+    """What checks between keys refuse that read no faulty key; pydantic leaves them all out where one is faulty.
+
+    None where a key is unknown, which may be one of theirs misspelt.
+    """
+    faulty = {str(detail["loc"][0]) for detail in details if detail["loc"]}
+    if not faulty or not faulty <= keys_of(kind).keys():
+        return
+    sound = {field: key for key, field in zip(keys_of(kind), kind.model_fields, strict=True) if key not in faulty}
+    partly = kind.model_construct(_fields_set={field for field, key in sound.items() if key in there})
+    try:
+        for field in partly.model_fields_set:
+            reader = TypeAdapter(kind.model_fields[field].rebuild_annotation())
+            vars(partly)[field] = reader.validate_python(there[sound[field]], strict=True)
+    except ValidationError:  # it is sound only because the component says `unusual`
+        return
+    for field in kind.model_fields.keys() - sound.keys():
+        vars(partly).pop(field, None)
+    for check in kind.__pydantic_decorators__.model_validators.values():
+        if check.info.mode == "after":
+            try:
+                check.func(partly)
+            except PydanticCustomError as refusal:
+                yield {"type": "fault", "loc": (), "msg": "", "input": there, "ctx": refusal.context or {}}
+            except AttributeError:  # it reads a key that is faulty
+                continue
+
+
+def entries_of(value: object) -> Iterator[tuple[str | int, Any]]:
+    """What stands in a mapping or a list, with its key or position; nothing of any other value."""
+    return iter(value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
 
 
 def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
@@ -52,12 +87,34 @@ def unknown(path: Path, what: str, word: str, candidates: list[str]) -> Fault:
     return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
 
 
+def keys_of(declared: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The keys of a declaration as the file writes them."""
+    return {field.alias or name: field for name, field in declared.model_fields.items()}
+
+
+def items_of(annotation: Any) -> Iterator[Any]:
+    """Everything that a field or an annotation is made of."""
+    if isinstance(annotation, FieldInfo):
+        for item in (annotation.annotation, *annotation.metadata):
+            yield from items_of(item)
+        return
+    yield annotation
+    if isinstance(annotation, BeforeValidator) and annotation.json_schema_input_type is not PydanticUndefined:
+        yield from items_of(annotation.json_schema_input_type)
+    for part in get_args(annotation):
+        yield from items_of(part)
+
+
+def mappings_of(annotation: Any) -> Iterator[type[Declared]]:
+    """Declarations of the mappings in a field or an annotation."""
+    return (item for item in items_of(annotation) if isinstance(item, type) and issubclass(item, Declared))
+
+
 def _empty(value: object, path: Path = ()) -> Iterator[Path]:
     """Paths of what stands in the file without a value."""
-    if isinstance(value, dict | list):
-        for step, item in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from _empty(item, (*path, step))
-    elif value is None:
+    for step, item in entries_of(value):
+        yield from _empty(item, (*path, step))
+    if value is None:
         yield path
 
 

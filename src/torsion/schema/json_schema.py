@@ -9,9 +9,8 @@ from torsion.analyses import MODELS, settings_classes
 from torsion.components import KINDS
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
-from torsion.schema.declaration_keys import declarations
-from torsion.schema.scene_reader import Scene
-from torsion.schema.scene_sections import LINKS
+from torsion.schema.manual import declarations
+from torsion.schema.scene_reader import LINKS, Scene
 
 Schema = dict[str, Any]
 

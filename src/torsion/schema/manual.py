@@ -1,7 +1,14 @@
 """The manual of the file, as Markdown, from the same declarations that read it and that make the JSON Schema."""
 
-from importlib.resources import files
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from string import Template
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BeforeValidator
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
 
 from torsion import units
 from torsion.analyses import MODELS, UNBUILT, settings_classes
@@ -10,14 +17,20 @@ from torsion.components import UNBUILT as UNBUILT_KINDS
 from torsion.components.component import Component
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import STEEL, Material
-from torsion.fields import Declared
+from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.declaration_keys import declarations, keys_of, mappings_of, quantities_of, table_of
-from torsion.schema.scene_reader import Scene
-from torsion.schema.scene_sections import LINKS
+from torsion.schema import template
+from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
+from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements, Operation
 
+PLAIN = {
+    str: "text", bool: "`true` or `false`", int: "a whole number", float: "a number",
+    Fraction: "an exact number: `2`, `0.5` or `21/8`", Amount: "N*m, `5 %` or `{of_mean: 5 %}`",
+}  # fmt: skip
+COMPONENT, MAPPING = "a component", "a mapping, below"
+SEVERAL = {COMPONENT: "components", MAPPING: "mappings, below"}
 EXAMPLES = {
     "disc": "- disc: {name: flywheel, inertia: 2.075 kg*m**2, source: drawing}",
     "motor": "- motor: {inertia: 8.5, power: 400 kW, ripple: [{order: 6, torque: 1 %, phase: 30 deg}]}",
@@ -63,20 +76,19 @@ NOTES = {  # what the keys of a kind need of each other
 
 def manual() -> str:
     """The text of docs/format.md."""
-    template = files("torsion.schema").joinpath("templates", "manual.md").read_text(encoding="utf-8")
-    return Template(template).substitute(
+    return Template(template("manual.md")).substitute(
         quantities=_quantities(),
-        top=table_of(Scene).replace("see meaning", "section below"),
-        material=table_of(Material),
+        top=_table(Scene).replace("see meaning", "section below"),
+        material=_table(Material),
         steel=f"G {STEEL.shear_modulus / 1e9:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, "
         f"rho {STEEL.density:g} kg/m**3",
         operation=_with_parts(Operation),
-        common=table_of(Component),
+        common=_table(Component),
         kinds="\n".join(_kind(kind) for kind in KINDS),
         links=_words(LINKS),
         excitation=_with_parts(Excitation),
         models=_words(MODELS),
-        fem=table_of(FiniteElements),
+        fem=_table(FiniteElements),
         analyses="\n".join(_settings("analysis", name, kind) for name, kind in settings_classes().items()),
         rules="\n".join(_settings("rule", name, rule_settings(name)) for name in RULES),
         unbuilt=_unbuilt(),
@@ -99,23 +111,32 @@ def _settings(what: str, name: str, declared: type[Declared]) -> str:
 
 def _with_parts(declared: type[Declared], common: type[Declared] | None = None) -> str:
     """The keys of a declaration, then those of every mapping in it once; the keys of `common` are left out."""
-    text, parts = table_of(declared, common), dict[type[Declared], str]()
+    text, parts = _table(declared, common), dict[type[Declared], str]()
     for key, field in sorted(keys_of(declared).items(), key=lambda entry: not entry[1].is_required()):
         for part in mappings_of(field):
             if not issubclass(part, Component):
                 parts.setdefault(part, key)
-    return text + "".join(f"\nKeys of `{key}`:\n\n{table_of(part)}" for part, key in parts.items())
+    return text + "".join(f"\nKeys of `{key}`:\n\n{_table(part)}" for part, key in parts.items())
 
 
 def _words(names: tuple[str, ...]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
+def declarations() -> dict[str, type[Declared]]:
+    """Every declaration of the format by its word in the file."""
+    return {
+        **{kind: component(kind) for kind in KINDS},
+        "material": Material, "operation": Operation, "excitation": Excitation, "fem": FiniteElements,
+        **settings_classes(), **{name: rule_settings(name) for name in RULES},
+    }  # fmt: skip
+
+
 def _quantities() -> str:
     """Every SI unit of the format with what it measures."""
-    found = dict.fromkeys(quantity.unit for declared in declarations().values() for quantity in quantities_of(declared))
+    every = (quantity for declared in declarations().values() for quantity in _quantities_of(declared))
     rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
-    for unit in found:
+    for unit in dict.fromkeys(quantity.unit for quantity in every):
         bare = "is an error" if units.needs_unit(unit) else "is in the SI unit" if unit != "1" else "or a percentage"
         rows.append(f"| {units.speak(unit)} | {'' if unit == '1' else f'`{unit}`'} | {bare} |")
     return "\n".join(rows) + "\n"
@@ -127,3 +148,80 @@ def _unbuilt() -> str:
     rows += [f"- keys of `{kind}`: {_words(component(kind).unbuilt)}" for kind in KINDS if component(kind).unbuilt]
     rows += [f"- analyses: {_words(UNBUILT)}"]
     return "\n".join(rows) + "\n"
+
+
+def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
+    """Every quantity in a declaration and in its mappings, components left out."""
+    for field in declared.model_fields.values():
+        yield from (item for item in items_of(field) if isinstance(item, Quantity))
+        for part in mappings_of(field):
+            if not issubclass(part, Component):
+                yield from _quantities_of(part)
+
+
+def _table(declared: type[Declared], without: type[Declared] | None = None) -> str:
+    """A Markdown table of the keys, the required ones first, but for those that `without` has already."""
+    known = set(without.model_fields) if without is not None else set()
+    rows = ["| key | value | limits | default | meaning |", "|---|---|---|---|---|"]
+    for key, field in sorted(keys_of(declared).items(), key=lambda entry: not entry[1].is_required()):
+        if key not in known:
+            whole = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
+            limits = ", ".join(dict.fromkeys(_limits(field)))
+            cells = (f"`{key}`", _value(whole), limits, _default(field), field.description or "")
+            rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(rows) + "\n" if len(rows) > 2 else "It has no settings.\n"
+
+
+def _value(annotation: Any) -> str:
+    """What may stand there, in words."""
+    metadata: list[Any] = []
+    while get_origin(annotation) is Annotated:
+        annotation, *more = get_args(annotation)
+        metadata += more
+    for item in metadata:
+        if isinstance(item, Quantity) and item.unit == "1":
+            return "a number or %"
+        if isinstance(item, Quantity):
+            return f"`{item.unit}`" + (", unit required" if units.needs_unit(item.unit) else "")
+        if isinstance(item, BeforeValidator):
+            if item.func is OneOrMany.func:
+                return f"{_value(get_args(annotation)[0])}, or a list"
+            if item.json_schema_input_type not in (PydanticUndefined, Any):
+                return _value(item.json_schema_input_type)
+    origin, inner = get_origin(annotation), get_args(annotation)
+    if origin in (Union, UnionType):
+        return " or ".join(dict.fromkeys(_value(part) for part in inner if part is not type(None)))
+    if origin is Literal:
+        return ", ".join(f"`{choice}`" for choice in inner)
+    if origin is tuple:
+        words = [_value(part) for part in inner if part is not Ellipsis]
+        return f"a list of {SEVERAL.get(words[0], words[0])}" if inner[-1] is Ellipsis else f"[{', '.join(words)}]"
+    if origin in (dict, Mapping):
+        return f"a mapping of names to {_value(inner[1])}"
+    if isinstance(annotation, type) and issubclass(annotation, Declared):
+        return COMPONENT if issubclass(annotation, Component) else MAPPING
+    return PLAIN.get(annotation, "see meaning")
+
+
+def _limits(field: FieldInfo) -> Iterator[str]:
+    for item in items_of(field):
+        if isinstance(item, Quantity):
+            yield from (f"{words} {limit:.5g}" for words, limit, _ in item.limits)
+            if usual := item.usual_words():
+                yield f"usually {usual}"
+        if item is Amount:
+            yield f"usually {SHARE_OF_MEAN.usual_words()} of the mean"
+        for words, name in (("at least", "ge"), ("at most", "le")):
+            if isinstance(limit := getattr(item, name, None), int):
+                yield f"{words} {limit}"
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "**required**"
+    value = field.default
+    if isinstance(value, tuple) and len(value) == 1:
+        value = value[0]
+    if value is None or value in ((), "", {}):
+        return ""
+    return f"`{str(value).lower()}`" if isinstance(value, bool | str) else f"`{value:g}`"

@@ -1,22 +1,40 @@
-"""The file of a shaft train as a study; every fault of the file at once, each with its line and column."""
+"""The file of a shaft train as a study; every fault of the file at once, each with its line and column.
 
+The kind of every entry of a train is decided first; the entry is then read in the words of that kind.
+"""
+
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
+from torsion.analyses import ANALYSES, UNBUILT
+from torsion.components import KINDS, component
+from torsion.components import UNBUILT as UNBUILT_KINDS
+from torsion.components.component import Component
 from torsion.components.harmonic_torques import Excitation
+from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, InputError, Path
-from torsion.fields import Declared, given, required
+from torsion.fields import Declared, given, required, shown
 from torsion.primitives import SectionMesh
-from torsion.schema import scene_sections as sections
-from torsion.schema.declaration_reader import declared
-from torsion.schema.fault_text import input_error
+from torsion.rules import RULES
+from torsion.rules import settings as rule_settings
+from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
+from torsion.schema.fault_text import Source, input_error
 from torsion.schema.study_faults import study_faults
-from torsion.schema.train_reader import components, kinds_by_name, repeated_names
-from torsion.schema.yaml_source import Source, parse_source, read_source
-from torsion.study import FiniteElements, Operation, Study
-from torsion.train import Link, Train, lowered, name_fault
+from torsion.schema.yaml_source import parse_source, read_source
+from torsion.study import FiniteElements, Operation, ShaftModel, Study
+from torsion.train import Link, Train, lowered, name_fault, taken
+
+LINKS = ("coupling", "shaft")  # kinds that can close a loop
+EXAMPLES = {  # of the sections that are mappings of names, and of those that are lists
+    "materials": (dict, "`my-steel: {shear_modulus: 79.3 GPa, ...}`"),
+    "links": (list, "`- {between: [a, b], coupling: {stiffness: 2e4}}`"),
+    "excitations": (list, "`- {at: motor-1, order: 2, torque: 100 N*m}`"),
+    "analyses": (dict, "`modes: {count: 6}`"),
+    "rules": (list, "`rules: [iacs-m68]`"),
+}
 
 
 class Scene(Declared):
@@ -64,7 +82,7 @@ def _study(source: Source) -> Study:
 
 def _with_meshes(study: Study, faults: list[Fault]) -> Study:
     """The study with every mesh found from the folder of its file, and read; faulty meshes are noted."""
-    if not study.has_meshed_sections:
+    if not study.train.has_meshed_sections:
         return study
     from torsion.assembly.section.solved_sections import mesh_faults
 
@@ -89,18 +107,16 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     scene = declared(Scene, _top(data), (), faults)
     if not isinstance(data, dict):
         return None
-    materials = sections.materials(data.get("materials"), faults)
+    materials = _materials(data, faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
-    analyses = sections.analyses(data.get("analyses"), faults)
-    model = sections.shaft_model(data.get("analyses"), faults)
-    rules = sections.rules(data.get("rules"), faults)
-    found = _train(data, materials, operation, faults)
-    if found is None:
+    analyses, model, rules = _analyses(data, faults), _shaft_model(data, faults), _rules(data, faults)
+    train = _train(data, materials, operation, faults)
+    if train is None:
         return None
     return Study(
-        name=scene.name if scene is not None else "",
-        description=scene.description if scene is not None else "",
-        train=found,
+        name="" if scene is None else scene.name,
+        description="" if scene is None else scene.description,
+        train=train,
         operation=operation or Operation(),
         model=model.model,
         fem=model.fem or FiniteElements(),
@@ -119,12 +135,102 @@ def _top(data: object) -> object:
     return {key: value if key in plain or value is None else "present" for key, value in data.items()}
 
 
+def _entries(data: dict[str, Any], section: str, faults: list[Fault]) -> Iterator[tuple[Path, Any]]:
+    """Place and content of every entry of a section; none where it is not the mapping or list that it must be."""
+    body, (kind, example) = data.get(section), EXAMPLES[section]
+    if body is not None and not isinstance(body, kind):
+        what = "mapping" if kind is dict else "list"
+        faults.append(Fault((section,), f"{shown(body)} is not a {what}", f"for example {example}"))
+        return
+    for step, entry in entries_of(body):
+        yield (section, step), entry
+
+
+def _materials(data: dict[str, Any], faults: list[Fault]) -> dict[str, Material]:
+    """The materials; steel stands in for a faulty one, so that the train can still be looked at."""
+    found = _entries(data, "materials", faults)
+    return {str(path[-1]): declared(Material, body, path, faults) or STEEL for path, body in found}
+
+
+def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
+    kinds = [key for key in entry if key != "between"] if isinstance(entry, dict) else []
+    if not isinstance(entry, dict) or len(kinds) != 1:
+        faults.append(Fault(path, "a link has `between` and one kind", "`{between: [a, b], coupling: {...}}`"))
+        return None
+    before = len(faults)
+    ends = entry.get("between")
+    if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(end, str) for end in ends):
+        where = (*path, "between") if "between" in entry else path
+        faults.append(Fault(where, "`between` is a list of the names of two points", "`between: [a, b]`"))
+    kind = kinds[0]
+    if kind in ("gear", "joint"):
+        faults.append(unbuilt((*path, kind), f"a {kind} that closes a loop"))
+    elif kind not in LINKS:
+        faults.append(unknown((*path, kind), "link", kind, list(LINKS)))
+    else:
+        read = one_component(kind, entry[kind], (*path, kind), faults)
+        if read is not None and len(faults) == before and isinstance(ends, list):
+            return Link((ends[0], ends[1]), read)
+    return None
+
+
+def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
+    """The settings of every analysis that is named; defaults where it is named without any."""
+    read: dict[str, Declared] = {}
+    for path, body in _entries(data, "analyses", faults):
+        name = str(path[-1])
+        if name in ShaftModel.model_fields:
+            continue
+        if name in UNBUILT:
+            faults.append(unbuilt(path, f"`{name}`"))
+        elif name not in ANALYSES or not ANALYSES[name].settings:
+            known = [key for key, analysis in ANALYSES.items() if analysis.settings]
+            faults.append(unknown(path, "analysis", name, [*ShaftModel.model_fields, *known]))
+        elif (settings := declared(ANALYSES[name].settings_class(), body, path, faults)) is not None:
+            read[name] = settings
+    return read
+
+
+def _shaft_model(data: dict[str, Any], faults: list[Fault]) -> ShaftModel:
+    """The model of the shafts; the lumped model where the section `analyses` names none."""
+    stated = dict(entries_of(data.get("analyses")))
+    named = {key: stated[key] for key in ShaftModel.model_fields if key in stated}
+    if "fem" in named:
+        named["fem"] = {} if named["fem"] is None else named["fem"]
+    return declared(ShaftModel, named, ("analyses",), faults) or ShaftModel()
+
+
+def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declared]]:
+    """The rules with their settings, in the order of the file."""
+    read: list[tuple[str, Declared]] = []
+    seen: set[str] = set()
+    for place, entry in _entries(data, "rules", faults):
+        if isinstance(entry, str):
+            name, body, path = entry, None, place
+        elif isinstance(entry, dict) and len(entry) == 1:
+            ((name, body),) = entry.items()
+            path = (*place, name)
+        else:
+            hint = "`- iacs-m68`, or `- gear-hammer: {limit: 0.35}`"
+            faults.append(Fault(place, f"{shown(entry)} is not a rule", hint))
+            continue
+        if name not in RULES:
+            faults.append(unknown(path, "rule", name, list(RULES)))
+            continue
+        if name in seen:
+            faults.append(Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True))
+        seen.add(name)
+        if (settings := declared(rule_settings(name), body, path, faults)) is not None:
+            read.append((name, settings))
+    return read
+
+
 def _train(
-    data: dict[str, Any], materials: dict[str, Any], operation: Operation | None, faults: list[Fault]
+    data: dict[str, Any], materials: dict[str, Material], operation: Operation | None, faults: list[Fault]
 ) -> Train | None:
     """The train as a whole, without the links and excitations that are faulty; None where a component is."""
-    excitations = sections.excitations(data.get("excitations"), faults)
-    links = sections.links(data.get("links"), faults)
+    excitations = [declared(Excitation, body, path, faults) for path, body in _entries(data, "excitations", faults)]
+    links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
     before = len(faults)
     parts = components(data["train"], ("train",), faults) if data.get("train") is not None else ()
     reference = None if operation is None else operation.at
@@ -144,14 +250,109 @@ def _unknown_names(
     known = kinds_by_name(data.get("train"))
     if known is None:
         return
-    named: list[tuple[str, Path]] = []
-    for place, link in enumerate(links):
-        for side, end in enumerate(() if link is None else link.between):
-            named.append((end, ("links", place, "between", side)))
-    for place, excitation in enumerate(excitations):
-        if excitation is not None:
-            named.append((excitation.at, ("excitations", place, "at")))
+    ends = ((place, side, end) for place, link in enumerate(links) if link for side, end in enumerate(link.between))
+    named: list[tuple[str, Path]] = [(end, ("links", place, "between", side)) for place, side, end in ends]
+    named += [(one.at, ("excitations", place, "at")) for place, one in enumerate(excitations) if one is not None]
     found = [name_fault(name, path, known) for name, path in named]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         found.append(name_fault(reference, ("operation", "at"), known, point=False))
     yield from (fault for fault in found if fault is not None)
+
+
+def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Component, ...]:
+    """The sound components of a list; every fault of the others is noted."""
+    if not isinstance(entries, list):
+        faults.append(Fault(path, f"{shown(entries)} is not a list of components", "`- disc: {inertia: 1.2}`, ..."))
+        return ()
+    read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
+    return tuple(found for found in read if found is not None)
+
+
+def repeated_names(entries: object) -> Iterator[Fault]:
+    """Faults of names that are given twice, for a train that is too faulty to be looked at as a whole."""
+    seen: dict[str, Path] = {}
+    for name, path in _names(entries, ("train",)):
+        if name in seen:
+            yield taken(name, path[:-1], seen[name])
+        seen.setdefault(name, path[:-1])
+
+
+def _names(body: object, path: Path) -> Iterator[tuple[str, Path]]:
+    for step, item in entries_of(body):
+        if step == "name" and isinstance(item, str):
+            yield item, (*path, step)
+        yield from _names(item, (*path, step))
+
+
+def kinds_by_name(entries: object) -> dict[str, tuple[str, bool]] | None:
+    """The kind of every component by the name it goes by, and whether it is a point, of a train too faulty to lower.
+
+    None where that is not known: a kind is unknown, and so what the others are numbered.
+    """
+    found: dict[str, tuple[str, bool]] = {}
+    return found if _named(entries, found, Counter()) else None
+
+
+def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter[str]) -> bool:
+    for entry in entries if isinstance(entries, list) else [None]:
+        kind, body = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else (None, None)
+        if kind not in KINDS or not isinstance(body, dict | None):
+            return False
+        numbers[kind] += 1
+        given = (body or {}).get("name")
+        name = given if isinstance(given, str) else f"{kind}-{numbers[kind]}"
+        is_point = component(kind).sort == "point"
+        if name not in found or is_point:
+            found[name] = kind, is_point
+        branches = (body or {}).get("branches")
+        inner = [body, *(branches if isinstance(branches, list) else [])]
+        trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]
+        if not all(_named(train, found, numbers) for train in trains):
+            return False
+    return True
+
+
+def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:
+    """A component of a kind; `path` ends with the kind. Trains within it are read first."""
+    if kind in UNBUILT_KINDS:
+        faults.append(unbuilt(path, f"`{kind}`"))
+        return None
+    if kind not in KINDS:
+        faults.append(unknown(path, "component", kind, list(KINDS)))
+        return None
+    before = len(faults)
+    read = declared(component(kind), _with_trains(body, path, faults), path, faults)
+    return read if len(faults) == before else None
+
+
+def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:
+    """An entry is a mapping with one key, its kind."""
+    if not isinstance(entry, dict) or not entry:
+        hint = (
+            f"write `- {entry}: {{...}}`" if isinstance(entry, str) and entry in KINDS else "`- disc: {inertia: 1.2}`"
+        )
+        faults.append(Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint))
+        return None
+    if len(entry) > 1:
+        kinds = [key for key in entry if key in KINDS or key in UNBUILT_KINDS]
+        extra = next(key for key in entry if key != kinds[0]) if kinds else list(entry)[1]
+        hint = "start each with its own `-`" if len(kinds) > 1 else "indent the keys of a component below its kind"
+        message = f"a component is one key, its kind; there are {', '.join(f'`{key}`' for key in list(entry)[:5])}"
+        faults.append(Fault((*path, extra), message, hint, at_key=True))
+        return None
+    ((kind, body),) = entry.items()
+    return one_component(kind, body, (*path, kind), faults)
+
+
+def _with_trains(body: Any, path: Path, faults: list[Fault]) -> Any:
+    """The same with every train in it read into components."""
+    if isinstance(body, list):
+        return [_with_trains(item, (*path, position), faults) for position, item in enumerate(body)]
+    if not isinstance(body, dict):
+        return body
+    return {
+        key: components(item, (*path, key), faults)
+        if key == "train" and item is not None
+        else _with_trains(item, (*path, key), faults)
+        for key, item in body.items()
+    }

@@ -2,14 +2,17 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator
+from importlib import import_module
+from typing import Any
 
-from torsion.assembly.fixed_points import fixed_point_faults
 from torsion.errors import Fault
 from torsion.rules import lacking, needed
 from torsion.study import Study
+from torsion.train import fixed_point_faults
 
 _SPEEDS = "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`"
 _RATED = "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
+Check = Callable[[Study], Iterable[Fault]]
 
 
 def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
@@ -22,63 +25,17 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
 
 def _model_faults(study: Study) -> Iterator[Fault]:
     """The models of shafts with distributed inertia take no closed loops."""
-    closed = any(part.path[0] == "links" for part in study.train.parts)
-    if study.model != "lumped" and closed and any(bar.density > 0 for bar in study.train.bars):
+    if study.model != "lumped" and study.train.has_loops and study.train.has_shafts:
         message = f"the model {study.model} takes no closed loops, and `links` closes one"
         yield Fault(("analyses", "model"), message, "model: lumped")
 
 
-def _check_faults(study: Study) -> list[Fault]:
-    """Trains of which there is no exact model to compare the others with."""
-    if "check" not in study.analyses:
-        return []
-    from torsion.analyses.compare.candidates import loop_faults
-
-    return loop_faults(study, ("analyses", "check"))
-
-
-def _joint_faults(study: Study) -> list[Fault]:
-    """Joints that the settings of `joints` name, and any joint at all."""
-    requested = study.analyses.get("joints")
-    if requested is None:
-        return []
-    from torsion.analyses.joints.joint_analysis import JointsSettings, settings_faults
-
-    return settings_faults(study.train, requested) if isinstance(requested, JointsSettings) else []
-
-
-def _motion_faults(study: Study) -> list[Fault]:
-    """Trains of which there is no exact motion, where it is requested."""
-    exact = getattr(study.analyses.get("response"), "method", None) == "harmonic-balance"
-    if not exact and "stability" not in study.analyses:
-        return []
-    from torsion.analyses.motion.stability_settings import requested_motion_faults
-
-    found = requested_motion_faults(study)
+def _growth_faults(study: Study) -> Iterator[Fault]:
+    """Stability of a train in which nothing has an inertia."""
     lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
-    if "stability" in study.analyses and not (lumps or any(bar.density > 0 for bar in study.train.bars)):
+    if "stability" in study.analyses and not (lumps or study.train.has_shafts):
         message = "the train has no component with an inertia, and without one nothing can grow"
-        found.append(Fault(("analyses", "stability"), message, "leave it out, or give an inertia"))
-    return found
-
-
-def _transient_faults(study: Study) -> list[Fault]:
-    """Events that the train cannot have."""
-    if "transient" not in study.analyses:
-        return []
-    from torsion.analyses.transient.transient_motion import transient_faults
-
-    return transient_faults(study)
-
-
-def _lateral_faults(study: Study) -> list[Fault]:
-    """Supports beside their shafts, materials that cannot bend, and shafts that nothing holds."""
-    if "lateral" not in study.analyses and not study.has_supports:
-        return []
-    from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral_faults
-
-    requested = study.analyses.get("lateral")
-    return lateral_faults(study.train, requested if isinstance(requested, LateralSettings) else None)
+        yield Fault(("analyses", "stability"), message, "leave it out, or give an inertia")
 
 
 def _response_faults(study: Study) -> Iterator[Fault]:
@@ -99,15 +56,6 @@ def _response_faults(study: Study) -> Iterator[Fault]:
     yield from _speed_faults(study, speeds=speeds or requested is not None or ruled, frequencies=frequencies)
     if speeds and not study.operation.has_mean_torque:
         yield from _mean_torque_faults(study)
-
-
-def _order_faults(study: Study) -> list[Fault]:
-    """Orders that the settings of `response` name and nothing excites."""
-    if "response" not in study.analyses:
-        return []
-    from torsion.analyses.response.over_speed import order_faults
-
-    return order_faults(study)
 
 
 def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[Fault]:
@@ -131,16 +79,46 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
         yield Fault(needs[0], "this needs the mean torque, and the rated power is not given", _RATED)
 
 
-def _power_faults(study: Study) -> list[Fault]:
-    """A mean torque that finds no way through the train, or whose table does not cover the speeds."""
-    if not study.operation.has_mean_torque:
-        return []
-    from torsion.analyses.steady import power_faults
+def _of_analysis(
+    place: str, applies: Callable[[Study], bool], arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,)
+) -> Check:
+    """What a function of an analysis (module:name) finds where it applies; it is imported then."""
 
-    return power_faults(study)
+    def check(study: Study) -> Iterable[Fault]:
+        if not applies(study):
+            return ()
+        module, name = place.split(":")
+        found: Iterable[Fault] = getattr(import_module(f"torsion.analyses.{module}"), name)(*arguments(study))
+        return found
+
+    return check
 
 
-_CHECKS: tuple[tuple[Callable[[Study], Iterable[Fault]], tuple[str, ...]], ...] = (  # with the sections that each reads
+_order_faults = _of_analysis("response.over_speed:order_faults", lambda study: "response" in study.analyses)
+_power_faults = _of_analysis("steady:power_faults", lambda study: study.operation.has_mean_torque)
+_check_faults = _of_analysis(
+    "compare.candidates:loop_faults",
+    lambda study: "check" in study.analyses,
+    lambda study: (study, ("analyses", "check")),
+)
+_joint_faults = _of_analysis(
+    "joints.joint_analysis:settings_faults", lambda study: "joints" in study.analyses,
+    lambda study: (study.train, study.analyses["joints"]),
+)  # fmt: skip
+_motion_faults = _of_analysis(
+    "motion.requested_motion:requested_motion_faults",
+    lambda study: (
+        "stability" in study.analyses or study.setting("analyses", "response", "method") == "harmonic-balance"
+    ),
+)
+_transient_faults = _of_analysis(
+    "transient.transient_motion:transient_faults", lambda study: "transient" in study.analyses
+)
+_lateral_faults = _of_analysis(
+    "lateral.shaft_bending:lateral_faults", lambda study: "lateral" in study.analyses or study.has_supports,
+    lambda study: (study.train, study.analyses.get("lateral")),
+)  # fmt: skip
+_CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),
     (_check_faults, ("train", "links", "analyses")),
@@ -149,7 +127,7 @@ _CHECKS: tuple[tuple[Callable[[Study], Iterable[Fault]], tuple[str, ...]], ...] 
     (_power_faults, ("train", "operation")),
     (_joint_faults, ("train", "analyses")),
     (_motion_faults, ("train", "links", "operation", "analyses")),
-    (_transient_faults, ("train", "operation", "analyses")),
+    (_growth_faults, ("train", "links", "operation", "analyses")),
     (_lateral_faults, ("train", "materials", "operation", "analyses")),
     (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),
 )

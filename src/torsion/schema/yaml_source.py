@@ -6,21 +6,18 @@ merge keys, repeated keys, keys other than text and several documents are refuse
 
 import math
 import re
-from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any
 
 import yaml
 
-from torsion.errors import Fault, InputError, Path
-from torsion.schema.fault_text import input_error, syntax_words
+from torsion.errors import Fault, InputError, printable
+from torsion.schema.fault_text import Node, Source, end_of, input_error
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
 _LARGEST = 100_000  # values after aliases are written out; bounds what a few lines can blow up to
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-_BREAK = re.compile(r"\r\n|[\n\r\x85\u2028\u2029]")
 _FORBIDDEN = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
 _WORDS: dict[str, bool | None] = {"": None, "~": None}
 _WORDS |= dict.fromkeys(("null", "Null", "NULL"))
@@ -30,48 +27,25 @@ _WHOLE = re.compile(r"[-+]?[0-9]+(?:_[0-9]+)*|0x[0-9a-fA-F]+|0o[0-7]+")
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"
 _DECIMAL = re.compile(rf"[-+]?(?:\.{_DIGITS}|{_DIGITS}(?:\.(?:{_DIGITS})?)?)(?:[eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"([-+]?)\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
-
-
-@dataclass(slots=True, eq=False)
-class Node:
-    """A value where it stands; `parts` are the values in it by key or position, `keys` the places of its keys."""
-
-    value: Any
-    line: int
-    column: int
-    parts: "dict[str | int, Node]" = field(default_factory=dict)
-    keys: dict[str, tuple[int, int]] = field(default_factory=dict)
-    size: int = 1  # values in it and itself, aliases written out
-    height: int = 0  # lists and mappings within each other
-
-
-@dataclass(frozen=True, eq=False)
-class Source:
-    """A text and what it says: plain dict, list, str, int, float, bool and None."""
-
-    name: str
-    text: str
-    root: Node
-
-    @property
-    def data(self) -> Any:
-        return self.root.value
-
-    @cached_property
-    def lines(self) -> list[str]:
-        return _BREAK.split(self.text)
-
-    def place(self, path: Path, key: bool = False) -> tuple[int, int]:
-        """Line and column, from 1, of the value (or its key) at `path`, or of the nearest parent that exists."""
-        node = self.root
-        label = node.line, node.column
-        for step in path:
-            part = node.parts.get(step)
-            if part is None:
-                break
-            label = node.keys.get(str(step), (part.line, part.column))
-            node = part
-        return _within(label if key else (node.line, node.column), self.lines)
+_INDENTED = "check the indentation of this line and the one above; put text that holds ': ' in quotes"
+_ALIGNED = "what belongs to one list or mapping begins in one column"
+_SYNTAX = (  # what yaml says; in plain words; what to do; whether the fault stands where the piece begins
+    (r"expected ',' or '(.)'", "no closing '{0}' for this bracket, or no comma before {at}", "", True),
+    (r"unexpected (?:end of stream|document)", "this quote is not closed", "", True),
+    (r"could not find expected ':'", "this key has no ':' behind it", "", True),
+    (r"tab character|'\\t'", "a tab is used for indentation", "use spaces", False),
+    (r"mapping values are not allowed", "a ':' is not allowed here", _INDENTED, False),
+    (r"cannot start any token", "a value cannot begin with this character", "put text in quotes", False),
+    (r"sequence entries are not allowed", "a list cannot begin here", "begin it on a line of its own", False),
+    (r"expected key|expected <block end>|expected '-' indicator", "this does not fit the lines above", _ALIGNED, False),
+    (r"node content", "a value is missing in front of this", "", False),
+    (r"expected '?<document start>", "this belongs to nothing before it", "", False),
+    (r"escape|hexdecimal", "the backslash stands for no character here", r"write \\ or use single quotes", False),
+    (r"alphabetic or numeric", "a name is missing after '&' or '*'", "put text in quotes", False),
+    (r"directive|YAML document", "lines that begin with % are not read", "remove it", False),
+    (r"\btag\b|expected '>'|expected the '>'", "tags (!) are not read", "put text in quotes", False),
+    (r"line break|chomping", "nothing may follow '|' or '>' in its line", "", False),
+)
 
 
 def read_source(path: str | FilePath) -> Source:
@@ -79,27 +53,27 @@ def read_source(path: str | FilePath) -> Source:
     name = str(path)
     try:
         content = FilePath(path).read_bytes()
-    except FileNotFoundError:
-        raise _without_place(name, "the file does not exist") from None
-    except IsADirectoryError:
-        raise _without_place(name, "this is a folder, not a file") from None
     except (OSError, ValueError) as error:
-        raise _without_place(name, f"the file cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        message = f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
+        if isinstance(error, FileNotFoundError | IsADirectoryError):
+            is_folder = isinstance(error, IsADirectoryError)
+            message = "this is a folder, not a file" if is_folder else "the file does not exist"
+        raise InputError([Fault((), message)], f"{name}: {message}") from None
     try:
         return parse_source(content.decode(), name)
     except UnicodeDecodeError as error:
         before = content[: error.start].decode()
-        fault = _fault("the file is not UTF-8 text", "save it as UTF-8", *_end(before))
-        raise input_error([fault], _bare(name, content.decode(errors="replace"))) from None
+        fault = _fault("the file is not UTF-8 text", "save it as UTF-8", *end_of(before))
+        raise input_error([fault], Source(name, content.decode(errors="replace"))) from None
 
 
 def parse_source(text: str, name: str) -> Source:
     """The text as data with places; raises InputError with every fault up to the first one that ends the reading."""
     text = text.removeprefix("\ufeff")  # the byte order mark with which some editors begin a file
-    bare = _bare(name, text)
+    bare = Source(name, text)
     forbidden = _FORBIDDEN.search(text)
     if forbidden:
-        raise input_error([_forbidden(forbidden[0], *_end(text[: forbidden.start()]))], bare)
+        raise input_error([_forbidden(forbidden[0], *end_of(text[: forbidden.start()]))], bare)
     builder = _Builder(bare.lines)
     try:
         for event in yaml.parse(text, Loader=_LOADER):
@@ -107,7 +81,7 @@ def parse_source(text: str, name: str) -> Source:
     except _EndError as end:
         builder.faults.append(end.fault)
     except yaml.MarkedYAMLError as error:
-        builder.faults.append(_syntax(error, bare.lines))
+        builder.faults.append(_syntax(error, bare))
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         builder.faults.append(_fault(f"this is not YAML: {error}", "", 1, 1))
     if builder.root.value is None and not builder.faults:
@@ -234,8 +208,10 @@ def resolved(text: str) -> str | int | float | bool | None:
     """What a plain scalar stands for by the core rules of YAML 1.2, with underscores between digits."""
     if text in _WORDS:
         return _WORDS[text]
-    if _WHOLE.fullmatch(text):
-        return _whole(text)
+    if _WHOLE.fullmatch(text):  # one so long that no float is becomes infinite
+        if text[:2] in {"0x", "0o"}:
+            return int(text, 0) if len(text) <= 250 else math.inf
+        return int(text) if len(text) <= 300 else float(text)
     if _DECIMAL.fullmatch(text):
         return float(text)
     found = _NOT_FINITE.fullmatch(text)
@@ -244,26 +220,17 @@ def resolved(text: str) -> str | int | float | bool | None:
     return text
 
 
-def _whole(text: str) -> int | float:
-    """A whole number; as a float if it is so long that no float is (which is then not finite)."""
-    if text[:2] in {"0x", "0o"}:
-        return int(text, 0) if len(text) <= 250 else math.inf
-    return int(text) if len(text) <= 300 else float(text)
-
-
-def _syntax(error: yaml.MarkedYAMLError, lines: list[str]) -> Fault:
-    line, column = _within(_place(error.problem_mark), lines)
-    indented_by_tab = lines[line - 1][:column].isspace() and lines[line - 1][column - 1] == "\t"
-    problem = "tab character" if indented_by_tab else str(error.problem)
-    message, hint, at_begin = syntax_words(problem, f"line {line}, column {column}")
-    if at_begin and error.context_mark:
-        line, column = _within(_place(error.context_mark), lines)
-    return _fault(message, hint, line, column)
-
-
-def _within(place: tuple[int, int], lines: list[str]) -> tuple[int, int]:
-    """The place, or the end of the text if it lies behind it (where the parser puts what is missing at the end)."""
-    return place if place[0] <= len(lines) else (len(lines), len(lines[-1]) + 1)
+def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
+    """The fault in plain words, where the text cannot be read on or where the piece that is not closed begins."""
+    line, column = source.within(_place(error.problem_mark))
+    before = source.lines[line - 1][:column]
+    problem = "tab character" if before.isspace() and before.endswith("\t") else str(error.problem)
+    for pattern, words, hint, at_begin in _SYNTAX:
+        if found := re.search(pattern, problem):
+            message = words.format(*found.groups(), at=f"line {line}, column {column}")
+            place = error.context_mark if at_begin else None
+            return _fault(message, hint, *(source.within(_place(place)) if place else (line, column)))
+    return _fault(f"this is not YAML: {problem}", "", line, column)
 
 
 def _forbidden(sign: str, line: int, column: int) -> Fault:
@@ -273,8 +240,7 @@ def _forbidden(sign: str, line: int, column: int) -> Fault:
 
 
 def _fault(message: str, hint: str, line: int, column: int) -> Fault:
-    plain = "".join(sign if sign.isprintable() else "?" for sign in message[:200])  # it may quote the file
-    return Fault((), plain, hint, line=line, column=column)
+    return Fault((), printable(message, 200), hint, line=line, column=column)  # the message may quote the file
 
 
 def _mark(event: Any) -> tuple[int, int]:
@@ -283,17 +249,3 @@ def _mark(event: Any) -> tuple[int, int]:
 
 def _place(mark: Any) -> tuple[int, int]:
     return (mark.line + 1, mark.column + 1) if mark else (1, 1)
-
-
-def _end(text: str) -> tuple[int, int]:
-    lines = _BREAK.split(text)
-    return len(lines), len(lines[-1]) + 1
-
-
-def _bare(name: str, text: str) -> Source:
-    """A text of which nothing has been read, to quote from."""
-    return Source(name, text, Node(None, 1, 1))
-
-
-def _without_place(name: str, message: str) -> InputError:
-    return InputError([Fault((), message)], f"{name}: {message}")

@@ -5,8 +5,7 @@ import math
 import pytest
 
 from torsion.analyses.compare.timing import Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
-from torsion.output.pages.comparison_pages import csv_text
-from torsion.output.pages.run_time_blocks import best, recommendation, share
+from torsion.output.run_time_study import best, csv_text, recommendation, share
 
 
 def row(name: str, error: float, *solve: float, assembly: float = 0.0) -> TimedRow:

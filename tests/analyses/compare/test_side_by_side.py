@@ -114,8 +114,8 @@ def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
     torques = found.models[0].torques
     np.testing.assert_allclose(torques.error, error.max(axis=(1, 2)), rtol=1e-6)
     assert torques.largest == pytest.approx(error.max(), rel=1e-6)
-    assert (torques.speed, torques.component) == (worst[0], given[1].ends.name[worst[2]])
-    assert torques.line.order == given[1].loads[worst[1]].line.order
+    assert (torques.worst_speed, torques.component) == (worst[0], given[1].ends.name[worst[2]])
+    assert torques.worst_order == given[1].loads[worst[1]].line.order
     largest = max(found.models[0].largest)
     assert replace(found.models[0], tolerance=largest).passes
     assert not replace(found.models[0], tolerance=0.999 * largest).passes

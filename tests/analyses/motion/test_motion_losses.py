@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.motion.equations_of_motion import right_hand_side
 from torsion.analyses.motion.floquet_exponents import Search, damped, growth_search, variation
 from torsion.analyses.motion.mechanism_loads import scene
-from torsion.analyses.motion.periodic_orbits import orbit, periodic_response
+from torsion.analyses.motion.periodic_orbits import orbit, response_of
 from torsion.analyses.motion.periodic_speeds import growths
 from torsion.analyses.motion.stability_map import stability_map
 from torsion.analyses.motion.stability_over_speed import stability
@@ -71,6 +70,12 @@ def long_train(number: int) -> tuple[Study, System]:
     return made([*line, Coupling(stiffness=5e4, loss_factor=0.02), Disc(inertia=0.8, damping=0.6)])
 
 
+def growth_there(study: Study, system: System, speed: float) -> float:
+    """That of the exact response at one speed."""
+    at = scene(study, system)
+    return float(growths(at, response_of(at, [orbit(at, speed)], np.array([speed]), ("",)))[0])
+
+
 def raw_monodromy(ask: Search, speed: float) -> np.ndarray:
     around = variation(ask.at, ask(speed)[0])
     steps = steps_for(around.period, ask.shapes.highest)
@@ -100,9 +105,9 @@ def test_free_train_that_its_loss_factor_damps_is_stable():
 
 @pytest.mark.parametrize("line", [seven_parts, massless])
 def test_growth_of_the_exact_response_leaves_the_free_turning_out(line):
-    found = growths(scene(*line()), periodic_response(*line(), np.array([100.0])))
-    assert found[0] < -1.0
-    assert found[0] == pytest.approx(growth_search(*line()).growth(100.0), rel=1e-5)
+    found = growth_there(*line(), 100.0)
+    assert found < -1.0
+    assert found == pytest.approx(growth_search(*line()).growth(100.0), rel=1e-5)
 
 
 @pytest.mark.parametrize("phase", [0, 90, 180, 270])
@@ -114,7 +119,7 @@ def test_vibratory_torque_of_the_joints_order_does_not_hold_the_free_turning_to_
         ]  # fmt: skip
         built = train(line, excitations=[Excitation(at="load", order=2, torque=torque, phase=f"{phase} deg")])
         study, system = Study("shaken", built, operation=CONSTANT), assemble(built)
-        return float(growths(scene(study, system), periodic_response(study, system, np.array([70.0])))[0])
+        return growth_there(study, system, 70.0)
 
     alone = growth(0.0)
     assert alone < -1.0
@@ -138,7 +143,7 @@ def test_slow_motion_of_a_free_train_goes_by_what_the_drive_must_give_at_other_s
     assert growth_search(*line).growth(speed) == pytest.approx(expected, rel=1e-2)
 
 
-def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time():
+def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time(in_time):
     ask = growth_search(*seven_parts(0.3), method="monodromy")
     here, _ = ask(104.0)
     whole, loading, free = raw_monodromy(ask, 104.0), here.now.loading, ask.at.layout.free
@@ -147,9 +152,7 @@ def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time():
     away = 1e-5 * np.random.default_rng(3).standard_normal(2 * free) * np.repeat([1.0, loading.w0], free)
 
     def after_a_period(state: np.ndarray) -> np.ndarray:
-        def slope(t: float, y: np.ndarray) -> np.ndarray:
-            return right_hand_side(ask.at.layout, loading, here.found.load, t, y)
-
+        slope = in_time(ask.at.layout, loading, here.found.load)
         return solve_ivp(slope, (0.0, loading.period), state, method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
 
     assert after_a_period(start) == pytest.approx(start, abs=1e-9 * np.abs(motion.speed).max())

@@ -5,8 +5,8 @@ import pytest
 
 from torsion.analyses.motion.floquet_exponents import growth_search, modes_that_matter
 from torsion.analyses.motion.mechanism_loads import scene
+from torsion.analyses.motion.requested_motion import MapSettings, StabilitySettings
 from torsion.analyses.motion.stability_map import stability_map
-from torsion.analyses.motion.stability_settings import MapSettings, StabilitySettings
 from torsion.analyses.motion.straight_modes import basis
 from torsion.assembly import assemble
 from torsion.assembly.system import System

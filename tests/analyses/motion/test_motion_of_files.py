@@ -111,7 +111,7 @@ def test_train_is_unstable_at_its_first_mode_as_published(angle, damping, growth
         return
     (only,) = found.need(Stability).ranges
     assert only.first < FIRST_MODE < only.last
-    assert only.zone.name == "principal of mode 1 (2 w1)"
+    assert only.name == "principal of mode 1 (2 w1)"
     near = int(np.argmin(np.abs(found.need(Stability).speed - FIRST_MODE)))
     assert found.need(Stability).growth[near] == pytest.approx(growth, abs=0.02)
     assert check.value == only.growth >= found.need(Stability).growth[near]
@@ -138,7 +138,7 @@ LIGHT = """
 import sys, torsion
 from torsion.output.results_json import text
 from torsion.output.document import document
-from torsion.output.terminal.screen import screen
+from torsion.output.terminal import screen
 found = torsion.run(torsion.parse({scene!r}))
 text(found), screen(document(found))
 print([name for name in sys.modules if "analyses.motion" in name or ".periodic" in name])

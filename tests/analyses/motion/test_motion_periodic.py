@@ -1,6 +1,7 @@
 """Exact periodic response: against published values, closed forms, integration in time and the linear response."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -8,21 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.motion.equations_of_motion import right_hand_side
 from torsion.analyses.motion.mechanism_loads import scene
-from torsion.analyses.motion.periodic_orbits import (
-    Found,
-    PeriodicResponse,
-    orbit,
-    others,
-    periodic_response,
-    response_of,
-)
+from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse, continued, orbit, others, response_of
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
-from torsion.analyses.statics import statics
-from torsion.analyses.steady import steady
+from torsion.analyses.steady import statics, steady
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling
@@ -32,7 +24,6 @@ from torsion.components.gear import Gear
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.joint import Joint
 from torsion.components.motor import Motor
-from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
 from torsion.kinematics.line import line_of, resultant
 from torsion.study import Operation, Study
@@ -54,9 +45,17 @@ def six_stations(angle: float, phase: float, damping: float = 8.0) -> tuple[Stud
     return Study("six stations", built, operation=CONSTANT), assemble(built)
 
 
+def over(study: Study, system: System, speeds: np.ndarray) -> PeriodicResponse:
+    """The periodic response at ascending speeds, each motion continued from the one before it."""
+    at, found = scene(study, system), [(None, "")]
+    for speed in speeds.tolist():
+        found.append(continued(at, speed, found[-1][0]))
+    return response_of(at, [there for there, _ in found[1:]], speeds, tuple(why for _, why in found[1:]))
+
+
 def at_one(study: Study, system: System, speed: float) -> PeriodicResponse:
     """The periodic response at one speed."""
-    found = periodic_response(study, system, np.array([speed]))
+    found = over(study, system, np.array([speed]))
     assert found.status[0] == Found.OK, found.why
     return found
 
@@ -66,16 +65,14 @@ def shafts(system: System, found: PeriodicResponse, order: int) -> np.ndarray:
     return found.torque[0, found.orders.index(Fraction(order))][system.flexibility > 0]
 
 
-def departure(study: Study, system: System, found: PeriodicResponse, *, rtol: float = 1e-12) -> float:
+def departure(study: Study, system: System, found: PeriodicResponse, in_time: Callable, rtol: float = 1e-12) -> float:
     """Largest difference (rad) over one period between the orbit and an integration in time that starts on it."""
     here, at = found.orbits[0], scene(study, system)
     times, period = points_in_time(here.found.count), here.now.loading.period
     motion = motion_of(here.found.harmonic, here.now.loading.w0, times)
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
 
-    def slope(t: float, y: np.ndarray) -> np.ndarray:
-        return right_hand_side(at.layout, here.now.loading, here.found.load, t, y)
-
+    slope = in_time(at.layout, here.now.loading, here.found.load)
     t = np.arange(times) * period / times
     run = solve_ivp(slope, (0.0, t[-1]), start, method="DOP853", rtol=rtol, atol=1e-13, t_eval=t)
     return float(np.abs(run.y[: at.layout.free] - motion.deviation).max())
@@ -105,9 +102,9 @@ def test_six_station_train_has_the_published_torques(angle, phase, speed, second
 
 
 @pytest.mark.parametrize(("angle", "phase", "speed"), [(10, 0, 80.0), (20, 90, FIRST_MODE / 2), (30, 90, 80.0)])
-def test_harmonic_balance_is_the_integration_in_time(angle, phase, speed):
+def test_harmonic_balance_is_the_integration_in_time(angle, phase, speed, in_time):
     study, system = six_stations(angle, phase)
-    assert departure(study, system, at_one(study, system, speed), rtol=1e-11) < 1e-10
+    assert departure(study, system, at_one(study, system, speed), in_time, 1e-11) < 1e-10
 
 
 GOVERNED = 107.138345  # rad/s: first mode with a governor's spring of 50 N m/rad on the motor, as the table took it
@@ -144,8 +141,8 @@ def first_order(study: Study, system: System, speed: float, drive: float = 300.0
     """
     at, excess = np.array([speed]), Fraction(drive) - 300
     shares = [300 + excess * 3 / 4, -excess / 4, Fraction(0), -excess / 4, Fraction(0), -300 - excess / 4]
-    under = statics(system, shares, 0)
-    mean = replace(steady(study.train, system, CONSTANT, at), torque=under.torque[:, None], twist=under.twist[:, None])
+    torque, twist = statics(system, shares, 0)
+    mean = replace(steady(study.train, system, CONSTANT, at), torque=torque[:, None], twist=twist[:, None])
     (second,) = (one for one in excitations(system) if one.line.order == 2)
     found = answer(system, 2.0 * at, sources(system, second, at, mean), ground_damping(system, at, mean))
     return found.torque[0, system.flexibility > 0]
@@ -182,11 +179,11 @@ MOTIONS = [
 
 
 @pytest.mark.parametrize(("way", "torques"), MOTIONS)
-def test_lightly_damped_train_has_several_motions_at_resonance(way, torques):
+def test_lightly_damped_train_has_several_motions_at_resonance(way, torques, in_time):
     study, system = six_stations(20, 90, 1.5)
     exact = raised(way, 90, GOVERNED / 2, 1.5)
     assert np.abs(shafts(system, exact, 2)) == pytest.approx(torques, rel=1e-5)
-    assert departure(study, system, exact, rtol=1e-11) < 1e-6  # one of them multiplies deviations by 2.4 each period
+    assert departure(study, system, exact, in_time, 1e-11) < 1e-6  # one multiplies deviations by 2.4 each period
 
 
 def test_shaft_behind_a_joint_at_constant_speed_follows_the_closed_form():
@@ -231,14 +228,12 @@ def test_free_rigid_rotor_has_the_period_of_the_closed_form():
     assert found.drive[0] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_right_hand_side_turns_the_free_rotor_once_in_its_period():
+def test_equations_in_time_turn_the_free_rotor_once_in_its_period(in_time):
     study, system = free_rotor()
     at = scene(study, system)
     loading = at_one(study, system, 50.0).orbits[0].now.loading
-    run = solve_ivp(
-        lambda t, y: right_hand_side(at.layout, loading, np.zeros(1), t, y),
-        (0.0, PERIOD), [0.0, 0.0], method="DOP853", rtol=1e-13, atol=1e-14,
-    )  # fmt: skip
+    slope = in_time(at.layout, loading, np.zeros(1))
+    run = solve_ivp(slope, (0.0, PERIOD), [0.0, 0.0], method="DOP853", rtol=1e-13, atol=1e-14)
     assert 50.0 * PERIOD + run.y[0, -1] == pytest.approx(2.0 * math.pi, rel=1e-12)
     assert run.y[1, -1] == pytest.approx(0.0, abs=1e-10)
 
@@ -303,10 +298,10 @@ def geared(kind: str = "cross") -> tuple[Study, System]:
 
 
 @pytest.mark.parametrize("kind", ["cross", "tripod"])
-def test_joints_at_two_speeds_have_a_common_period_and_follow_the_integration_in_time(kind):
+def test_joints_at_two_speeds_have_a_common_period_and_follow_the_integration_in_time(kind, in_time):
     study, system = geared(kind)
     assert scene(study, system).order == Fraction(2, 3)  # the torque is of order 1 behind the gear
-    assert departure(study, system, at_one(study, system, 25.0)) < 1e-10
+    assert departure(study, system, at_one(study, system, 25.0), in_time) < 1e-10
 
 
 def test_torques_of_joints_and_rigid_spans_balance_the_inertias():
@@ -359,7 +354,7 @@ def test_ring_damper_without_stiffness_slips_with_the_train():
 def test_continuation_over_speed_passes_the_resonances():
     study, system = six_stations(20, 90)
     speeds = np.linspace(46.0, 60.0, 8)
-    whole = periodic_response(study, system, speeds)
+    whole = over(study, system, speeds)
     assert (whole.status == Found.OK).all()
     alone = at_one(study, system, 54.0)  # the first mode meets order 2 at 53.6
     second = whole.orders.index(Fraction(2))
@@ -369,18 +364,10 @@ def test_continuation_over_speed_passes_the_resonances():
 def test_no_periodic_solution_is_told_and_not_invented():
     built = train([Disc(held=True), Joint(angle="10 deg"), Coupling(stiffness=1e4), Disc(inertia=1.0)])
     study, system = Study("lossless", built, operation=Operation()), assemble(built)
-    found = periodic_response(study, system, np.array([30.0, 50.0]))
+    found = over(study, system, np.array([30.0, 50.0]))
     assert found.status.tolist() == [Found.OK, Found.NONE]
     assert "resonance" in found.why[1] or "no periodic solution" in found.why[1]
     assert np.isnan(found.torque[1]).all()
-
-
-def test_loss_factor_is_refused_in_time():
-    study, system = joints_in_a_row([Joint(angle="10 deg")])
-    here = at_one(study, system, 40.0).orbits[0]
-    at = scene(study, system)
-    with pytest.raises(SolveError, match="loss factor"):
-        right_hand_side(at.layout, here.now.loading, here.found.load, 0.0, np.zeros(2 * at.layout.free))
 
 
 def test_other_motions_at_a_peak_are_found_and_told_in_the_same_orders():

@@ -5,7 +5,7 @@ import pytest
 
 from torsion.analyses.motion.floquet_exponents import Search, growth_search
 from torsion.analyses.motion.stability_over_speed import stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange, Zone, unstable_ranges
+from torsion.analyses.motion.unstable_ranges import UnstableRange, unstable_ranges
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.components.coupling import Coupling
@@ -130,5 +130,5 @@ def test_gap_that_is_met_only_in_the_search_for_the_greatest_growth_parts_the_ra
     ],
 )
 def test_range_meets_speeds_with_what_is_unstable_of_it(ends, is_open, unknown, speeds, meets):
-    one = UnstableRange(*ends, is_open, 1.0, float(ends[0]), Zone("principal", (1,), 1, 0.0), unknown)
+    one = UnstableRange("principal", (1,), 1, *ends, is_open, 1.0, float(ends[0]), unknown)
     assert one.meets(*speeds) == meets

@@ -18,7 +18,7 @@ def test_the_fixed_line_adds_to_the_peak_on_either_side_of_the_mean(mean):
     torque, blank = np.array([[[A], [B], [FIXED * 1j]]]), np.zeros((1, 3))
     response = Response(np.ones(1), np.ones(1, dtype=bool), lines, blank, torque, torque, np.array([[mean]]), blank,
                         blank.astype(np.uint8), blank, None)  # fmt: skip
-    found = synthesis(None, response)
+    found = synthesis(response)
     high, low = A + B, -(B + A**2 / (8.0 * B))
     assert found.peak[0, 0] == pytest.approx(max(abs(mean + high + FIXED), abs(mean + low - FIXED)), rel=1e-14)
     assert found.half_range[0, 0] == pytest.approx((high - low) / 2.0 + FIXED, rel=1e-14)

@@ -6,7 +6,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.response.over_speed import Line, Response
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.response.synthesis import common_cycle, extremes, synthesis
 from torsion.kernels.tree_response import Status
 
@@ -133,28 +134,28 @@ def test_common_cycle_is_the_inverse_of_the_greatest_common_divisor(orders, turn
 
 
 def test_sum_is_true_to_phase_and_not_a_sum_of_magnitudes():
-    found = synthesis(None, _response([1, 3], [[1.0], [1.0 / 9.0]]))
+    found = synthesis(_response([1, 3], [[1.0], [1.0 / 9.0]]))
     assert found.half_range[0, 0] == pytest.approx(10 / 9, rel=1e-14)
-    found = synthesis(None, _response([1, 3], [[1.0], [-1.0 / 3.0]]))
+    found = synthesis(_response([1, 3], [[1.0], [-1.0 / 3.0]]))
     assert found.half_range[0, 0] == pytest.approx(2 * np.sqrt(2) / 3, rel=1e-14)
     assert found.bound[0, 0] == pytest.approx(4 / 3, rel=1e-15)
     assert found.rms[0, 0] == pytest.approx(np.sqrt((1 + 1 / 9) / 2), rel=1e-15)
 
 
 def test_peak_holds_the_mean_torque_and_its_sign():
-    found = synthesis(None, _response([1, 2], [[1.0], [0.7]], np.array([-5.0])))
+    found = synthesis(_response([1, 2], [[1.0], [0.7]], np.array([-5.0])))
     assert found.peak[0, 0] == pytest.approx(5.7 + 1 / 5.6, rel=1e-14)
 
 
 def test_fixed_frequencies_add_their_magnitude():
-    found = synthesis(None, _response([1, 3, "35"], [[1.0], [1.0 / 9.0], [0.5j]], np.array([2.0])))
+    found = synthesis(_response([1, 3, "35"], [[1.0], [1.0 / 9.0], [0.5j]], np.array([2.0])))
     assert found.half_range[0, 0] == pytest.approx(10 / 9 + 0.5, rel=1e-14)
     assert found.peak[0, 0] == pytest.approx(2 + 10 / 9 + 0.5, rel=1e-14)
     assert found.turns == 1
 
 
 def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
-    found = synthesis(None, _response([Fraction(1), Fraction(1001, 1000)], [[1.0], [0.5j]]))
+    found = synthesis(_response([Fraction(1), Fraction(1001, 1000)], [[1.0], [0.5j]]))
     assert found.turns == 0
     assert found.half_range[0, 0] == pytest.approx(1.5, rel=1e-15)
 
@@ -162,12 +163,12 @@ def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
 @pytest.mark.parametrize("status", [Status.NEAR_SINGULAR, Status.SINGULAR])
 def test_line_that_is_not_ok_leaves_no_finite_number(status):
     response = _response([1, 2], [[1.0], [1e15]])
-    found = synthesis(None, replace(response, status=np.array([[Status.OK, status]], dtype=np.uint8)))
+    found = synthesis(replace(response, status=np.array([[Status.OK, status]], dtype=np.uint8)))
     assert np.isinf([found.half_range, found.peak, found.rms, found.bound]).all()
 
 
 def test_line_without_a_value_leaves_no_finite_number():
-    found = synthesis(None, _response([1, 2], [[1.0, np.nan], [0.7, 1.0]]))
+    found = synthesis(_response([1, 2], [[1.0, np.nan], [0.7, 1.0]]))
     assert np.isfinite(found.half_range[0, 0])
     assert np.isinf(found.half_range[0, 1])
     assert np.isinf(found.rms[0, 1])
@@ -176,5 +177,5 @@ def test_line_without_a_value_leaves_no_finite_number():
 
 @pytest.mark.parametrize("orders", [[1], [1, 2], [1, "3"], []])
 def test_sum_over_a_train_without_spans_has_none(orders):
-    found = synthesis(None, _response(orders, np.empty((len(orders), 0))))
+    found = synthesis(_response(orders, np.empty((len(orders), 0))))
     assert found.half_range.shape == found.peak.shape == found.rms.shape == (1, 0)

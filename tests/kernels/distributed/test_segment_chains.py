@@ -1,5 +1,6 @@
 """Rows of springs and inertias condensed to their ends, against the dense elimination of what lies inside."""
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -53,16 +54,29 @@ def test_values_at_a_frequency_of_each_row_are_those_at_all_frequencies(rows):
         np.testing.assert_array_equal(one, other)
 
 
-def test_slopes_are_the_derivatives_of_the_values(rows):
-    """By a complex step, which cancels nothing."""
-    s, step = np.array([0.0, 0.03, 0.1]), 1e-30
-    slopes, moved = rows.slopes(s), rows.at(s + 1j * step)
-    values = (slopes.flexibility, slopes.inner, slopes.outer)
-    for value, slope, there in zip(
-        values, (slopes.flexibility_slope, slopes.inner_slope, slopes.outer_slope), moved, strict=True
-    ):
-        np.testing.assert_allclose(value, there.real, rtol=1e-13)
-        np.testing.assert_allclose(slope, there.imag / step, rtol=1e-11, atol=1e-13)
+def _pi_in_many_digits(flexibility: np.ndarray, inertia: np.ndarray, s: mp.mpf) -> tuple[mp.mpf, ...]:
+    """Flexibility and end inertias of a row, by transfer matrices: angle and torque from the outer to the inner end."""
+    across = mp.eye(2)
+    for h, j in zip(flexibility.tolist(), inertia.tolist(), strict=True):
+        across = mp.matrix([[1, 0], [-s * j, 1]]) * mp.matrix([[1, h], [0, 1]]) * across
+    return across[0, 1], (1 - across[0, 0]) / (s * across[0, 1]), (1 - across[1, 1]) / (s * across[0, 1])
+
+
+@pytest.mark.parametrize("s", [0.001, 0.03, 0.1])
+def test_slopes_are_the_derivatives_of_the_values(rows, s):
+    """Differences in many digits."""
+    found = vars(rows.slopes(np.array([s])))
+    values, slopes = ([found[name + end][:, 0] for name in ("flexibility", "inner", "outer")] for end in ("", "_slope"))
+    for row in range(rows.size):
+        at, step = mp.mpf(s), mp.mpf(10) ** -20
+        here, high, low = (
+            _pi_in_many_digits(rows.flexibility[row], rows.inertia[row], at + d) for d in (0, step, -step)
+        )
+        order = (0, 2, 1) if rows.is_turned[row] else (0, 1, 2)
+        for k, end in enumerate(order):
+            derivative = float((high[end] - low[end]) / (2 * step))
+            assert values[k][row] == pytest.approx(float(here[end]), rel=1e-13)
+            assert slopes[k][row] == pytest.approx(derivative, rel=1e-12, abs=1e-15)
 
 
 def test_no_frequency_of_a_row_with_fixed_ends_lies_below_the_limit(rows):

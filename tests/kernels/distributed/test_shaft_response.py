@@ -130,11 +130,11 @@ def test_at_standstill_a_held_shaft_twists_by_its_flexibility(trains) -> None:
 def test_an_answer_from_elsewhere_is_judged_by_its_residual(trains) -> None:
     train, bars = _train(2)
     w, force = np.array([100.0, 2000.0]), np.arange(7.0)
-    problem = pose(replace(train, shafts=bars), w, None, None, np.full(6, 0.01))
-    answer = tree_response(replace(train, shafts=bars), w, force, shaft_loss=np.full(6, 0.01))
-    assert residual_of(problem, force, None, answer).max() < 1e-14
+    given = replace(train, shafts=bars), w, force
+    problem, answer = (solve(*given, shaft_loss=np.full(6, 0.01)) for solve in (pose, tree_response))
+    assert residual_of(problem, answer).max() < 1e-14
     answer.torque[3] *= 1.0 + 1e-6
-    assert residual_of(problem, force, None, answer).min() > 1e-9
+    assert residual_of(problem, answer).min() > 1e-9
 
 
 def test_a_twist_along_a_bar_is_refused() -> None:

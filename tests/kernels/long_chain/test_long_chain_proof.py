@@ -7,10 +7,16 @@ import numpy as np
 import pytest
 
 from torsion.kernels.lapack import is_expected
-from torsion.kernels.long_chain.lowest_modes import Counts, _counted, factor_of
-from torsion.kernels.long_chain.row_as_chain import running_sum_in_groups
+from torsion.kernels.long_chain.long_chain_modes import sums_in_groups
+from torsion.kernels.long_chain.lowest_modes import (
+    Counts,
+    _counted,
+    are_available,
+    factor_of,
+    negative_count,
+    twisted_vector,
+)
 from torsion.kernels.long_chain.temple import Chain, quotient, running_sum
-from torsion.kernels.long_chain.twisted import are_available, negative_count, twisted_vector
 
 DOUBLES = "__pyx_t_5scipy_6linalg_13cython_lapack_d *"
 
@@ -105,8 +111,9 @@ def test_running_sums_are_right_to_their_bound():
 
 
 def test_running_sums_begin_anew_with_every_group():
-    group = np.array([0, 1, 1, 1, 2, 2, 3])
-    np.testing.assert_array_equal(running_sum_in_groups(np.ones(7), group), [1, 1, 2, 3, 1, 2, 1])
+    before, behind = sums_in_groups(np.ones(7), np.array([0, 1, 1, 1, 2, 2, 3]))
+    np.testing.assert_array_equal(before, [1, 1, 2, 3, 1, 2, 1])
+    np.testing.assert_array_equal(behind, [1, 3, 2, 1, 2, 1, 1])
 
 
 def test_the_routines_of_this_scipy_are_used():

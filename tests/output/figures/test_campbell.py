@@ -4,15 +4,16 @@ import re
 
 import numpy as np
 
-from torsion.output.figures.campbell import campbell
+from torsion.output.figures.frequencies_over_speed import campbell
+from torsion.output.figures.style import page as drawn_on
 
 NUMBER = r"(-?\d+(?:\.\d+)?)"
 
 
 def test_lines_of_the_orders_pass_through_the_crossings_with_the_modes() -> None:
     """Orders 1 and 3 meet 2 Hz at 120 and 40 rpm, and 5 Hz at 300 (beyond the axis) and 100 rpm."""
-    page = campbell(
-        "c", frequencies=[2.0, 5.0], orders=[(1.0, "one"), (3.0, "three")],
+    page = drawn_on(
+        "c", campbell, frequencies=[2.0, 5.0], orders=[(1.0, "one"), (3.0, "three")],
         crossings=[(120.0, 2.0, True), (40.0, 2.0, True), (100.0, 5.0, True)], speeds=(30.0, 150.0), rated=None,
     )  # fmt: skip
     path = rf'<path d="M {NUMBER} {NUMBER} \nL {NUMBER} {NUMBER} \n" clip-path'

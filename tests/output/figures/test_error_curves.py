@@ -3,6 +3,7 @@
 import numpy as np
 
 from torsion.output.figures.error_curves import LEAST, run_times
+from torsion.output.figures.style import page
 
 TIME = np.array([1.0, 2.0, 40.0])
 CURVES = [
@@ -14,7 +15,7 @@ CURVES = [
 
 def drawn(**changes: object) -> str:
     values = {"curves": CURVES, "tolerance": 1e-3, "bound": 1e-13, "best": (2.0, 1e-3), **changes}
-    return run_times("figure", **values)
+    return page("figure", run_times, **values)
 
 
 def test_every_method_the_tolerance_and_the_recommendation_are_named() -> None:

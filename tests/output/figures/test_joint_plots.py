@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 
-from torsion.output.figures.fluctuation_index import joint_index
-from torsion.output.figures.joint_revolution import joint_turn
+from torsion.output.figures.joint_curves import joint_index, joint_turn
+from torsion.output.figures.style import page
 
 TURN = np.linspace(0.0, 360.0, 361)
 WAVE = np.sin(np.radians(2 * TURN))
@@ -20,7 +20,7 @@ def ticks(svg: str) -> list[float]:
 
 def turn(*values: np.ndarray, size: float = 1.0, angle: np.ndarray = TURN) -> str:
     lines = [(f"line {k}", one) for k, one in enumerate(values)]
-    return joint_turn("f", angle=angle, panels=[("y, N m", size, lines)], quantity="angle, deg")
+    return page("f", joint_turn, angle=angle, panels=[("y, N m", size, lines)], quantity="angle, deg")
 
 
 def test_rounding_is_drawn_as_a_level_line() -> None:
@@ -51,15 +51,17 @@ def test_angles_are_marked_in_whole_steps_over_one_turn_and_over_many() -> None:
 
 def test_every_line_is_in_the_legend_once_and_in_every_panel() -> None:
     panels = [("a", 1.0, [("one", WAVE), ("two", 2 * WAVE)]), ("b", 1.0, [("one", WAVE)])]
-    svg = joint_turn("f", angle=TURN, panels=panels, quantity="angle, deg")
+    svg = page("f", joint_turn, angle=TURN, panels=panels, quantity="angle, deg")
     assert svg.count(">one<") == svg.count(">two<") == 1
 
 
 def test_a_full_range_goes_around_and_a_part_fills_its_sector() -> None:
     def drawn(last: float) -> str:
         values = np.linspace(0.0, last, 91)
-        return joint_index("f", values=values, index=1 + values, quantity="phase, deg", present=(10.0, 11.0),
-                           best=(0.0, 1.0))  # fmt: skip
+        return page(
+            "f", joint_index, values=values, index=1 + values, quantity="phase, deg", present=(10.0, 11.0),
+            best=(0.0, 1.0),
+        )  # fmt: skip
 
     assert ">270°<" in drawn(360.0)
     assert ">270°<" not in drawn(90.0)

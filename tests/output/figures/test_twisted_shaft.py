@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 
 from torsion.output.figures import twisted_surface as plot
+from torsion.output.figures.style import page
 
 TUBE = {"x": np.array([0.0, 0, 1, 1]), "radius": np.array([0.0, 0.1, 0.1, 0]), "strip": np.array([0, 1, 2])}
 
@@ -43,7 +44,7 @@ def test_strips_of_a_body_stay_together_from_its_driving_end() -> None:
 
 
 def test_the_eye_is_above_in_front_and_at_the_driven_end() -> None:
-    x, y, z = plot._eye()
+    x, y, z = plot.EYE
     assert x > 0 > y
     assert z > 0
     np.testing.assert_allclose(np.linalg.norm([x, y, z]), 1.0, rtol=1e-14)
@@ -60,9 +61,9 @@ def test_labels_stay_clear_of_each_other() -> None:
 
 
 def test_the_surface_is_an_image_and_words_are_words() -> None:
-    text = plot.twisted_shaft(
-        "f", **TUBE, place=np.zeros((4, 2)), turn=np.zeros(4), angle=np.zeros(4), body=np.zeros(3, dtype=np.int64),
-        labels=[((0.5, 0.0, 0.0), 0.2, "1 <shaft> & $x$")],
+    text = page(
+        "f", plot.twisted_shaft, **TUBE, place=np.zeros((4, 2)), turn=np.zeros(4), angle=np.zeros(4),
+        body=np.zeros(3, dtype=np.int64), labels=[((0.5, 0.0, 0.0), 0.2, "1 <shaft> & $x$")],
     )  # fmt: skip
     assert ET.fromstring(text).tag.endswith("svg")
     assert len(re.findall("<image", text)) == 2  # the surface, and the scale of its colours

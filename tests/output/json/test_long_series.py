@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from torsion.kernels.tree_response import Status
-from torsion.output.json_text import SERIES, lines, listed, pieces, write_json
 from torsion.output.plain import numbers
+from torsion.output.results_json import SERIES, lines, listed, pieces, write_json
 from torsion.results import words
 
 
@@ -58,7 +58,11 @@ def test_long_arrays_stand_in_a_file_of_their_own_under_their_keys(tmp_path):
 def test_without_long_arrays_there_is_one_file_of_a_line_for_each_key(tmp_path):
     parts = {"a": lambda: [1, 2], "b": lambda: {"c": np.ones(2)}}
     (file,) = write_json(parts, tmp_path / "results.json")
-    assert file.read_text() == '{\n"a": [1, 2],\n"b": {"c": [1.0, 1.0]}\n}\n' == "".join(lines(parts))
+    assert (
+        file.read_text()
+        == '{\n"a": [1, 2],\n"b": {"c": [1.0, 1.0]}\n}\n'
+        == "".join(lines((key, make()) for key, make in parts.items()))
+    )
 
 
 def test_an_infinite_number_outside_of_arrays_is_refused():

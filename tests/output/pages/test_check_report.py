@@ -17,10 +17,11 @@ from torsion.output.chapters.model_comparison import chapter
 from torsion.output.document import document
 from torsion.output.figures.drawing import svg
 from torsion.output.figures.error_curves import modes, torques
+from torsion.output.figures.style import page
 from torsion.output.html import html
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import documented, results, text
-from torsion.output.terminal.screen import screen
+from torsion.output.terminal import screen
 from torsion.output.write import write
 
 KEYS = {key.path: key.meaning for key in documented()}
@@ -88,7 +89,7 @@ def test_numbers_come_back_to_the_last_digit(good: Findings) -> None:
 
 
 def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None:
-    blocks = chapter(good)
+    blocks = list(chapter(good))
     assert next(block.text for block in blocks if isinstance(block, Heading)) == "Comparison of the models"
     tables_found = [block for block in blocks if isinstance(block, Table)]
     assert tables_found[0].marks == ("", "pass", "pass")
@@ -102,7 +103,7 @@ def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None
 
 
 def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings) -> None:
-    blocks = chapter(coarse)
+    blocks = list(chapter(coarse))
     summary, by_mode = (block for block in blocks if isinstance(block, Table))
     assert summary.marks == ("", "fail", "pass")
     assert summary.rows[1][1] == "∞"
@@ -143,7 +144,7 @@ def test_a_train_without_shafts_has_one_sentence() -> None:
 
 def test_a_study_that_does_not_ask_has_no_chapter() -> None:
     found = torsion.run(torsion.parse("name: x\ntrain: [disc: {inertia: 2}, shaft: {length: 1, diameter: 9 mm}]"))
-    assert chapter(found) == []
+    assert list(chapter(found)) == []
     assert results(found)["check"] is None
     assert "MAC" not in printed(screen(document(found, report=REPORTS["check"])))
 
@@ -158,8 +159,8 @@ def test_both_files_are_written_or_none(good: Findings, tmp_path: Path) -> None:
 
 def test_figures_take_errors_of_zero_of_nothing_and_without_bounds() -> None:
     errors = [("lumped", np.array([0.0, np.inf, 1e-3])), ("fem", np.array([1e-19, 1e-9, np.nan]))]
-    drawn = modes("a", frequency=errors, shape=errors, tolerance=1e-3)
+    drawn = page("a", modes, frequency=errors, shape=errors, tolerance=1e-3)
     assert "1e−15" in drawn or "1e−16" in drawn
     nothing = [("lumped", np.full(3, np.nan))]
-    assert "tolerance" in torques("b", speed=np.arange(3.0), lines=nothing, tolerance=1e-3)
-    assert "<svg" in modes("c", frequency=nothing, shape=nothing, tolerance=1e-3)
+    assert "tolerance" in page("b", torques, speed=np.arange(3.0), lines=nothing, tolerance=1e-3)
+    assert "<svg" in page("c", modes, frequency=nothing, shape=nothing, tolerance=1e-3)

@@ -21,7 +21,7 @@ from torsion.output.html import html
 from torsion.output.numbers import number
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import documented, text
-from torsion.output.terminal.screen import show
+from torsion.output.terminal import show
 
 JOINTS = REPORTS["joint"].keys
 KEYS = {key.path: key.meaning for key in documented()}
@@ -239,4 +239,4 @@ def test_the_terminal_keeps_to_80_columns_and_reads_no_markup(scene: str, solve:
 
 def test_a_train_without_joints_has_no_chapter(bare: Findings) -> None:
     assert bare.get(Joints) is None
-    assert chapter(bare) == []
+    assert list(chapter(bare)) == []

@@ -8,9 +8,11 @@ import pytest
 
 import torsion
 from torsion.analyses.undamped_modes import Modes
+from torsion.assembly.system import System
 from torsion.findings import Findings
 from torsion.output.surface.axes import axes
-from torsion.output.surface.surface import Surface, all_rings, angles, surface, torques, turned
+from torsion.output.surface.surface import Rings, Surface, angles, surface, torques, turned
+from torsion.output.surface.surface import rings as rings_of
 from torsion.primitives import Section
 
 AROUND = 48
@@ -35,6 +37,10 @@ TRAINS = {
     + "]}}",
     "step up": "{gear: {ratio: 1/12}}, {coupling: {stiffness: 1e4}}, {disc: {inertia: 1}}, {gear: {ratio: 5}}",
 }
+
+
+def all_rings(system: System) -> Rings:
+    return rings_of(system, axes(system))
 
 
 def solved(text: str) -> Findings:
@@ -112,7 +118,7 @@ def test_bodies_of_an_axis_follow_one_another() -> None:
 
 def test_wheels_touch_and_roll_on_each_other_without_slip() -> None:
     found = around("{gear: {teeth: [20, 41], branches: [{teeth: 30, inertia: 0.1}]}}")
-    wheels = [(axis, body) for axis in axes(found.system) for body in axis.bodies if body.kind == "wheel"]
+    wheels = [(axis, body) for axis in axes(found.system) for body in axis.bodies if body.part == 2]
     (first, driving), *others = wheels
     rings = all_rings(found.system)
     drawn = turned(rings, angles(rings, found.need(Modes), 1))

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 from torsion.analyses.compare.timing import Candidate, Effort
@@ -19,27 +19,18 @@ Named = Callable[[str, str, int, Callable[[], System]], Candidate]  # of method,
 COUNT = 6  # elastic modes, where neither the file nor an excitation says how many
 
 
-def has_shafts(train: Train) -> bool:
-    """Some shaft has inertia, so that its models differ."""
-    return any(bar.density > 0 for bar in train.bars)
-
-
-def loop_fault(path: Path) -> Fault:
-    """Why there is no exact model of a train: its closed loops."""
-    message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
-    return Fault(path, message, "leave `links` or the check out")
-
-
 def loop_faults(study: Study, path: Path) -> list[Fault]:
-    """The fault of closed loops in a train whose shafts have inertia."""
-    closed = any(part.path[0] == "links" for part in study.train.parts)
-    return [loop_fault(path)] if closed and has_shafts(study.train) else []
+    """The fault of closed loops in a train whose shafts have inertia: there is no exact model of it."""
+    if not (study.train.has_shafts and study.train.has_loops):
+        return []
+    message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
+    return [Fault(path, message, "leave `links` or the check out")]
 
 
 def plain(study: Study) -> Study:
     """The study in the exact model, its shafts without a number of segments of their own, sections already solved."""
     train = divided(resolved(study.train), None)
-    return replace(study, train=train, model="exact" if has_shafts(train) else "lumped", fem=FiniteElements())
+    return replace(study, train=train, model="exact" if train.has_shafts else "lumped", fem=FiniteElements())
 
 
 def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
@@ -98,29 +89,15 @@ def doubled(most: int) -> list[int]:
     return [2**k for k in range(most.bit_length())]
 
 
-@dataclass(frozen=True)
-class Reference:
-    """The exact model of a train, divided as it is by itself, and twice as finely."""
-
-    system: System
-    finer: System
-    found: Modes
-    finer_found: Modes
-
-
-def reference(study: Study, highest: float, count: int | None) -> Reference:
-    """The lowest `count` modes (None: those up to `highest`, Hz) of the exact model, both discretisations of it."""
+def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, Modes]:
+    """The lowest `count` modes (None: those up to `highest`, Hz) of the exact model, and of twice as many pieces."""
     system = assembled(study, highest)
     if count is None:
-        count = _count_up_to(system, highest)
+        count = COUNT
+        if highest > 0.0 and system.condensed_shafts is not None:
+            from torsion.analyses.bars import reach
+
+            count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
     found = modes(system, count)
     finer = ready(divided(study.train, {name: 2 * n for name, n in found.system.segments.items()}), "exact")
-    return Reference(found.system, finer, found, modes_as_discretised(finer, count))
-
-
-def _count_up_to(system: System, highest: float) -> int:
-    if highest <= 0.0 or system.condensed_shafts is None:
-        return COUNT
-    from torsion.analyses.bars import reach
-
-    return max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
+    return found, modes_as_discretised(finer, count)

@@ -15,8 +15,7 @@ from torsion.analyses.compare.candidates import (
     candidates,
     counted,
     doubled,
-    has_shafts,
-    loop_fault,
+    loop_faults,
     lumped,
     plain,
     ready,
@@ -36,7 +35,6 @@ from torsion.analyses.compare.torque_methods import (
 )
 from torsion.analyses.undamped_modes import Modes, modes
 from torsion.arrays import BoolArray, ComplexArray
-from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.errors import InputError, SolveError
 from torsion.findings import Progress, silent
@@ -61,6 +59,18 @@ MEANING = (
     "to the largest amplitude of that torque over the compared speeds; the worst of all torques counts. Where "
     "a shaft is lumped, the torque at its end is that of the last segment and of the inertia of half a segment beyond."
 )
+ENCLOSED = (
+    "Reference: the exact model in twice as many pieces. Its bound is the larger of half its certified enclosure, "
+    "of the difference to the exact model in half as many pieces, and of the rounding unit."
+)
+DIVIDED = (
+    "Reference: two-sided elimination of the exact model in twice as many pieces. Its bound is the larger of "
+    "the difference to the exact model in half as many pieces and of the worst residual."
+)
+AS_GIVEN = (
+    "Reference: two-sided elimination itself, whose error is given as 0 for that reason; its bound is its worst "
+    f"residual, and every line is `ok`: rounding moves it by at most {NEAR_SINGULAR_LOSS:g} of itself."
+)
 JOINTS = (
     f"{MODAL} without static correction is not drawn: joints excite, and modes alone do not add up to the twist that "
     "a joint imposes."
@@ -75,7 +85,7 @@ def study_times(
     no_response: str = "",
     tolerance: float = TOLERANCE,
     quick: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Timings:
     """Run times and errors of all methods, quantity by quantity.
 
@@ -83,20 +93,19 @@ def study_times(
     `highest`. no_response: why there is no response to compare, '' where there is one. Raises InputError for
     shafts in a train with closed loops, of which there is no exact model, and SolveError.
     """
-    if has_shafts(study.train) and assemble(study.train).condensed.extra.size:
-        raise InputError([loop_fault(("links",))])
+    if faults := loop_faults(study, ("links",)):
+        raise InputError(faults)
     effort = QUICK if quick else FULL
-    report = progress or (silent)
     bare = plain(study)
     quantities, remarks = list[TimedQuantity](), list[str]()
-    if has_shafts(bare.train):
-        quantities.append(timed_frequencies(bare, highest, count, effort, report))
+    if bare.train.has_shafts:
+        quantities.append(timed_frequencies(bare, highest, count, effort, progress))
     else:
         remarks.append(NOTHING_TO_DIVIDE)
     if no_response:
         remarks.append(f"No response is compared: {no_response}.")
     else:
-        quantities.append(timed_torques(bare, highest, effort, report))
+        quantities.append(timed_torques(bare, highest, effort, progress))
     if any(bar.segments is not None and bar.density > 0 for bar in study.train.bars):
         remarks.append(OWN_SEGMENTS)
     if any(bar.section is not None for bar in study.train.bars):
@@ -111,10 +120,10 @@ def timed_frequencies(
 
     Raises SolveError where the exact model cannot take the train.
     """
-    exact = reference(study, highest, count)
-    wanted = exact.finer_found.frequency
-    half = (exact.finer_found.upper - exact.finer_found.lower) / (2.0 * wanted)
-    bound = max(float(half.max()), float(np.abs(relative_errors(exact.found.frequency, wanted)).max()), EPS)
+    coarse, fine = reference(study, highest, count)
+    wanted = fine.frequency
+    half = (fine.upper - fine.lower) / (2.0 * wanted)
+    bound = max(float(half.max()), float(np.abs(relative_errors(coarse.frequency, wanted)).max()), EPS)
 
     def errors(found: Modes) -> tuple[float, ...]:
         return tuple(np.abs(relative_errors(found.frequency, wanted)).tolist())
@@ -125,19 +134,13 @@ def timed_frequencies(
     rows, remarks = timed(curves, effort, "natural frequencies", progress)
     number = len(wanted)
     whole = "the first elastic mode" if number == 1 else f"the first {number} elastic modes"
-    return TimedQuantity(
-        "frequencies",
-        "Natural frequencies",
+    meaning = (
         f"The error is the largest relative error of {whole}, shapes and torques included in the time. Where a "
-        "discretisation has fewer modes it has no error and is not drawn.",
-        "Reference: the exact model in twice as many pieces. Its bound is the larger of half its certified enclosure, "
-        "of the difference to the exact model in half as many pieces, and of the rounding unit.",
-        bound,
-        highest if count is None and highest > 0.0 else float(wanted[-1]),
-        tuple(f"mode {k + 1}, {f:.6g} Hz" for k, f in enumerate(wanted.tolist())),
-        rows,
-        remarks,
+        "discretisation has fewer modes it has no error and is not drawn."
     )
+    columns = tuple(f"mode {k + 1}, {f:.6g} Hz" for k, f in enumerate(wanted.tolist()))
+    last = highest if count is None and highest > 0.0 else float(wanted[-1])
+    return TimedQuantity("frequencies", "Natural frequencies", meaning, ENCLOSED, bound, last, columns, rows, remarks)
 
 
 def machine(packages: Sequence[str] = ("numpy", "scipy", "scikit-fem")) -> tuple[tuple[str, str], ...]:
@@ -187,9 +190,8 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
     speeds = study.operation.speeds
     if speeds is None:
         raise SolveError("a response over speed needs the speeds; give `operation: speeds`")
-    if has_shafts(study.train):  # as they are divided by themselves and twice as finely
-        exact = reference(study, highest, 1)
-        coarse, fine = exact.system, exact.finer
+    if study.train.has_shafts:  # as they are divided by themselves and twice as finely
+        coarse, fine = (found.system for found in reference(study, highest, 1))
     else:
         coarse = fine = ready(study.train, "lumped")
     harmonics, lost = _sound(Harmonics(study, np.linspace(speeds.first, speeds.last, effort.speeds)), fine)
@@ -204,9 +206,14 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
     differences = over_peaks(wanted, eliminated(loaded(coarse, harmonics)))
     bound = max(*differences, *(float(one.residual.max()) for one in found))
     rows, remarks = timed(_curves(case, effort), effort, "response", progress)
+    rpm, number = harmonics.speed * 30.0 / pi, "one line" if len(lines) == 1 else f"{len(lines)} lines"
+    compared = (
+        f"Compared: {number} at {len(rpm)} speeds from {rpm[0]:.6g} to {rpm[-1]:.6g} rpm; the time is that of all of "
+        "them together, sources and mean torque counted as assembly."
+    )
     return TimedQuantity(
-        "response", "Response torques", _meaning(harmonics, lines), _reference_words(study), bound, given.highest,
-        lines, rows, (*lost, *((JOINTS,) if has_joints else ()), *remarks),
+        "response", "Response torques", f"{MEANING} {compared}", DIVIDED if study.train.has_shafts else AS_GIVEN,
+        bound, given.highest, lines, rows, (*lost, *((JOINTS,) if has_joints else ()), *remarks),
     )  # fmt: skip
 
 
@@ -228,7 +235,7 @@ def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, 
 
 def _curves(case: _Case, effort: Effort) -> list[list[Candidate]]:
     train = case.study.train
-    if not has_shafts(train):
+    if not train.has_shafts:
         bare = partial(ready, train, "lumped")
         swept = case.named(ELIMINATION, "as given", 1, bare)
         return [[swept], *_superpositions(case, effort), [case.named(DENSE, "as given", 1, bare, solved, dense)]]
@@ -253,24 +260,3 @@ def _superpositions(case: _Case, effort: Effort) -> list[list[Candidate]]:
                 solve = partial(superposed, count=count, corrected=is_corrected)
                 curve.append(case.named(name, counted(count, "mode"), count, made, solve))
     return [curve for curve in curves if curve]
-
-
-def _meaning(harmonics: Harmonics, lines: tuple[str, ...]) -> str:
-    speed = harmonics.speed * 30.0 / pi
-    lines_of = f"{len(lines)} lines" if len(lines) > 1 else "one line"
-    return (
-        f"{MEANING} Compared: {lines_of} at {len(speed)} speeds from {speed[0]:.6g} to {speed[-1]:.6g} rpm; the time "
-        "is that of all of them together, sources and mean torque counted as assembly."
-    )
-
-
-def _reference_words(study: Study) -> str:
-    if has_shafts(study.train):
-        return (
-            "Reference: two-sided elimination of the exact model in twice as many pieces. Its bound is the larger of "
-            "the difference to the exact model in half as many pieces and of the worst residual."
-        )
-    return (
-        "Reference: two-sided elimination itself, whose error is given as 0 for that reason; its bound is its worst "
-        f"residual, and every line is `ok`: rounding moves it by at most {NEAR_SINGULAR_LOSS:g} of itself."
-    )

@@ -9,12 +9,12 @@ from typing import Annotated, Literal, Self, get_args
 import numpy as np
 from pydantic import model_validator
 
-from torsion.analyses.compare.candidates import COUNT, has_shafts, loop_faults
+from torsion.analyses.compare.candidates import COUNT, loop_faults
 from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
 from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.compare.torque_methods import Harmonics, Loaded, Torques, driving_ends, elimination, loaded
 from torsion.analyses.discretisation import assembled, discretisation_words
-from torsion.analyses.response.harmonic_components import Line, excitations
+from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.arrays import FloatArray
@@ -51,25 +51,11 @@ class TorquesCompared:
 
     error: FloatArray = result("1", ("speed",), "relative, the largest of all orders; null where it is not known")
     largest: float  # of all; NaN where there is none
-    speed: int  # position of the speed at which it stands
-    line: Line | None
+    worst_speed: int | None = result("", (), "position of the speed of the largest error, or null")
+    worst_order: Fraction | None = result("", (), "its order of the reference, or null")
+    worst_frequency: float | None = result("Hz", (), "its fixed frequency, or null")
     component: str = result("", (), "component of the largest error", key="worst_component")
     left_out: int = result("", (), "speeds and orders at which a model has no answer that can be trusted")
-
-    @derived("", (), "position of the speed of the largest error, or null")
-    def worst_speed(self) -> int | None:
-        """Among those compared."""
-        return None if self.line is None else self.speed
-
-    @derived("", (), "its order of the reference, or null")
-    def worst_order(self) -> Fraction | None:
-        """Exact."""
-        return None if self.line is None else self.line.order
-
-    @derived("Hz", (), "its fixed frequency, or null")
-    def worst_frequency(self) -> float | None:
-        """Of a torque of fixed frequency."""
-        return None if self.line is None else self.line.frequency
 
 
 @reported
@@ -93,12 +79,12 @@ class ModelCompared:
     @derived("1", (), "magnitude; null where a mode is missing")
     def largest_frequency_error(self) -> float:
         """NaN where there is none."""
-        return _largest(np.abs(self.frequency_error))
+        return float(np.fmax.reduce(np.abs(self.frequency_error), initial=math.nan))
 
     @derived("1", (), "null where a mode is missing or no shape could be compared")
     def largest_shape_error(self) -> float:
         """NaN where there is none."""
-        return _largest(self.shape_error)
+        return float(np.fmax.reduce(self.shape_error, initial=math.nan))
 
     @derived("1", (), "null where no torque was compared")
     def largest_torque_error(self) -> float:
@@ -148,23 +134,22 @@ class Compared:
         return bool(self.failed)
 
 
-def check(study: Study, requested: CheckSettings | None = None, *, progress: Progress | None = None) -> Compared:
+def check(study: Study, requested: CheckSettings | None = None, *, progress: Progress = silent) -> Compared:
     """Every requested model against the exact one, for the modes and the orders that the study says.
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
-    settings, report = requested or CheckSettings(), progress or (silent)
-    if not has_shafts(study.train):
+    settings = requested or CheckSettings()
+    if not study.train.has_shafts:
         return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
-    faults = loop_faults(study, ("links",))
-    if faults:
+    if faults := loop_faults(study, ("links",)):
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
     harmonics, top, lacking = operating_harmonics(study, assembled(replace(study, model="lumped")))
     names = [name for name in get_args(Model) if name != "exact" and name in (settings.models or get_args(Model))]
     found = list[_Solved]()
     for place, name in enumerate(("exact", *names)):
-        report(f"check: {name}", place / (len(names) + 1))
+        progress(f"check: {name}", place / (len(names) + 1))
         found.append(_solved(replace(study, model=name), count, top, harmonics))
     exact = found[0]
     highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
@@ -195,87 +180,72 @@ def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None,
 class _Solved:
     """A model with one mode more than is compared, and its torques."""
 
-    system: System
     modes: Modes
-    loaded: Loaded | None = None
-    torques: tuple[Torques, ...] = ()
-    modes_seconds: float = 0.0
-    torques_seconds: float = 0.0
+    loaded: Loaded | None
+    torques: list[Torques]
+    modes_seconds: float
+    torques_seconds: float
 
 
 def _solved(study: Study, count: int, top: float, harmonics: Harmonics | None) -> _Solved:
     """The modes and torques of a model, its shafts divided as a study of that model alone would have it."""
 
-    def assemble(highest: float, number: int) -> _Solved:
-        found = modes(assembled(study, highest), number)
-        return _Solved(found.system, found)
+    def assemble(highest: float, number: int) -> Modes:
+        return modes(assembled(study, highest), number)
 
-    def solve(one: _Solved) -> _Solved:
-        if harmonics is None:
-            return one
-        given = loaded(one.system, harmonics)
-        return replace(one, loaded=given, torques=tuple(elimination(given)))
+    def solve(found: Modes) -> tuple[Modes, Loaded | None, list[Torques]]:
+        given = None if harmonics is None else loaded(found.system, harmonics)
+        return found, given, [] if given is None else elimination(given)
 
     assemble(0.0, 1)  # imports what the model needs, which is no time of its own
     candidate = Candidate(study.model, "", 0, partial(assemble, top, count + 1), solve, lambda found: ())
-    found: _Solved
-    found, modes_seconds, torques_seconds = run(candidate)
-    return replace(found, modes_seconds=modes_seconds, torques_seconds=torques_seconds if harmonics else 0.0)
+    (found, given, torques), modes_seconds, torques_seconds = run(candidate)
+    return _Solved(found, given, torques, modes_seconds, 0.0 if harmonics is None else torques_seconds)
 
 
 def _compared(one: _Solved, exact: _Solved, count: int, highest: float, tolerance: float) -> ModelCompared:
-    known = min(count, one.modes.frequency.size)
+    system, train = one.modes.system, exact.modes.system.train
+    known, own = min(count, one.modes.frequency.size), len(train.stations)
     frequency, shape = np.full(count, math.nan), np.full(count, math.inf)
     frequency[:known] = one.modes.frequency[:known]
-    weights, own = shape_weights(exact.system), len(exact.system.train.stations)
+    weights = shape_weights(exact.modes.system)
     shape[:known] = shape_errors(one.modes.shape[:own, :known], exact.modes.shape[:own], exact.modes.frequency, weights)
     torques = None if one.loaded is None or exact.loaded is None else _torques(one, exact, exact.loaded)
     return ModelCompared(
-        one.system.model, discretisation_words(one.system), one.modes.certified, frequency,
-        relative_errors(frequency[:known], exact.modes.frequency[:count]), shape, _count_below(one, highest), torques,
-        one.modes_seconds, one.torques_seconds, tolerance,
+        system.model, discretisation_words(system), one.modes.certified, frequency,
+        relative_errors(frequency[:known], exact.modes.frequency[:count]), shape, _count_below(one.modes, highest),
+        torques, one.modes_seconds, one.torques_seconds, tolerance,
     )  # fmt: skip
 
 
 def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
     """The relative difference at every speed and order, where both answers can be trusted."""
     # referred to the reference speed, so that the torques of all ends are of one size
-    ratio = exact.system.span_ratio[given.ends.span]
-    pairs = list(zip(one.torques, exact.torques, strict=True))
-    trusted = [(a.status == Status.OK) & (b.status == Status.OK) for a, b in pairs]
-    errors = [
-        np.where(good, over_largest(a.torque * ratio, b.torque * ratio), np.nan)
-        for good, (a, b) in zip(trusted, pairs, strict=True)
-    ]
-    error, left_out = np.stack(errors, axis=1), int(np.count_nonzero(~np.stack(trusted)))
-    over_lines = np.fmax.reduce(error, axis=1)
+    ratio = given.system.span_ratio[given.ends.span]
+    found, wanted = (np.array([line.torque * ratio for line in model.torques]) for model in (one, exact))
+    unknown = np.any([[line.status != Status.OK for line in model.torques] for model in (one, exact)], axis=0).T
+    error = np.array([over_largest(*pair) for pair in zip(found, wanted, strict=True)]).T  # (speeds, lines)
+    error[unknown] = np.nan
+    over_lines, left_out = np.fmax.reduce(error, axis=1), int(np.count_nonzero(unknown))
     if np.isnan(error).all():
-        return TorquesCompared(over_lines, math.nan, 0, None, "", left_out)
-    speed, line = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
-    found, wanted = (torques[line].torque[speed] * ratio for torques in (one.torques, exact.torques))
-    end = int(np.argmax(np.abs(found - wanted)))
-    return TorquesCompared(
-        over_lines, float(error[speed, line]), speed, given.loads[line].line, given.ends.name[end], left_out
-    )
+        return TorquesCompared(over_lines, math.nan, None, None, None, "", left_out)
+    speed, row = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
+    end, line = int(np.argmax(np.abs(found[row, speed] - wanted[row, speed]))), given.loads[row].line
+    largest = float(error[speed, row])
+    return TorquesCompared(over_lines, largest, speed, line.order, line.frequency, given.ends.name[end], left_out)
 
 
-def _count_below(one: _Solved, highest: float) -> int:
+def _count_below(found: Modes, highest: float) -> int:
     """Elastic modes below a frequency (Hz), by counts where these reach so far."""
-    tree, w = undamped_tree(one.system), 2.0 * math.pi * highest
+    tree, w = undamped_tree(found.system), 2.0 * math.pi * highest
     if tree.shafts is None:
         from torsion.kernels.sturm import count_below
 
-        return int(count_below(tree, w)[0]) - one.modes.rigid
+        return int(count_below(tree, w)[0]) - found.rigid
     from torsion.analyses.bars import reach
 
     known = reach(tree, w)
-    return known.count if known.frequency >= w else int(np.count_nonzero(one.modes.frequency < highest))
-
-
-def _largest(errors: FloatArray) -> float:
-    """NaN where there is no number."""
-    known = errors[~np.isnan(errors)]
-    return float(known.max()) if known.size else math.nan
+    return known.count if known.frequency >= w else int(np.count_nonzero(found.frequency < highest))
 
 
 def run_check(work: Work) -> None:

@@ -8,21 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from torsion import fields
+from torsion.analyses.joints import joint_lines
 from torsion.analyses.joints.joint_couples import couples_found
-from torsion.analyses.joints.joint_lines import (
-    Behind,
-    Placed,
-    has_third_order,
-    line_found,
-    motions,
-    optimum_found,
-    path_to,
-    paths,
-    placed,
-    steepest,
-    turning,
-)
-from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound, OptimumFound
+from torsion.analyses.joints.joint_lines import Behind, Placed
+from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound
 from torsion.analyses.steady import Steady
 from torsion.analyses.steady import steady as mean_torques
 from torsion.assembly import assemble
@@ -30,6 +19,7 @@ from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Work
 from torsion.kinematics.cross import fluctuation
+from torsion.kinematics.line import Variable
 from torsion.study import Operation
 from torsion.train import Train
 
@@ -40,7 +30,7 @@ _SAMPLES = 720  # of a tripod's turn; symmetry puts the extremes of its speed at
 class JointsSettings(Declared):
     """Settings of `joints`."""
 
-    optimise: Literal["phase", "angle", "plane"] | None = given("which quantity of the joints is to be chosen best")
+    optimise: Variable | None = given("which quantity of the joints is to be chosen best")
     joint: str | None = given("the one joint that may be changed (default: every joint of its line but the first)")
     turns: Annotated[int, Field(ge=1, le=100)] = given("turns of the driving shaft that are shown", 1)
     steps: Annotated[int, Field(ge=8, le=10_000)] = given("angles per revolution", 360)
@@ -63,31 +53,26 @@ def joints(
     Raises InputError where the train has no joint, or a setting names none.
     """
     wanted = requested or JointsSettings()
-    every = placed(train)
-    if faults := _faults(every, wanted):
+    every = joint_lines.placed(train)
+    if faults := settings_faults(train, wanted):
         raise InputError(faults)
     turned = np.linspace(0.0, 2.0 * math.pi * wanted.turns, wanted.steps * wanted.turns + 1)
     speed = operation.speed
     torques, lacking = _torques(train, operation, every, wanted, steady)
-    moved = motions(every, turned)
-    found = [_joint(every, k, moved[k], wanted, speed=speed, torque=torque) for k, torque in enumerate(torques)]
-    lines = tuple(line_found(every, path, _optimum(every, path, wanted)) for path in paths(every))
-    remarks = [*([] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]), *lacking]
-    return Joints(turned, tuple(found), lines, (*remarks, *_remarks(every, lines, wanted)))
+    moved = joint_lines.motions(every, turned)
+    found = [_joint(every, k, moved[k], wanted, speed, torque) for k, torque in enumerate(torques)]
+    paths = joint_lines.paths(every)
+    lines = tuple(joint_lines.line_found(every, path, wanted.optimise, wanted.joint) for path in paths)
+    remarks = [] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]
+    return Joints(turned, tuple(found), lines, (*remarks, *lacking, *_remarks(every, lines, wanted)))
 
 
 def _joint(
-    every: Sequence[Placed],
-    position: int,
-    behind: Behind,
-    requested: JointsSettings,
-    *,
-    speed: float | None,
+    every: Sequence[Placed], position: int, behind: Behind, requested: JointsSettings, speed: float | None,
     torque: float | None,
-) -> JointFound:
+) -> JointFound:  # fmt: skip
     place, moved = every[position], behind.transfer
-    pair: tuple[CoupleFound, ...] = ()
-    force = 0.0
+    pair, force = tuple[CoupleFound, ...](), 0.0
     if torque is not None:
         distance = requested.bearings.get(place.name)
         pair, force = couples_found(place, behind.yoke, torque, requested.carrier, distance)
@@ -97,8 +82,8 @@ def _joint(
         ratio=place.ratio, order=place.joint.order, amplitude=place.error[0][1] if place.error else 0j,
         unevenness=_unevenness(place), speed=None if speed is None else speed * float(place.ratio), torque=torque,
         error=moved.error, speed_ratio=moved.ratio, acceleration=moved.curvature,
-        torque_ratio=1.0 / behind.ratio, couples=pair, steepest=steepest(every, path_to(every, position)),
-        force=force,
+        torque_ratio=1.0 / behind.ratio, couples=pair, force=force,
+        steepest=joint_lines.steepest(every, joint_lines.path_to(every, position)),
     )  # fmt: skip
 
 
@@ -106,7 +91,7 @@ def _unevenness(place: Placed) -> float:
     """(Greatest - least)/mean driven speed of one joint at constant driving speed."""
     if place.joint.order == 2:
         return float(fluctuation(place.joint.angle))
-    ratio = turning(place.joint, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
+    ratio = joint_lines.turning(place.joint, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
     return float(ratio.max() - ratio.min())
 
 
@@ -125,19 +110,12 @@ def _torques(
     return [float(known.torque[place.span, column]) for place in every], []
 
 
-def _optimum(every: Sequence[Placed], path: tuple[int, ...], requested: JointsSettings) -> OptimumFound | None:
-    if requested.optimise is None:
-        return None
-    free = None if requested.joint is None else [k for k, place in enumerate(every) if place.name == requested.joint]
-    return optimum_found(every, path, requested.optimise, free)
-
-
 def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings) -> list[str]:
     """What a reader must know of the lines."""
     found = []
     for line in lines:
         names = ", ".join(every[k].name for k in line.joints)
-        if has_third_order(every, line.joints):
+        if joint_lines.has_third_order(every, line.joints):
             found.append(f"{names}: the resulting angle and the optimum are of the cross joints alone; "
                          "speeds include the tripods")  # fmt: skip
         if requested.optimise and line.optimum is None:
@@ -147,10 +125,7 @@ def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], requested: Joi
 
 def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:
     """Faults of the settings against the train."""
-    return _faults(placed(train), requested)
-
-
-def _faults(every: Sequence[Placed], requested: JointsSettings) -> list[Fault]:
+    every = joint_lines.placed(train)
     if not every:
         return [Fault(PLACE, "the train has no joint", "add one: `- joint: {angle: 5 deg}`")]
     names = [place.name for place in every]

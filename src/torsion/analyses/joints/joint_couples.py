@@ -2,22 +2,19 @@
 
 import math
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
 from torsion.analyses.joints.joint_lines import Placed
 from torsion.analyses.joints.joint_results import CoupleFound
 from torsion.arrays import FloatArray
-from torsion.kinematics.couples import Couple, Harmonic, couple_harmonics, couples
+from torsion.kinematics.couples import Carrier, couple_harmonics, couples
 from torsion.kinematics.cross import transfer
 from torsion.kinematics.tripod import constant_velocity_couple, exact_motion, exact_statics
 
-Carrier = Literal["driving", "driven"]
+Pair = tuple[CoupleFound, ...]  # on the driving and on the driven shaft
+SHAFTS: tuple[Carrier, Carrier] = ("driving", "driven")
 _SAMPLES = 720  # over a revolution of a tripod; symmetry puts the extremes of its couples at multiples of 30 degrees
-
-
-Pair = tuple[CoupleFound, CoupleFound]
 
 
 def couples_found(
@@ -36,41 +33,35 @@ def couples_found(
     else:
         pair, force = _of_tripod(place, yoke, torque, carrier)
     if distance is not None:
-        pair = (
-            replace(pair[0], bearing=pair[0].largest / distance),
-            replace(pair[1], bearing=pair[1].largest / distance),
-        )
+        pair = tuple(replace(couple, bearing=couple.largest / distance) for couple in pair)
     return pair, force
 
 
 def _of_cross(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> Pair:
     """Mean and second harmonic in closed form, counted over the carrier's own angle."""
-    angle, yoke_at_zero = place.joint.angle, place.joint.yoke
-    found, parts = couples(yoke, angle, torque, carrier), couple_harmonics(angle, torque, carrier)
-    start = yoke_at_zero if carrier == "driving" else yoke_at_zero + float(transfer(yoke_at_zero, angle).error)
+    angle, start = place.joint.angle, place.joint.yoke
+    found = couples(yoke, angle, torque, carrier)
+    if carrier == "driven":
+        start += float(transfer(start, angle).error)
     turn, sine = np.exp(2j * start), math.sin(angle)
     # on the shaft without the constant torque: the peak of tan u sqrt(1 - sin^2 u^2)
     lesser = sine if 2.0 * sine * sine <= 1.0 else 0.5 / math.cos(angle)
-
-    def of(shaft: Carrier, couple: Couple, turning: FloatArray, normal: Harmonic, inplane: Harmonic) -> CoupleFound:
-        return CoupleFound(
-            shaft, couple.normal, couple.inplane, turning,
-            mean=(float(normal.mean), float(inplane.mean)),
-            amplitude=(complex(normal.second * turn), complex(inplane.second * turn)),
-            order=2, largest=abs(torque) * (math.tan(angle) if shaft == carrier else lesser), bearing=None,
-        )  # fmt: skip
-
-    return (
-        of("driving", found.driving, found.driving_yoke, parts.driving_normal, parts.driving_inplane),
-        of("driven", found.driven, found.driven_yoke, parts.driven_normal, parts.driven_inplane),
-    )
+    shafts = zip(SHAFTS, (found.driving, found.driven), couple_harmonics(angle, torque, carrier), strict=True)
+    return tuple(
+        CoupleFound(
+            shaft, couple.normal, couple.inplane, couple.yoke, mean=(0.0, float(part.mean)),
+            amplitude=(complex(part.normal * turn), complex(part.inplane * turn)), order=2,
+            largest=abs(torque) * (math.tan(angle) if shaft == carrier else lesser),
+        )
+        for shaft, couple, part in shafts
+    )  # fmt: skip
 
 
 def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair:
     """Standing couple torque tan(angle/2) in the plane, the same on either shaft."""
     size = float(constant_velocity_couple(angle, torque))
     none, mean = np.zeros_like(yoke), (0.0, size)
-    driving = CoupleFound("driving", none, none + size, None, mean, (0j, 0j), 0, abs(size), None)
+    driving = CoupleFound("driving", none, none + size, None, mean, (0j, 0j), 0, abs(size))
     return driving, replace(driving, shaft="driven")
 
 
@@ -84,21 +75,18 @@ def _of_tripod(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier)
         both = exact_motion(np.append(arms, start), *data)
         x, share = x + both.error[:-1] - both.error[-1], both.ratio[:-1]
 
-    def statics(angles: FloatArray) -> tuple[dict[Carrier, tuple[FloatArray, FloatArray]], FloatArray]:
+    def statics(angles: FloatArray) -> tuple[list[tuple[FloatArray, FloatArray]], FloatArray]:
         """(normal, inplane) on both shafts, the first arm at angles from the plane's normal, and the force."""
         carried = np.full_like(angles, torque) if carrier == "driving" else torque * exact_motion(angles, *data).ratio
         found = exact_statics(angles, *data, carried)
-        driving = found.driving_normal, found.driving_inplane
-        return {"driving": driving, "driven": (-driving[0], found.driven_inplane)}, np.hypot(*found.force)
+        on_driven = -found.driving_normal, found.driven_inplane
+        return [(found.driving_normal, found.driving_inplane), on_driven], np.hypot(*found.force)
 
-    curve, (whole, force) = statics(yoke + math.pi / 2)[0], statics(arms)
-
-    def of(shaft: Carrier) -> CoupleFound:
-        mean = [float(np.mean(part * share)) for part in whole[shaft]]
-        third = [complex(2.0 * np.mean(part * share * np.exp(-3j * x))) for part in whole[shaft]]
-        largest = float(np.hypot(*whole[shaft]).max())
-        return CoupleFound(
-            shaft, *curve[shaft], None, (mean[0], mean[1]), (third[0], third[1]), 3, largest, None
-        )  # fmt: skip
-
-    return (of("driving"), of("driven")), float(force.max())
+    (curves, _), (turns, force) = statics(yoke + math.pi / 2), statics(arms)
+    pair = []
+    for shaft, curve, whole in zip(SHAFTS, curves, turns, strict=True):
+        mean = [float(np.mean(part * share)) for part in whole]
+        third = [complex(2.0 * np.mean(part * share * np.exp(-3j * x))) for part in whole]
+        largest = float(np.hypot(*whole).max())
+        pair.append(CoupleFound(shaft, *curve, None, (mean[0], mean[1]), (third[0], third[1]), 3, largest))
+    return tuple(pair), float(force.max())

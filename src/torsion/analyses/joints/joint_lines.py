@@ -10,10 +10,9 @@ from scipy.optimize import brentq
 
 from torsion.analyses.joints.joint_results import Extreme, LineFound, OptimumFound
 from torsion.arrays import FloatArray
-from torsion.components.part_records import JointRecord
-from torsion.kinematics.cross import Transfer, behind, extremes, transfer
-from torsion.kinematics.line import Line, classical_angle, resultant
-from torsion.kinematics.optimise import Variable, index_over, optimise
+from torsion.components.lowering import JointRecord
+from torsion.kinematics.cross import Transfer, behind, greatest_curvature, transfer
+from torsion.kinematics.line import Line, Variable, classical_angle, index_over, optimise, resultant
 from torsion.kinematics.tripod import exact_motion
 from torsion.train import Train
 
@@ -46,17 +45,13 @@ class Behind:
 
 def placed(train: Train) -> tuple[Placed, ...]:
     """Every joint, the ones before it first. Assemblies number springs first, then gears and joints."""
-    found: list[Placed] = []
-    at: dict[int, int] = {}  # part -> position in the list
-    for number, mesh in enumerate(train.constraints):
+    found: dict[int, Placed] = {}
+    for span, mesh in enumerate(train.constraints, len(train.springs)):
         part = train.parts[mesh.part]
-        if part.joint is None:
-            continue
-        before = None if mesh.after is None else at[mesh.after]
-        at[mesh.part] = len(found)
-        span = len(train.springs) + number
-        found.append(Placed(mesh.name, mesh.part, part.joint, part.ratio, before, mesh.error, span))
-    return tuple(found)
+        if part.joint is not None:
+            before = None if mesh.after is None else list(found).index(mesh.after)
+            found[mesh.part] = Placed(mesh.name, mesh.part, part.joint, part.ratio, before, mesh.error, span)
+    return tuple(found.values())
 
 
 def paths(joints: Sequence[Placed]) -> tuple[tuple[int, ...], ...]:
@@ -66,6 +61,7 @@ def paths(joints: Sequence[Placed]) -> tuple[tuple[int, ...], ...]:
 
 
 def path_to(joints: Sequence[Placed], last: int | None) -> tuple[int, ...]:
+    """Positions of the joints of a shaft line from its first to one of them."""
     path: list[int] = []
     while last is not None:
         path.insert(0, last)
@@ -110,36 +106,32 @@ def _slope(angle: float, radius: float, arm: float, arms: FloatArray) -> FloatAr
 
 
 def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, ...], Line]:
-    """Positions of the cross joints of a path, and the line that they make, joints between them turning its yokes."""
-    chosen: list[int] = []
-    angle: list[float] = []
-    plane: list[float] = []
-    phase: list[float] = []
+    """Positions of the cross joints of a path, and the line that they make, joints between them turning its yokes.
+
+    Where there is none, the line is that of a straight joint.
+    """
+    rows: dict[int, tuple[float, float, float]] = {}
     carried = 0.0
     for position in path:
         joint = joints[position].joint
-        own, leaning = joint.phase, joint.plane
         if joint.kind != "cross":
-            carried += own - leaning
+            carried += joint.phase - joint.plane
             continue
-        first = not chosen
-        chosen.append(position)
-        angle.append(joint.angle)
-        plane.append(0.0 if first else leaning)
-        phase.append(carried + own - leaning if first else carried + own)
+        plane = joint.plane if rows else 0.0
+        rows[position] = joint.angle, plane, carried + joint.phase - (joint.plane - plane)
         carried = 0.0
-    return tuple(chosen), Line(np.array(angle), np.array(plane), np.array(phase))
+    return tuple(rows), Line(*np.array(list(rows.values()) or [(0.0, 0.0, 0.0)]).T)
 
 
 _TURN = 1440  # samples of a revolution, in which every extreme of speed or acceleration is first sought
 _WIDEST = math.radians(45.0)  # of a joint's angle in the picture of the index
 
 
-def line_found(joints: Sequence[Placed], path: tuple[int, ...], optimum: OptimumFound | None) -> LineFound:
-    """The joints of one path as one: the resultant of its cross joints, the speeds of all."""
-    chosen, line = crosses(joints, path)
-    if not chosen:
-        line = Line(*np.zeros((3, 1)))
+def line_found(
+    joints: Sequence[Placed], path: tuple[int, ...], variable: Variable | None, free: str | None
+) -> LineFound:
+    """The joints of one path as one: the resultant of its cross joints, the speeds of all, the best `variable`."""
+    _, line = crosses(joints, path)
     one = resultant(line)
     at = float(one.greatest_at)
     greatest = Extreme(float(one.greatest), at)
@@ -148,9 +140,9 @@ def line_found(joints: Sequence[Placed], path: tuple[int, ...], optimum: Optimum
     if has_third_order(joints, path):
         greatest, least = _extreme(joints, path, 1.0), _extreme(joints, path, -1.0)
         index = greatest.speed_ratio - least.speed_ratio
-    return LineFound(
-        path, float(one.angle), float(one.phase), float(classical_angle(line)), index, greatest, least, optimum
-    )
+    optimum = variable and optimum_found(joints, path, variable, free)
+    resulting = float(one.angle), float(one.phase), float(classical_angle(line))
+    return LineFound(path, *resulting, index, greatest, least, optimum)
 
 
 def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
@@ -160,55 +152,59 @@ def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
 
 def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> Extreme:
     """The extreme of the sampled speed, refined to where the acceleration vanishes."""
-    alone, step = _alone(joints, path), 2.0 * math.pi / _TURN
+    step = 2.0 * math.pi / _TURN
 
     def acceleration(angle: float) -> float:
-        return float(motions(alone, np.array([angle]))[-1].transfer.curvature[0])
+        return float(_end(joints, path, np.array([angle])).curvature[0])
 
     turned = np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)
-    near = float(turned[int(np.argmax(sense * motions(alone, turned)[-1].transfer.ratio))])
+    near = float(turned[int(np.argmax(sense * _end(joints, path, turned).ratio))])
     if acceleration(near - step) * acceleration(near + step) < 0.0:
         near = float(brentq(acceleration, near - step, near + step, xtol=1e-15))
-    greatest = float(motions(alone, np.array([near]))[-1].transfer.ratio[0])
+    greatest = float(_end(joints, path, np.array([near])).ratio[0])
     return Extreme(greatest, math.fmod(near + 2.0 * math.pi, 2.0 * math.pi))
 
 
 def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
     """Greatest magnitude of the acceleration behind the last joint of a path at speed 1, 1/rad."""
-    chosen, line = crosses(joints, path)
     if not has_third_order(joints, path):
-        return float(extremes(resultant(line).angle).curvature) if chosen else 0.0
-    alone = _alone(joints, path)
-    size = np.abs(motions(alone, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False))[-1].transfer.curvature)
+        return float(greatest_curvature(resultant(crosses(joints, path)[1]).angle))
+    size = np.abs(_end(joints, path, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)).curvature)
     at = int(np.argmax(size))
     before, top, behind = size[at - 1], size[at], size[(at + 1) % _TURN]
     bow = before - 2.0 * top + behind  # vertex of the parabola through the three
     return float(top if bow >= 0.0 else top - (behind - before) ** 2 / (8.0 * bow))
 
 
-def _alone(joints: Sequence[Placed], path: tuple[int, ...]) -> tuple[Placed, ...]:
-    """The joints of a path alone, counted anew."""
-    return tuple(replace(joints[k], before=rank - 1 if rank else None) for rank, k in enumerate(path))
+def _end(joints: Sequence[Placed], path: tuple[int, ...], turned: FloatArray) -> Transfer:
+    """Motion behind the last joint of a path, which is taken alone, its joints counted anew."""
+    alone = [replace(joints[k], before=rank - 1 if rank else None) for rank, k in enumerate(path)]
+    return motions(alone, turned)[-1].transfer
 
 
 def optimum_found(
-    joints: Sequence[Placed], path: tuple[int, ...], variable: Variable, free: Sequence[int] | None
+    joints: Sequence[Placed], path: tuple[int, ...], variable: Variable, free: str | None
 ) -> OptimumFound | None:
     """The best choice for the cross joints of a path, tripods left out; None where there is nothing to choose.
 
-    free: positions in `joints` that may be changed, all cross joints but the first if None.
+    free: the joint that may be changed, all cross joints but the first if None.
     """
     chosen, line = crosses(joints, path)
-    ranks = range(1, len(chosen)) if free is None else [chosen.index(k) for k in free if k in chosen]
+    ranks = range(1, len(chosen)) if free is None else [k for k, one in enumerate(chosen) if joints[one].name == free]
     ranks = [rank for rank in ranks if rank > 0 or variable == "angle"]
     if len(chosen) < 2 or not ranks:
         return None
     best = optimise(line, variable, ranks)
-    before = [_own(joints[chosen[rank]], variable) for rank in ranks]
+    before = [float(getattr(joints[chosen[rank]].joint, variable)) for rank in ranks]
     changes = [float(getattr(best.line, variable)[rank] - getattr(line, variable)[rank]) for rank in ranks]
     if variable != "angle":
         changes = [math.remainder(change, math.pi) for change in changes]
-    over, values = _range(line, variable, ranks[0], before[0], before[0] + changes[0])
+    best_first = before[0] + changes[0]
+    if variable == "angle":
+        values = over = np.linspace(0.0, max(_WIDEST, before[0], best_first), 361)
+    else:
+        over = np.linspace(0.0, 2.0 * math.pi, 361)
+        values = over + (float(getattr(line, variable)[ranks[0]]) - before[0])  # as the line counts them
     return OptimumFound(
         variable=variable,
         names=tuple(joints[chosen[rank]].name for rank in ranks),
@@ -220,18 +216,3 @@ def optimum_found(
         over=over,
         index_over=index_over(line, variable, ranks[0], values),
     )
-
-
-def _own(place: Placed, variable: Variable) -> float:
-    """The value as the file gives it, rad."""
-    joint = place.joint
-    return {"phase": joint.phase, "plane": joint.plane, "angle": joint.angle}[variable]
-
-
-def _range(line: Line, variable: Variable, rank: int, before: float, best: float) -> tuple[FloatArray, FloatArray]:
-    """Values of a joint's variable to show, rad, and the same as the line counts them."""
-    if variable == "angle":
-        angles = np.linspace(0.0, max(_WIDEST, before, best), 361)
-        return angles, angles
-    around = np.linspace(0.0, 2.0 * math.pi, 361)
-    return around, around + (float(getattr(line, variable)[rank]) - before)

@@ -23,7 +23,9 @@ class CoupleFound:
     )
     order: int = result("", (), "of the amplitudes: 2 of a cross joint, 3 of a tripod, 0 of a steady couple")
     largest: float = result("N*m", (), "largest resultant over the revolution")
-    bearing: float | None = result("N", (), "largest bearing reaction; null where no distance of bearings is given")
+    bearing: float | None = result(
+        "N", (), "largest bearing reaction; null where no distance of bearings is given", default=None
+    )
 
 
 @reported

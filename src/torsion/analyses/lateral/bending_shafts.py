@@ -1,6 +1,6 @@
 """The shafts of a train that bend: each from joint to joint or end, with its supports, by the train's own data."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.analyses.lateral.beam_elements import Segment
 from torsion.analyses.lateral.beam_matrices import Beam, Point
-from torsion.components.support import Support, fits
+from torsion.components.lowering import Support
 from torsion.errors import Fault, Path
 from torsion.kernels.spanning_forest import connected
 from torsion.primitives import Bar
@@ -80,17 +80,16 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     if not straight or len(set(stations)) < len(stations):
         return BendingShaft(names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches")
     before, of_material = len(faults), list[Fault]()
-    lacks: str = ""
-    place: Path = ()
     joints = _joints(train, node, stations)
-    if any(at not in (0, len(row)) for _, _, at in joints):
-        lacks = "a joint stands between its ends"
     segments = [_segment(train, bar, of_material) for bar in row]
     points, held = _points(train, row, joints)
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
-    if not lacks and len(faults) == before:
-        lacks, place = _missing(train, row, beam)
+    lacks, place = "", Path()
+    if any(at not in (0, len(row)) for _, _, at in joints):
+        lacks = "a joint stands between its ends"
+    elif len(faults) == before:
+        lacks, place = next(_lacking(train, row, beam), (lacks, place))
     faults += [] if lacks else of_material
     at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
     ratio = train.stations[row[0].driving].ratio
@@ -137,7 +136,7 @@ def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[F
     for bar in row:
         part, every = train.parts[bar.part], _supports_of(train, bar)
         for number, (support, path) in enumerate(every):
-            if not fits(support, bar.length):
+            if support.at > bar.length:
                 message = f"the support stands {support.at:g} m along a shaft of {bar.length:g} m"
                 faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
                 continue
@@ -169,50 +168,38 @@ def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
     return [(one, path if len(every) == 1 else (*path, number)) for number, one in enumerate(every)]
 
 
-def _missing(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
-    """Why a shaft made of `row` cannot be computed, and the key it is about; both empty where it can."""
+def _lacking(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Path]]:
+    """Why a shaft made of `row` cannot be computed, each reason with the key it is about."""
     of_mesh = [bar for bar in row if bar.section is not None]
     if of_mesh:
-        place = (*train.parts[of_mesh[0].part].path, "section")
-        return "its section is a mesh, and bending needs diameters", place
-    why, place = _not_held(train, row, beam)
-    if why:
-        return why, place
+        yield "its section is a mesh, and bending needs diameters", (*train.parts[of_mesh[0].part].path, "section")
+    yield from _not_held(train, row, beam)
     if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
         place = (*train.parts[row[0].part].path, "material")
-        return "it has no mass: neither its material a density nor a support a `mass`", place
-    return "", ()
+        yield "it has no mass: neither its material a density nor a support a `mass`", place
 
 
-def _not_held(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
-    """Why joints and supports do not hold a shaft in both planes."""
+def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Path]]:
+    """Why joints and supports do not hold a shaft in both planes, or too softly to differ from none."""
     free = [beam.rigid_motions(plane) for plane in (0, 1)]
     given = [one for bar in row for one in _supports_of(train, bar)]
-    if not any(free):
-        return _held_softly(beam, given)
     if not given:
-        return "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports", ()
-    if free[0] != free[1]:
+        if any(free):
+            yield "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports", ()
+    elif not any(free):
+        hold, bent = min(beam.hold(0), beam.hold(1)), f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
+        why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
+        if hold < SOFTEST:
+            _, path = min(given, key=lambda one: min(one[0].stiffness_of_planes))
+            yield f"{why} to compute; at least {SOFTEST:g} of it is needed", (*path, "stiffness")
+    elif free[0] != free[1]:
         plane = free.index(max(free))
         path = next(path for one, path in given if not one.stiffness_of_planes[plane] > 0)
         why = f"it is not supported in the plane {'yz'[plane]}, in which its support has no stiffness"
-        return why, (*path, "stiffness")
-    at = [point.at for point in beam.points]
-    if len(set(at)) < len(at):
-        where = (
-            "on the joint itself" if any(point.fixation == "pinned" for point in beam.points) else "where another does"
-        )
-        path = given[-1][1]
-        return f"it is supported at one place only, as its support stands {where}", (*path, "at")
-    return "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]
-
-
-def _held_softly(beam: Beam, given: list[tuple[Support, Path]]) -> tuple[str, Path]:
-    """That its supports are too soft to differ from none."""
-    hold = min(beam.hold(0), beam.hold(1))
-    if hold >= SOFTEST or not given:
-        return "", ()
-    softest = min(given, key=lambda one: min(one[0].stiffness_of_planes))
-    bent = f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
-    why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft to compute"
-    return f"{why}; at least {SOFTEST:g} of it is needed", (*softest[1], "stiffness")
+        yield why, (*path, "stiffness")
+    elif len({point.at for point in beam.points}) < len(beam.points):
+        pinned = any(point.fixation == "pinned" for point in beam.points)
+        where = "on the joint itself" if pinned else "where another does"
+        yield f"it is supported at one place only, as its support stands {where}", (*given[-1][1], "at")
+    else:
+        yield "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]

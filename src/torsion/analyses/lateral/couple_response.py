@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.analyses.joints.joint_couples import couples_found
-from torsion.analyses.joints.joint_lines import Behind, Placed, motions
+from torsion.analyses.joints.joint_lines import Behind, Placed, motions, path_to
 from torsion.analyses.lateral.beam_matrices import places
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.analyses.lateral.bending_shafts import BendingShaft
@@ -35,7 +35,7 @@ class Answer:
     """
 
     order: int = result("", (), "per revolution of the shaft; 0 stands still")
-    speed: FloatArray  # (speeds,) rad/s of the shaft
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them around resonances")
     displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude, half range")
     moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
     force: ComplexArray = result(
@@ -43,12 +43,6 @@ class Answer:
     )
     amplification: FloatArray = result("1", ("speed",), "growth of relative errors of the data")
     status: Lines  # (speeds,) uint8 of `Status`
-    ratio: float = 1.0  # speed of the shaft / reference speed
-
-    @derived("rad/s", ("speed",), "reference speeds, more of them around resonances", key="speed_rad_per_s")
-    def reference_speed(self) -> FloatArray:
-        """(speeds,)."""
-        return self.speed / self.ratio
 
     @derived("N*m", ("speed", "place"), "largest amplitude of the bending moment in any direction", key="moment_Nm")
     def largest_moment(self) -> FloatArray:
@@ -92,7 +86,8 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
     if order == 1 or order < 0:
         raise ValueError(f"order {order}: joints excite order 0 and orders from 2 on")
     speeds = np.asarray(speed, dtype=np.float64)
-    y, z = _loads(planes, couple)
+    slopes = planes.system.place + 1  # a couple M_y, M_z does the work M_z on the slope y' and -M_y on z'
+    y, z = couple[..., 1] @ planes.y.shape[slopes], -couple[..., 0] @ planes.z.shape[slopes]
     amplification = np.ones(len(speeds))
     if order:
         for part in (slice(k, k + CHUNK) for k in range(0, len(speeds), CHUNK)):
@@ -100,13 +95,10 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
     status = _status(planes, order, speeds, amplification)
     y[status == Status.SINGULAR] = z[status == Status.SINGULAR] = np.nan
     x = np.stack([y @ planes.y.shape.T, z @ planes.z.shape.T], axis=-1)
-    return _along(planes, order, speeds, x, (amplification, status))
-
-
-def _loads(planes: Planes, couple: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """(speeds, n) of y and z: a couple M_y, M_z does the work M_z on the slope y' and -M_y on z'."""
-    slopes = planes.system.place + 1
-    return couple[..., 1] @ planes.y.shape[slopes], -couple[..., 0] @ planes.z.shape[slopes]
+    rows = places(planes.system)
+    bending = rows.moment + 1j * rows.moment_of_loss if order else rows.moment
+    force = _forces(planes, order, speeds, x)
+    return Answer(order, speeds, rows.displacement @ x, bending @ x, force, amplification, status)
 
 
 def _solved(
@@ -155,19 +147,6 @@ def _status(planes: Planes, order: int, speeds: FloatArray, amplification: Float
     return np.asarray(lines.astype(np.uint8))
 
 
-def _along(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray, judged: tuple[FloatArray, Lines]) -> Answer:
-    """The amplitudes along the shaft and at its points from its unknowns (speeds, unknowns, 2)."""
-    rows = places(planes.system)
-
-    def along(matrix: FloatArray) -> ComplexArray:
-        found: ComplexArray = matrix @ x
-        return found
-
-    bent = along(rows.moment + 1j * rows.moment_of_loss if order else rows.moment)
-    force = _forces(planes, order, speeds, x)
-    return Answer(order, speeds, along(rows.displacement), bent, force, *judged)
-
-
 def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> ComplexArray:
     """(speeds, points, 2) N on supports, of springs and dampers, and on joints, what the shaft lacks to balance."""
     system = planes.system
@@ -190,13 +169,9 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
 
 def orders(every: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
     """0, and the orders of all joints up to this shaft and at its end."""
-    found = {0}
-    for at in shaft.joints:
-        position: int | None = next(k for k, place in enumerate(every) if place.part == at.part)
-        while position is not None:
-            found.add(every[position].joint.order)
-            position = every[position].before
-    return tuple(sorted(found))
+    position = {place.part: k for k, place in enumerate(every)}
+    found = {every[k].joint.order for at in shaft.joints for k in path_to(every, position[at.part])}
+    return tuple(sorted({0} | found))
 
 
 def couples_at(

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import FloatArray
 from torsion.kernels.periodic.monodromy import ANGLE_PER_STEP, FEWEST_STEPS, radau, through_steps
-from torsion.kinematics.cross import speed_ratio
+from torsion.kinematics.cross import transfer
 
 NEUTRAL = 1e-10  # growth / speed that counts as none: rounding of a monodromy matrix moves it by 1e-12
 MOST_STEPS_AT_A_TIME = 2000
@@ -111,7 +111,7 @@ def coefficients(
     """Damping and stiffness, each (speeds, angles, 2, 2), of y'' + C y' + K y = what shakes it at driving angles."""
     pull = shaft.pull_at(speeds)[:, None, None, None]
     stiffness = np.diag(shaft.square) + pull * model.couple(turned, shaft.tilt)
-    ratio = np.ones_like(turned) if model.is_even else speed_ratio(turned, shaft.tilt, "N")
+    ratio = np.ones_like(turned) if model.is_even else transfer(turned, shaft.tilt, "N").ratio
     spin = np.asarray(speeds)[:, None, None, None] * ratio[:, None, None]
     damping = np.diag(shaft.decay) + shaft.polar * spin * SPINNING
     return damping, stiffness

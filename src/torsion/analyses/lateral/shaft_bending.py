@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -22,11 +22,12 @@ from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
-from torsion.findings import Progress, Work
-from torsion.results import derived, reported, result
+from torsion.findings import Progress, Work, silent
+from torsion.results import reported, result
 from torsion.study import Operation, SpeedRange
 from torsion.train import Train
 
+OfShaft = TypeVar("OfShaft", Whirl, Critical, Answer)
 PLACE: Path = ("analyses", "lateral")
 _ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
 _SPARE = 4  # inner unknowns for every mode that is reported
@@ -69,7 +70,7 @@ class ShaftFound:
     length: float = result("m", (), "its length")
     position: FloatArray = result("m", ("place",), "along the shaft; the end between two elements stands twice")
     point: tuple[Holding, ...] = result("", (), "joints and supports that hold it", key="points")
-    at_rest: tuple[FloatArray, FloatArray]  # (modes,) Hz of y and of z, without rotation
+    at_rest: InPlanes = result("", (), "natural frequencies without rotation", key="at_rest_Hz")
     critical: tuple[Critical, ...] = result(
         "", (), "of order 1, then of the orders of the joints' couples, by speed", key="critical_speeds"
     )
@@ -81,11 +82,6 @@ class ShaftFound:
     )
     remark: str = ""  # why its tilting was left out
 
-    @derived("", (), "natural frequencies without rotation", key="at_rest_Hz")
-    def at_rest_by_plane(self) -> InPlanes:
-        """Hz."""
-        return InPlanes(*self.at_rest)
-
 
 @reported
 class Lateral:
@@ -95,20 +91,9 @@ class Lateral:
     remarks: tuple[str, ...] = result("", (), "what was left out, and why")
     shear: bool = result("", (), "shear deflection is in the beams", key="has_shear", default=False)
 
-    @property
-    def method(self) -> str:
-        """Of the plan."""
-        beams = "with shear (Timoshenko)" if self.shear else "without shear"
-        return f"beams {beams} by finite elements of degree {DEGREE}, in all their modes"
-
-    @property
-    def size(self) -> str:
-        """Of the plan."""
-        return f"{len(self.shafts)} shafts, {sum(shaft.elements for shaft in self.shafts)} elements"
-
 
 def lateral(
-    train: Train, operation: Operation, requested: LateralSettings | None = None, *, progress: Progress | None = None
+    train: Train, operation: Operation, requested: LateralSettings | None = None, *, progress: Progress = silent
 ) -> Lateral:
     """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
@@ -124,8 +109,7 @@ def lateral(
     reference = None if speeds is None else speeds.values()
     torque = None if speeds is None else _torques(train, operation, wanted, every)
     for number, shaft in enumerate(supported):
-        if progress is not None:
-            progress("bending of the shafts", number / len(supported))
+        progress("bending of the shafts", number / len(supported))
         found.append(_found(every, shaft, wanted, reference, torque))
     remarks = [
         f"{shaft.name}: " + (shaft.lacks or f"it bends without the masses of {', '.join(shaft.loads)}, "
@@ -168,25 +152,27 @@ def _found(
     own = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
     both, critical = _refined(shaft, requested, own, excited)
-    critical = tuple(replace(crossing, ratio=ratio) for crossing in critical)
     some = slice(0) if own is None else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
-    map_of = None if own is None else replace(whirl(both, own[some], requested.modes), ratio=ratio)
-    rest = _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
+    map_of = None if own is None else _of_train(whirl(both, own[some], requested.modes), ratio)
+    rest = InPlanes(_hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes))
     answers: tuple[Answer, ...] = ()
     tilt, remark = None, ""
     if own is not None and reference is not None and shaft.joints and torque is not None:
-        first = next(k for k, place in enumerate(every) if place.part == shaft.joints[0].part)
-        tilt, remark = tilting(shaft, every, lambda speeds: torque(speeds)[first], reference, rest)
-        resonances = tuple(crossing for crossing in critical if crossing.order in excited)
-        grid = speeds_for(own, resonances)
+        tilt, remark = tilting(shaft, every, torque, reference, (rest.y, rest.z))
+        grid = speeds_for(own, tuple(crossing for crossing in critical if crossing.order in excited))
         couple = couples_at(every, shaft, torque(grid / ratio), requested.carrier)
-        answers = tuple(replace(answer(both, order, grid, couple[order]), ratio=ratio) for order in couple)
+        answers = tuple(_of_train(answer(both, order, grid, couple[order]), ratio) for order in couple)
     system = both.system
     return ShaftFound(
         shaft.name, shaft.parts, shaft.ratio, shaft.beam.length, places(system).position,
         tuple(Holding(point.name, point.at) for point in shaft.beam.points),
-        rest, critical, map_of, answers, len(system.cells), tilt, remark,
+        rest, tuple(_of_train(one, ratio) for one in critical), map_of, answers, len(system.cells), tilt, remark,
     )  # fmt: skip
+
+
+def _of_train(found: OfShaft, ratio: float) -> OfShaft:
+    """The same with the speed of the reference in place of the shaft's own."""
+    return replace(found, speed=found.speed / ratio)
 
 
 def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
@@ -247,7 +233,9 @@ def run(work: Work) -> None:
     with work.log.step("bending of the shafts", why) as step:
         settings = work.settings("lateral", LateralSettings)
         found = lateral(work.study.train, work.study.operation, settings, progress=work.progress)
-        step.method, step.size = found.method, found.size
+        beams = "with shear (Timoshenko)" if found.shear else "without shear"
+        step.method = f"beams {beams} by finite elements of degree {DEGREE}, in all their modes"
+        step.size = f"{len(found.shafts)} shafts, {sum(shaft.elements for shaft in found.shafts)} elements"
     work.log.left_out += [("bending, in part", remark) for remark in found.remarks]
     work.log.libraries["scikit-fem"] = None
     work.put(lateral=found)

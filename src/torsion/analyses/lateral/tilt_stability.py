@@ -26,7 +26,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
 from torsion.arrays import FloatArray
 from torsion.results import derived, reported, result
 
-Torques = Callable[[FloatArray], FloatArray]  # speeds, rad/s -> N m of the joint's driving shaft
+Torques = Callable[[FloatArray], FloatArray]  # (speeds,) rad/s -> (joints, speeds) N m of their driving shafts
 Bending = tuple[FloatArray, FloatArray]
 RIGID = 0.1  # a lowest frequency that bending lowers by a larger share is not that of a rigid shaft
 POINTS, LOOKED_AT = 201, 400  # speeds of the curve of growth, and of the search, beside those around resonances
@@ -42,43 +42,26 @@ OF_MEAN = Model(lambda turned, tilt: small_angle_part(turned, sine=0.0, cosine=0
 class Zone:
     """An unstable range."""
 
-    lower: float  # rad/s
-    upper: float  # rad/s
+    lower: float = result("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
+    upper: float = result("rad/s", (), "and ends", key="to_rad_per_s")
     is_open: tuple[bool, bool] = result("", (), "[from, to] the range goes on beyond the speeds looked at")
     kind: str = result(  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
         "", (), "principal, sum, difference, several, or mean couple", key="type"
     )
-    worst: float  # rad/s of the fastest growth
+    worst: float = result("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
     rate: float = result("1/s", (), "fastest growth in the range", key="growth_per_s")
-    ratio: float = 1.0  # of these speeds / reference speed
-
-    @derived("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
-    def first(self) -> float:
-        """Of the train."""
-        return self.lower / self.ratio
-
-    @derived("rad/s", (), "and ends", key="to_rad_per_s")
-    def last(self) -> float:
-        """Of the train."""
-        return self.upper / self.ratio
-
-    @derived("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
-    def at(self) -> float:
-        """Of the train."""
-        return self.worst / self.ratio
 
 
 @reported
 class Tilting:
-    """How fast small tilting motions of a rigid shaft grow over the speed of its joint's driving shaft."""
+    """How fast small tilting motions of a rigid shaft grow over speed."""
 
     joint: str = result("", (), "that drives the shaft")
     shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
-    frequency: tuple[float, float]  # Hz of y and of z at rest, without torque
-    speed: FloatArray  # (speeds,) rad/s of the driving shaft
+    frequency: dict[str, float] = result("", (), "of the tilt at rest", key="frequency_Hz")  # of y and of z
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     growth: FloatArray = result("1/s", ("speed",), "of the fastest small motion; positive: unstable")
     zones: tuple[Zone, ...] = result("", (), "unstable ranges", key="unstable")
-    ratio: float  # speed of the driving shaft / reference speed
 
     @derived("kg*m**2", (), "about the centre of the joint")
     def transverse_inertia(self) -> float:
@@ -89,16 +72,6 @@ class Tilting:
     def polar_inertia(self) -> float:
         """Of the shaft."""
         return self.shaft.polar * self.shaft.inertia
-
-    @derived("", (), "of the tilt at rest", key="frequency_Hz")
-    def frequency_by_plane(self) -> dict[str, float]:
-        """Hz, along the normal of the joint's plane and in the plane."""
-        return dict(zip("yz", self.frequency, strict=True))
-
-    @derived("rad/s", ("speed",), "reference speeds", key="speed_rad_per_s")
-    def reference_speed(self) -> FloatArray:
-        """(speeds,)."""
-        return self.speed / self.ratio
 
     @property
     def is_damped(self) -> bool:
@@ -113,40 +86,30 @@ def tilting(
 
     bending: (modes,) Hz of y and of z at rest, of the same shaft as it bends.
     """
-    why = _left_out(shaft, placed)
-    if why is not None:
-        return None, why
-    joint = next(one for one in placed if one.part == shaft.joints[0].part)
+    if len(shaft.joints) != 1 or not any(max(point.stiffness) for point in shaft.beam.points):
+        return None, ""
+    if shaft.joints[0].shaft == "driving":
+        return None, "it drives its joint; the parametric terms of its tilt are built for driven shafts"
+    number, joint = next((k, one) for k, one in enumerate(placed) if one.part == shaft.joints[0].part)
+    if joint.joint.kind != "cross":
+        return None, "the parametric terms of its tilt are built for cross joints"
     ratio = float(joint.ratio)
     last = float(speeds[-1]) * ratio
     first = max(float(speeds[0]) * ratio, last / POINTS)
-    rigid = _rigid(shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio))
+    rigid = _rigid(shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio)[number])
     z, y = (np.sqrt(rigid.square) / (2.0 * np.pi)).tolist()  # the angle about y moves the shaft along z
     if why := _too_soft((y, z), bending):
         return None, why
-    unstable = tuple(replace(_named(rigid, zone), ratio=ratio) for zone in zones(rigid, first, last, EXACT))
-    around = [speed for zone in unstable for speed in _around(zone) if first < speed < last]
-    known = [one for one in resonances(rigid).values() if first < one < last]
-    grid = np.unique(np.concatenate([np.linspace(first, last, POINTS), known, around]))
-    return Tilting(joint.name, rigid, (y, z), grid, growth(rigid, grid).rate, unstable, ratio), ""
-
-
-def _around(zone: Zone) -> list[float]:
-    """Speeds in a zone, as far again on both sides, and its own."""
-    wide = zone.upper - zone.lower
-    return [zone.lower, zone.worst, zone.upper, *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist()]
-
-
-def _left_out(shaft: BendingShaft, placed: Sequence[Placed]) -> str | None:
-    """Why the tilt of a shaft is left out, "" where there is none to speak of; None where it is computed."""
-    if len(shaft.joints) != 1 or not any(max(point.stiffness) for point in shaft.beam.points):
-        return ""
-    at = shaft.joints[0]
-    if at.shaft == "driving":
-        return "it drives its joint; the parametric terms of its tilt are built for driven shafts"
-    if next(one for one in placed if one.part == at.part).joint.kind != "cross":
-        return "the parametric terms of its tilt are built for cross joints"
-    return None
+    unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
+    beside = [*resonances(rigid).values()]
+    for zone in unstable:  # speeds in it, as far again on both sides, and its own
+        wide = zone.upper - zone.lower
+        beside += [zone.lower, zone.worst, zone.upper, *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist()]
+    grid = np.union1d(np.linspace(first, last, POINTS), [speed for speed in beside if first < speed < last])
+    of_train = tuple(
+        replace(zone, lower=zone.lower / ratio, upper=zone.upper / ratio, worst=zone.worst / ratio) for zone in unstable
+    )
+    return Tilting(joint.name, rigid, {"y": y, "z": z}, grid / ratio, growth(rigid, grid).rate, of_train), ""
 
 
 def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
@@ -160,7 +123,7 @@ def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
     return ""
 
 
-def _rigid(beam: Beam, joint: JointAt, tilt: float, torque: Torques) -> MisalignedShaft:
+def _rigid(beam: Beam, joint: JointAt, tilt: float, torque: Callable[[FloatArray], FloatArray]) -> MisalignedShaft:
     """The whole beam as one body about the centre of its joint."""
     centre = beam.points[joint.point].at
     transverse = sum(point.mass * (point.at - centre) ** 2 + point.diametral for point in beam.points)

@@ -10,12 +10,9 @@ import numpy as np
 
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.results import derived, reported, result
+from torsion.results import reported, result
 
-SPARE_MODES, TIMES_MODES = (
-    8,
-    1,
-)  # modes at rest among which damped ones are sought: so many, and times those reported
+SPARE_MODES = 8  # modes at rest, beside as many as are reported, among which damped ones are sought
 OVERDAMPED = 1e-7  # |Im s|/|s| below which a motion does not oscillate
 SETTLED = 1e-8  # relative step after which a root is found: convergence is cubic, so that the next would be rounding
 STEPS = 8
@@ -27,16 +24,10 @@ APART = 1e-9  # relative: roots nearer than this may be one found twice
 class Whirl:
     """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
 
-    speed: FloatArray  # (speeds,) rad/s of the shaft
+    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")  # `whirl` itself returns those of the shaft
     frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null where fewer modes oscillate")
     log_decrement: FloatArray = result("1", ("speed", "mode"), "negative: the shaft is unstable")
     direction: FloatArray = result("1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse")
-    ratio: float = 1.0  # speed of the shaft / reference speed
-
-    @derived("rad/s", ("speed",), "reference speeds", key="speed_rad_per_s")
-    def reference_speed(self) -> FloatArray:
-        """(speeds,)."""
-        return self.speed / self.ratio
 
 
 @reported
@@ -45,18 +36,12 @@ class Critical:
 
     order: int = result("", (), "per revolution of the shaft: 1 unbalance, others couples of joints")
     mode: int = result("", (), "counted from 1 by speed")
-    speed: float  # rad/s of the shaft
+    speed: float = result("rad/s", (), "reference speed")  # `criticals` itself returns that of the shaft
     frequency: float = result("Hz", (), "order times the speed of the shaft")
     direction: float = result("1", (), "1 forward, -1 backward whirl, between them an ellipse")
     damping_ratio: float = result(
         "1", (), "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound"
     )
-    ratio: float = 1.0  # speed of the shaft / reference speed
-
-    @derived("rad/s", (), "reference speed", key="speed_rad_per_s")
-    def reference_speed(self) -> float:
-        """Of the train."""
-        return self.speed / self.ratio
 
 
 def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
@@ -96,8 +81,8 @@ def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, Comp
 
 
 def lowest(planes: Planes, modes: int) -> IntArray:
-    """Coordinates of the lowest modes at rest, a few times as many as are reported."""
-    return np.argsort(-planes.square, kind="stable")[: SPARE_MODES + TIMES_MODES * modes]
+    """Coordinates of the lowest modes at rest, some more than are reported."""
+    return np.argsort(-planes.square, kind="stable")[: SPARE_MODES + modes]
 
 
 def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexArray, ComplexArray]:
@@ -188,14 +173,15 @@ def _energy(p: ComplexArray, matrix: FloatArray, other: ComplexArray) -> FloatAr
     return np.asarray(np.sum(p.conj() * (matrix @ other), axis=0).real)
 
 
+def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
+    """(modes,) energy of shapes of both planes, of a matrix of one of them where the supports are isotropic."""
+    return np.asarray(sum(_energy(part, matrix, part) for part in (np.split(p, 2) if planes.is_isotropic else [p])))
+
+
 def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:
     """(modes,) of the loss factors in the forward and in the backward part of shapes of both planes."""
     n = len(planes.y.square)
-    if planes.is_isotropic:
-        same = 0.5 * (_energy(p[:n], planes.lossy, p[:n]) + _energy(p[n:], planes.lossy, p[n:]))
-    else:
-        same = 0.5 * _energy(p, planes.lossy, p)
-    cross = _energy(p[:n], planes.crossed, p[n:])
+    same, cross = 0.5 * _of_both(planes, p, planes.lossy), _energy(p[:n], planes.crossed, p[n:])
     return same + cross, same - cross
 
 
@@ -215,11 +201,13 @@ def criticals(planes: Planes, order: int, highest: float) -> tuple[Critical, ...
     inertia = order**2 * np.diag(planes.square)
     rows: list[tuple[float, float, float]] = []
     for sign in (-1.0, 1.0) if planes.is_isotropic else (1.0,):
-        speed, shape = _pencil(inertia - sign * order * planes.gyroscopic)
-        inside = np.flatnonzero(speed <= highest)
-        p = _both(planes, shape[:, inside].astype(np.complex128), sign)
-        ratio = _ratios(planes, p, order, speed[inside])
-        rows += zip(speed[inside].tolist(), direction(planes, p).tolist(), ratio.tolist(), strict=True)
+        inverse, shape = np.linalg.eigh(inertia - sign * order * planes.gyroscopic)
+        above = np.flatnonzero(inverse > len(inverse) * EPS * np.abs(inverse).max())[::-1]
+        speed = 1.0 / np.sqrt(inverse[above])
+        speed, shape = speed[speed <= highest], shape[:, above[speed <= highest]]
+        p = _both(planes, shape.astype(np.complex128), sign)
+        ratio = _ratios(planes, p, order, speed)
+        rows += zip(speed.tolist(), direction(planes, p).tolist(), ratio.tolist(), strict=True)
     rows.sort()
     return tuple(
         Critical(order, number, speed, order * speed / (2.0 * math.pi), turns, ratio)
@@ -227,19 +215,7 @@ def criticals(planes: Planes, order: int, highest: float) -> tuple[Critical, ...
     )
 
 
-def _pencil(matrix: np.ndarray) -> tuple[FloatArray, np.ndarray]:
-    """Speeds ascending and shapes of the positive values 1/speed2 of a matrix."""
-    inverse, shape = np.linalg.eigh(matrix)
-    above = np.flatnonzero(inverse > len(inverse) * EPS * np.abs(inverse).max())[::-1]
-    return np.asarray(1.0 / np.sqrt(inverse[above])), shape[:, above]
-
-
 def _ratios(planes: Planes, p: ComplexArray, order: int, speed: FloatArray) -> FloatArray:
     """(modes,) half of the damping terms of shapes of elastic energy 1/2, at the resonance."""
-    n = len(planes.y.square)
-    if planes.is_isotropic:
-        viscous = _energy(p[:n], planes.damping, p[:n]) + _energy(p[n:], planes.damping, p[n:])
-    else:
-        viscous = _energy(p, planes.damping, p)
-    forward, backward = lossy_energies(planes, p)
+    viscous, (forward, backward) = _of_both(planes, p, planes.damping), lossy_energies(planes, p)
     return np.asarray((order * speed * viscous + np.sign(order - 1) * forward + backward) / 2.0)

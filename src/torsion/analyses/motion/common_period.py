@@ -8,10 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from math import inf
+
+import numpy as np
 
 from torsion.analyses.motion.mechanism import common_order
 from torsion.errors import SolveError
+from torsion.kernels.spanning_forest import connected
 from torsion.primitives import Bar, Constraint, Spring
 from torsion.train import Train
 
@@ -54,12 +56,15 @@ def too_long(train: Train, rank: int, most: int, *, vibratory: bool) -> SolveErr
         combinations(sources, 2), key=lambda pair: _needed(pair, ratios, rank), default=(sources[0], sources[0])
     )
     names = f"{first.name} (order {first.order} of its shaft) and {second.name} (order {second.order})"
-    between = [mesh for mesh in train.constraints if _parts(train, mesh, first, second)]
+    between = [
+        mesh for mesh in train.constraints
+        if mesh.ratio != 1 and (first.station in (far := _beyond(train, mesh))) != (second.station in far)
+    ]  # fmt: skip
     if not between:
         return SolveError(f"{names} {length}", "take orders with smaller whole numbers")
-    near, mesh = min(((_nearest(train, mesh, sources, rank, most), mesh) for mesh in between), key=_change)
-    if near is None:
-        mesh = max(between, key=lambda one: one.ratio.numerator * one.ratio.denominator)
+    offered = [(near, mesh) for mesh in between if (near := _nearest(train, mesh, sources, rank, most)) is not None]
+    worst = max(between, key=lambda one: one.ratio.numerator * one.ratio.denominator)
+    near, mesh = min(offered, key=lambda one: abs(one[0] / one[1].ratio - 1), default=(None, worst))
     teeth = f"{mesh.ratio.numerator}/{mesh.ratio.denominator}"
     message = f"{names} lie on both sides of '{mesh.name}' (teeth {teeth}) and {length}"
     remedy = f"{'excite, and bend joints,' if vibratory else 'bend joints'} on one side of the gear only"
@@ -88,22 +93,9 @@ def _needed(sources: Sequence[Source], ratios: Sequence[Fraction], rank: int) ->
 def _beyond(train: Train, mesh: Constraint) -> set[int]:
     """Stations on the driven side of a gear of a train without closed loops."""
     pieces: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
-    near: dict[int, list[int]] = {}
-    for a, b in ((one.driving, one.driven) for one in pieces if one is not mesh):
-        near.setdefault(a, []).append(b)
-        near.setdefault(b, []).append(a)
-    met, ahead = {mesh.driven}, [mesh.driven]
-    for station in ahead:
-        new = [one for one in near.get(station, []) if one not in met]
-        met.update(new)
-        ahead.extend(new)
-    return met
-
-
-def _parts(train: Train, mesh: Constraint, first: Source, second: Source) -> bool:
-    """A change of speed that lies between two stations."""
-    beyond = _beyond(train, mesh) if mesh.ratio != 1 else set()
-    return (first.station in beyond) != (second.station in beyond)
+    ends = np.array([(one.driving, one.driven) for one in pieces if one is not mesh], dtype=int).reshape(-1, 2)
+    group = connected(len(train.stations), *ends.T)
+    return set(np.flatnonzero(group == group[mesh.driven]).tolist())
 
 
 def _nearest(train: Train, mesh: Constraint, sources: list[Source], rank: int, most: int) -> Fraction | None:
@@ -117,8 +109,3 @@ def _nearest(train: Train, mesh: Constraint, sources: list[Source], rank: int, m
     every = {Fraction(round(mesh.ratio * teeth), teeth) for teeth in range(1, most + 1)}
     close = {one: number for one in every if abs(one / mesh.ratio - 1) <= NEAR and (number := needed(one)) <= most}
     return min(close, key=lambda one: (close[one] > QUICK, abs(one / mesh.ratio - 1)), default=None)
-
-
-def _change(found: tuple[Fraction | None, Constraint]) -> float:
-    near, mesh = found
-    return inf if near is None else abs(float(near / mesh.ratio) - 1.0)

@@ -5,13 +5,13 @@ R = J (F' q'' + F'' q'^2) + damping + springs - torques. Linearised about any mo
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
-from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond
+from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond, gathered
 from torsion.analyses.motion.straight_modes import at_bodies, at_coordinates
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
 from torsion.kernels.periodic.hill import Couplings, toeplitz
 
@@ -57,18 +57,20 @@ def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turnin
 
     turned: (times,) rad, the mean angle of the reference station.
     """
-    times = deviation.shape[1]
-    full = np.zeros((len(layout.root), times))
-    full[: layout.free] = deviation[: layout.free]
-    start = at_rest(full[layout.coordinate])
-    if not layout.steps:
-        return start
+    start = at_rest(_of_bodies(layout, deviation))
     parts = [start.deviation.copy(), start.first, start.second, start.third]
     for step in layout.steps:
         inner = Turning(*(part[step.inner] for part in parts))
         for part, value in zip(parts, vars(beyond(inner, step.joint, turned)).values(), strict=True):
             part[step.outer] = value
     return Turning(*parts)
+
+
+def _of_bodies(layout: Layout, values: FloatArray) -> FloatArray:
+    """(bodies, times) of the coordinate of each body, from those of the free ones (free or more, times)."""
+    full = np.zeros((len(layout.root), values.shape[1]))
+    full[: layout.free] = values[: layout.free]
+    return full[layout.coordinate]
 
 
 def mean_angle(loading: Loading, times: int) -> FloatArray:
@@ -79,8 +81,6 @@ def mean_angle(loading: Loading, times: int) -> FloatArray:
 def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArray:
     """(bodies, times) N m that act on the bodies."""
     constant = over_time(loading.torque) + over_time(loading.drive.T @ load)
-    if not loading.multiple.size:
-        return np.asarray(np.broadcast_to(constant, (len(constant), len(turned))))
     phase = np.exp(1j * np.outer(loading.multiple, loading.order * turned))
     return np.asarray(constant + (loading.vibratory @ phase).real)
 
@@ -97,26 +97,25 @@ def over_time(values: FloatArray) -> FloatArray:
     return values[:, None] if values.ndim == 1 else values
 
 
+def scaled(part: FloatArray, value: float | FloatArray) -> FloatArray:
+    """A part times a factor, or (..., times) times a factor for every time."""
+    return part[:, None] * value if np.ndim(value) else part * value
+
+
 def state(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray) -> State:
     """The motion of all bodies, and what each lacks for equilibrium.
 
     Behind its coordinates a motion may hold the twists of the layout's dampers, which else follow from it.
     """
-    free = layout.free
     where = turning(layout, motion.deviation, turned)
-    times = motion.deviation.shape[1]
-    rate, gain = np.full((len(layout.root), times), loading.speed), np.zeros((len(layout.root), times))
-    rate[:free] += motion.speed[:free]
-    gain[:free] = motion.acceleration[:free]
-    slow = np.zeros((len(layout.root), times))
-    slow[:free] = motion.speed[:free]
-    rate, gain, slow = rate[layout.coordinate], gain[layout.coordinate], slow[layout.coordinate]
+    slow, gain = _of_bodies(layout, motion.speed), _of_bodies(layout, motion.acceleration)
+    rate = loading.speed + slow
     slip = slow * where.first + loading.speed * (where.first - 1.0)
     acceleration = where.first * gain + where.second * rate**2
     residual = (
         layout.inertia[:, None] * acceleration + over_time(loading.damping) * slip - torques(loading, turned, load)
     )
-    force = spring_torques(layout, where.deviation, slip, motion.speed[free:])
+    force = spring_torques(layout, where.deviation, slip, motion.speed[layout.free :])
     np.add.at(residual, layout.driving, force)
     np.subtract.at(residual, layout.driven, force)
     return State(where, rate, gain, slip, acceleration, residual)
@@ -155,22 +154,12 @@ def linearised(layout: Layout, loading: Loading, motion: Motion, load: FloatArra
     now = state(layout, loading, motion, load, turned)
     free, first = layout.free, now.turning.first
     residual = gathered(layout, first * now.residual)
-    force = np.stack([-gathered(layout, first * one[:, None]) for one in loading.drive]) if len(loading.drive) else (
-        np.zeros((0, *residual.shape))
-    )  # fmt: skip
-    whole = entries(layout, loading, now)
-    inside = (whole.row < free) & (whole.column < free)
-    kept = Couplings(*(part[inside] for part in vars(whole).values()))
-    found = Linearised(residual[:free], kept, force[:, :free], _hysteretic(layout, first, count))
+    force = np.array([-gathered(layout, first * one[:, None]) for one in loading.drive])
+    force = force.reshape(len(loading.drive), *residual.shape)
+    found = Linearised(residual, entries(layout, loading, now), force, _hysteretic(layout, first, count))
     if len(motion.deviation) == free:
         return found
     return _with_dampers(layout, found, now, motion.deviation[free:], loading.w0)
-
-
-def damper_twists(layout: Layout, loading: Loading, deviation: FloatArray) -> FloatArray:
-    """(dampers, times) rad from the coordinates' deviations (free, times)."""
-    turned = mean_angle(loading, deviation.shape[1])
-    return np.asarray(at_bodies(layout) @ turning(layout, deviation, turned).deviation)
 
 
 def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArray, w0: float) -> Linearised:
@@ -178,7 +167,7 @@ def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArr
     size, times, free = layout.dampers.size, twist.shape[1], layout.free
     number = len(size)
     missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ now.turning.deviation)
-    pull = (size[:, None, None] * at_coordinates(layout, now.turning.first)).reshape(-1, times)
+    pull = (size[:, None] * at_coordinates(layout, now.turning.first)).reshape(times, -1).T
     damper, coordinate = np.repeat(free + np.arange(number), free), np.tile(np.arange(free), number)
     alone, none = free + np.arange(number), np.zeros((number * free, times))
     here = found.entries
@@ -192,33 +181,34 @@ def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArr
     return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
 
 
-def gathered(layout: Layout, onto: FloatArray) -> FloatArray:
-    """(coordinates, times) from what acts on the bodies."""
-    out = np.zeros((len(layout.root), onto.shape[1]))
-    np.add.at(out, layout.coordinate, onto)
-    return out
+def damper_matrices(layout: Layout, now: State, shape: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Damping and stiffness of the dampers, (times, free, free), or on shapes (free, shapes) of the coordinates."""
+    twist = at_coordinates(layout, now.turning.first)
+    slope = at_coordinates(layout, now.turning.second * now.rate)
+    if shape is not None:
+        twist, slope = twist @ shape, slope @ shape
+    pull = np.swapaxes(over_time(layout.dampers.size).T[:, :, None] * twist, 1, 2)
+    return pull @ twist, pull @ slope
 
 
 def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
-    """Mass, damping and stiffness entries: one for each coordinate, four for each spring."""
+    """Mass, damping and stiffness entries: one for each free coordinate, then up to four for each spring."""
     f1, f2, f3 = now.turning.first, now.turning.second, now.turning.third
     inertia, ground = layout.inertia[:, None], over_time(loading.damping)
     slip_slope = f2 * now.rate  # of a body's speed over its coordinate
     mass = inertia * f1**2
     damping = f1 * (2.0 * inertia * slip_slope + ground * f1)
     stiffness = f1 * (inertia * (f2 * now.gain + f3 * now.rate**2) + ground * slip_slope) + f2 * now.residual
-    own = [gathered(layout, part) for part in (mass, damping, stiffness)]
-    row, column = [np.arange(len(layout.root))], [np.arange(len(layout.root))]
-    parts = [[one] for one in own]
-    for left, right, sign in ((0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)):
-        a, b = (layout.driving, layout.driven)[left], (layout.driving, layout.driven)[right]
+    own = np.arange(layout.free)
+    parts = [(own, own, *(gathered(layout, part) for part in (mass, damping, stiffness)))]
+    ends = (layout.driving, 1.0), (layout.driven, -1.0)
+    for (a, plus), (b, minus) in product(ends, ends):
+        row, column, sign = layout.coordinate[a], layout.coordinate[b], plus * minus
+        inside = (row < layout.free) & (column < layout.free)
         c, k = sign * over_time(layout.viscous), sign * layout.stiffness[:, None]
-        row.append(layout.coordinate[a])
-        column.append(layout.coordinate[b])
-        parts[0].append(np.zeros((len(a), f1.shape[1])))
-        parts[1].append(c * f1[a] * f1[b])
-        parts[2].append(f1[a] * (k * f1[b] + c * slip_slope[b]))
-    return Couplings(np.concatenate(row), np.concatenate(column), *(np.concatenate(one) for one in parts))
+        between = np.zeros((len(a), f1.shape[1])), c * f1[a] * f1[b], f1[a] * (k * f1[b] + c * slip_slope[b])
+        parts.append((row[inside], column[inside], *(part[inside] for part in between)))
+    return Couplings(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
 def _hysteretic(layout: Layout, first: FloatArray, count: int) -> list[tuple[int, int, ComplexArray]]:
@@ -229,29 +219,9 @@ def _hysteretic(layout: Layout, first: FloatArray, count: int) -> list[tuple[int
     for spring in np.flatnonzero(layout.hysteretic).tolist():
         ends = (int(layout.driving[spring]), 1.0), (int(layout.driven[spring]), -1.0)
         shapes = {body: toeplitz(first[body], count, wide) for body, _ in ends}
-        for a, plus in ends:
-            for b, minus in ends:
-                i, j = int(layout.coordinate[a]), int(layout.coordinate[b])
-                if i < layout.free and j < layout.free:
-                    size = plus * minus * layout.hysteretic[spring]
-                    out.append((i, j, size * (shapes[a].conj().T @ (turn * shapes[b]))))
+        for (a, plus), (b, minus) in product(ends, ends):
+            i, j = int(layout.coordinate[a]), int(layout.coordinate[b])
+            if i < layout.free and j < layout.free:
+                size = plus * minus * layout.hysteretic[spring]
+                out.append((i, j, size * (shapes[a].conj().T @ (turn * shapes[b]))))
     return out
-
-
-def right_hand_side(layout: Layout, loading: Loading, load: FloatArray, t: float, y: FloatArray) -> FloatArray:
-    """d/dt of (deviations, speeds of deviation) of the free coordinates at a time (s), for an integrator of ODEs.
-
-    Raises SolveError where a coordinate has no inertia or a spring has a loss factor, which acts on harmonics only.
-    """
-    free = layout.free
-    if layout.hysteretic.any():
-        raise SolveError("a loss factor has no meaning in time; give a viscous damping")
-    column = y[:, None]
-    motion = Motion(column[:free], column[free:], np.zeros((free, 1)))
-    now = state(layout, loading, motion, load, np.array([loading.speed * t]))
-    first = now.turning.first
-    mass = gathered(layout, layout.inertia[:, None] * first**2)[:free, 0]
-    if not np.all(mass > 0):
-        raise SolveError("a joint or shaft end without inertia cannot be integrated in time; give it an inertia")
-    missing = gathered(layout, first * now.residual)[:free, 0]
-    return np.concatenate([y[free:], -missing / mass])

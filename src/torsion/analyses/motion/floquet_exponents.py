@@ -1,15 +1,15 @@
 """Floquet exponents of a train about its periodic motion at one speed, by the monodromy matrix or by Hill's matrix."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import Loading, gathered, linearised, mean_angle, state, torque_rates
-from torsion.analyses.motion.mechanism import Layout
+from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
+from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
-from torsion.analyses.motion.stability_settings import Method
-from torsion.analyses.motion.straight_modes import Basis, at_coordinates, basis, reduced, viscous
+from torsion.analyses.motion.straight_modes import Basis, basis, reduced, viscous
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -25,6 +25,7 @@ BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the stati
 HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
 FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
 UNSTABLE = 1e-7  # growth over one common period: less is rounding
+Method = Literal["hill", "monodromy"]
 MOST_HILL = 2500  # rows of the eigenvalue problem
 
 
@@ -56,12 +57,10 @@ class Variation:
         missed = _beyond(reduced, self.repeated[:, : self.size])
         shape = np.column_stack([reduced.shape, missed])
         mass, damping, stiffness = (shape.T @ part @ shape for part in (self.mass, self.damping, self.stiffness))
-        repeated = np.zeros((len(self.repeated), 2, shape.shape[1], self.mass.shape[0]))
-        for one, motion in zip(repeated, self.repeated, strict=True):
-            for own, part in zip(one, np.split(motion, 2), strict=True):
-                own[:] = np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part])
-        form = len(repeated), 2 * shape.shape[1], self.mass.shape[0]
-        return Variation(mass, damping, stiffness, self.period, repeated.reshape(form))
+        parts = [part for motion in self.repeated for part in np.split(motion, 2)]
+        repeated = [np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part]) for part in parts]
+        form = len(self.repeated), 2 * shape.shape[1], len(self.mass)
+        return Variation(mass, damping, stiffness, self.period, np.reshape(repeated, form))
 
 
 def _beyond(reduced: Basis, motions: FloatArray) -> FloatArray:
@@ -79,30 +78,24 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
     """The variation of the equations about an orbit.
 
     A vibratory torque goes by the angle of its own station: by the clock it would hold the train to a phase. Of a train
-    with loss factors, scene and orbit must be those of the dampers that stand for them (`losses.viscous`):
+    with loss factors, scene and orbit must be those of the dampers that stand for them (`straight_modes.viscous`):
     a loss factor has no meaning for a deviation that grows.
     """
     loading, free = orbit.now.loading, at.layout.free
     times = points_in_time(orbit.found.count)
     motion = motion_of(orbit.found.harmonic, loading.w0, times)
-    around = linearised(at.layout, loading, motion, orbit.found.load, 1)
-    mass, damping, stiffness = around.entries.full(free)
     turned = mean_angle(loading, times)
     now = state(at.layout, loading, motion, orbit.found.load, turned)
-    if loading.multiple.size:
-        own = np.arange(free)
-        stiffness[:, own, own] -= gathered(at.layout, now.turning.first * torque_rates(loading, turned) / now.rate)[
-            :free
-        ].T
+    mass, damping, stiffness = entries(at.layout, loading, now).full(free)
+    own = np.arange(free)
+    stiffness[:, own, own] -= gathered(at.layout, now.turning.first * torque_rates(loading, turned) / now.rate).T
     if at.layout.dampers.size.size:
-        twist = at_coordinates(at.layout, now.turning.first).transpose(2, 0, 1)
-        pull = np.swapaxes(twist * at.layout.dampers.size[:, None], 1, 2)
-        damping = damping + pull @ twist
-        stiffness = stiffness + pull @ at_coordinates(at.layout, now.turning.second * now.rate).transpose(2, 0, 1)
-    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading, motion))
+        damper_damping, damper_stiffness = damper_matrices(at.layout, now)
+        damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
+    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading.speed, motion))
 
 
-def _repeated(layout: Layout, loading: Loading, motion: Motion) -> FloatArray:
+def _repeated(layout: Layout, mean: float, motion: Motion) -> FloatArray:
     """(motions, 2 free, times) what repeats itself unless something holds it: all that turns, turning further.
 
     Where parts are joined by damping alone, so does every one without a joint, turned by a fixed angle.
@@ -111,7 +104,7 @@ def _repeated(layout: Layout, loading: Loading, motion: Motion) -> FloatArray:
     found = list[FloatArray]()
     if layout.floating:
         turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
-        found.append(np.concatenate([turning * (loading.speed + motion.speed), turning * motion.acceleration]))
+        found.append(np.concatenate([turning * (mean + motion.speed), turning * motion.acceleration]))
     for group in layout.loose:
         found.append(np.concatenate([np.repeat(group[:, None], times, axis=1), np.zeros((free, times))]))
     return np.array(found).reshape(-1, 2 * free, times)
@@ -127,9 +120,14 @@ class Multipliers:
     period: float  # s
 
     @property
+    def fastest(self) -> tuple[float, float]:
+        """Growth (1/s) of the fastest growing motion, negative where all die out, and its frequency (rad/s)."""
+        return (self.exponent[0].real, self.exponent[0].imag) if self.exponent.size else (-np.inf, np.nan)
+
+    @property
     def growth(self) -> float:
-        """1/s of the fastest growing motion; negative where all die out."""
-        return float(self.exponent.real[0]) if self.exponent.size else -np.inf
+        """1/s of the fastest growing motion."""
+        return float(self.fastest[0])
 
     @property
     def multiplier(self) -> ComplexArray:
@@ -150,7 +148,7 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
         if size_of <= APART * np.linalg.norm(one[:, 0] / scale):
             continue
         if np.linalg.norm(whole @ start - start) <= KEPT_VECTOR * size_of:
-            turned = _beside(start)
+            turned = np.linalg.qr(np.column_stack([start / size_of, np.eye(len(start))]))[0][:, 1:]
             whole, back = turned.T @ whole @ turned, back @ turned
     value, vector = np.linalg.eig(whole)
     order = np.argsort(-np.abs(value), kind="stable")
@@ -158,18 +156,12 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     return Multipliers(exponents(value[order], around.period), shape[:size], shape[size:], around.period)
 
 
-def _beside(known: FloatArray) -> FloatArray:
-    """(size, size - 1) orthonormal, at right angles to a vector."""
-    unit = known / np.linalg.norm(known)
-    return np.asarray(np.linalg.qr(np.column_stack([unit, np.eye(len(unit))]))[0][:, 1 : len(unit)])
+def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HILL) -> Multipliers:
+    """Exponents by the eigenvalues of Hill's matrix, with harmonics up to a highest frequency (rad/s).
 
-
-def by_hill(around: Variation, count: int, most: int = MOST_HILL) -> Multipliers:
-    """Exponents by the eigenvalues of Hill's matrix with harmonics up to `count` of the common period.
-
-    Raises SolveError where it has more than `most` rows.
+    fewest: harmonics of the common period, at least. Raises SolveError where it has more than `most` rows.
     """
-    size = around.size
+    size, count = around.size, int(max(fewest, np.ceil(highest / around.w0) + 4))
     if 2 * size * (2 * count + 1) > most:
         message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
         raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
@@ -183,11 +175,6 @@ def by_hill(around: Variation, count: int, most: int = MOST_HILL) -> Multipliers
     return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
 
 
-def hill_count(around: Variation, highest: float, orbit_count: int) -> int:
-    """Harmonics for Hill's matrix: those of the orbit, and those up to a highest frequency (rad/s)."""
-    return int(max(orbit_count, np.ceil(highest / around.w0) + 4))
-
-
 @dataclass
 class Search:
     """The growth rates of a train at any speeds; keeps what it has computed."""
@@ -195,8 +182,8 @@ class Search:
     at: Scene
     shapes: Basis
     reduced: Basis | None
-    method: Method
-    known: dict[float, tuple[Orbit, Multipliers] | None]
+    method: Method = "monodromy"
+    known: dict[float, tuple[Orbit, Multipliers] | None] = field(default_factory=dict)
 
     def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
         """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
@@ -213,7 +200,7 @@ class Search:
         if self.reduced is not None:
             around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
         if method == "hill":
-            return by_hill(around, hill_count(around, highest, orbit.found.count), most)
+            return by_hill(around, highest, orbit.found.count, most)
         return by_monodromy(around, highest)
 
     def growth(self, speed: float) -> float:
@@ -237,7 +224,7 @@ def growth_search(study: Study, system: System, *, method: Method = "monodromy",
     at = scene(study, system, vibratory=False)
     shapes = basis(at.layout)
     fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
-    return Search(damped(at, fewer or shapes), shapes, fewer, method, {})
+    return Search(damped(at, fewer or shapes), shapes, fewer, method)
 
 
 def damped(at: Scene, shapes: Basis) -> Scene:

@@ -14,7 +14,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Span
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.spanning_forest import connected
+from torsion.kernels.spanning_forest import connected, walk
 
 
 @dataclass(frozen=True)
@@ -141,11 +141,6 @@ class Layout:
         return len(self.inertia)
 
     @property
-    def order(self) -> Fraction:
-        """Of the common period of all joints, per turn of the reference station; 0 without joints."""
-        return common_order(list(self.orders))
-
-    @property
     def loose(self) -> BoolArray:
         """(groups, free) members of the floating groups that no joint is in and that others drive by damping alone.
 
@@ -156,6 +151,13 @@ class Layout:
         driven = {int(self.coordinate[step.outer]) for step in self.steps}
         groups = [np.isin(np.arange(self.free), group) for group in self.floating if not driven & set(group)]
         return np.array(groups, dtype=bool).reshape(-1, self.free)
+
+
+def gathered(whole: Layout, onto: FloatArray) -> FloatArray:
+    """(free, ...) on the free coordinates from what acts on the bodies (bodies, ...)."""
+    out = np.zeros((len(whole.root), *onto.shape[1:]))
+    np.add.at(out, whole.coordinate, onto)
+    return out[: whole.free]
 
 
 def layout(system: System) -> Layout:
@@ -183,11 +185,12 @@ def layout(system: System) -> Layout:
     elastic = np.isfinite(system.flexibility[springs])
     stiffness[elastic] = ratio2[elastic] / system.flexibility[springs][elastic]
     driving, driven = body[system.driving[springs]], body[system.driven[springs]]
+    group = connected(len(root), coordinate[driving[elastic]], coordinate[driven[elastic]])
+    floating = [np.flatnonzero(group[:free] == one).tolist() for one in np.setdiff1d(group[:free], group[free:])]
     return Layout(
         body, inertia, coordinate, root, free, steps, springs, driving, driven, stiffness,
         system.viscous[springs] * ratio2, stiffness * system.loss_factor[springs],
-        Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
-        _floating(coordinate, free, driving[elastic], driven[elastic], len(root)), tuple(sorted(orders)),
+        Dampers(np.zeros((len(springs), 0)), np.zeros(0)), tuple(tuple(one) for one in floating), tuple(sorted(orders)),
     )  # fmt: skip
 
 
@@ -203,44 +206,19 @@ def _coordinates(
     system: System, body: IntArray, held: BoolArray, joints: IntArray
 ) -> tuple[IntArray, IntArray, int, tuple[JointStep, ...]]:
     """Coordinate of each body, own body of each coordinate, number of free ones, and the joints in order."""
-    spans = [system.spans[k] for k in joints.tolist()]
-    near: dict[int, list[tuple[int, JointMap, bool]]] = {}
-    for span in spans:
-        a, b, joint = int(body[span.driving]), int(body[span.driven]), joint_map(system, span)
-        near.setdefault(a, []).append((b, joint, True))
-        near.setdefault(b, []).append((a, joint, False))
-    number = len(held)
-    driven = np.zeros(number, dtype=bool)
-    driven[body[[span.driven for span in spans]]] = True
-    starts = [*np.flatnonzero(held).tolist(), *np.flatnonzero(~held & ~driven).tolist(), *range(number)]
-    owner, steps, roots = np.full(number, -1), list[JointStep](), list[int]()
-    for start in starts:
-        if owner[start] >= 0:
-            continue
-        roots.append(start)
-        owner[start] = len(roots) - 1
-        met = [start]
-        for inner in met:
-            for outer, joint, is_forward in near.get(inner, []):
-                if owner[outer] >= 0:
-                    continue
-                owner[outer] = owner[inner]
-                steps.append(JointStep(inner, outer, joint if is_forward else joint.undone()))
-                met.append(outer)
-    if len(steps) < len(spans):
+    number, driving, driven = len(held), body[system.driving[joints]], body[system.driven[joints]]
+    in_front = np.setdiff1d(np.flatnonzero(~held), driven)
+    starts = [*np.flatnonzero(held).tolist(), *in_front.tolist()]
+    way = walk(number, driving, driven, np.ones(len(joints), dtype=bool), starts)
+    root = np.flatnonzero(way.parent < 0)
+    root = np.concatenate([root[~held[root]], root[held[root]]])
+    coordinate, steps = np.zeros(number, dtype=np.int64), list[JointStep]()
+    coordinate[root] = np.arange(len(root))
+    for outer in way.order[way.parent[way.order] >= 0].tolist():
+        inner, above = int(way.parent[outer]), way.above[outer]
+        joint = joint_map(system, system.spans[joints[above]])
+        steps.append(JointStep(inner, outer, joint if driving[above] == inner else joint.undone()))
+        coordinate[outer] = coordinate[inner]
+    if len(steps) < len(joints):
         raise SolveError("joints close a loop, or hold one body from two sides; give one of them an elastic coupling")
-    free_first = np.argsort([held[one] for one in roots], kind="stable")
-    place = np.empty(len(roots), dtype=np.int64)
-    place[free_first] = np.arange(len(roots))
-    root = np.array(roots, dtype=np.int64)[free_first]
-    return place[owner], root, int(np.count_nonzero(~held[root])), tuple(steps)
-
-
-def _floating(
-    coordinate: IntArray, free: int, driving: IntArray, driven: IntArray, number: int
-) -> tuple[tuple[int, ...], ...]:
-    """Groups of free coordinates that elastic springs join, without those joined to a prescribed one."""
-    group = connected(number, coordinate[driving], coordinate[driven])
-    held = set(group[free:].tolist())
-    names = [one for one in np.unique(group[:free]).tolist() if one not in held]
-    return tuple(tuple(np.flatnonzero(group[:free] == one).tolist()) for one in names)
+    return coordinate, root, int(np.count_nonzero(~held[root])), tuple(steps)

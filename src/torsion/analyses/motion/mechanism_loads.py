@@ -9,15 +9,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import Loading, mean_angle
+from torsion.analyses.motion.equations_of_motion import Loading
 from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond, common_order, layout
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import reference_station, steady_if_known
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.periodic.harmonic_balance import points_in_time
-from torsion.kernels.periodic.hill import harmonics_of
 from torsion.primitives import Torque
 from torsion.study import Study
 
@@ -49,8 +47,8 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
         if one.line.order is not None and vibratory
         for torque in one.torques
     ]
-    orders = [order for order, _ in found] + ([whole.order] if whole.order else [])
-    return Scene(study, system, whole, common_order(orders) or Fraction(1), tuple(found))
+    order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
+    return Scene(study, system, whole, order, tuple(found))
 
 
 @dataclass(frozen=True)
@@ -119,12 +117,6 @@ def _drive(at: Scene, applied: FloatArray) -> tuple[FloatArray, FloatArray, IntA
             steady.append(group[0])
             guess.append(0.0)
     return known, np.array(rows).reshape(-1, number), np.array(steady, dtype=np.int64), np.array(guess)
-
-
-def rigid_motion(at: Scene, now: Operating, count: int) -> ComplexArray:
-    """(free, 2 count + 1) harmonics of the train turning without any elasticity but its static twist, rad."""
-    turned = mean_angle(now.loading, points_in_time(count))
-    return harmonics_of(rigid_deviation(at.layout, now.loading.steady, now.twist[:, None], turned), count)
 
 
 def rigid_deviation(whole: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray) -> FloatArray:

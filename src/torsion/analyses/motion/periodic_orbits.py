@@ -8,20 +8,13 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.motion.common_period import harmonics_needed, too_long
-from torsion.analyses.motion.equations_of_motion import (
-    damper_twists,
-    linearised,
-    mean_angle,
-    spring_torques,
-    state,
-    torques,
-)
-from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_motion, scene
+from torsion.analyses.motion.equations_of_motion import linearised, mean_angle, spring_torques, state, torques, turning
+from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_deviation
+from torsion.analyses.motion.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
-from torsion.assembly.segment_groups import SegmentGroups
+from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.findings import Progress, silent
 from torsion.kernels.periodic.harmonic_balance import (
     MOST_UNKNOWNS,
     Balance,
@@ -34,23 +27,17 @@ from torsion.kernels.periodic.harmonic_balance import (
 )
 from torsion.kernels.periodic.hill import harmonics_of
 from torsion.results import derived, reported, result, words
-from torsion.study import Study
 
 ACCURACY = 1e-10  # harmonics left out / largest kept
 FEWEST, MOST = 6, 400  # harmonics of the common period
 GROWTH = 1.4  # of the number of harmonics from one trial to the next
 KEPT = 1e-14  # of the largest amplitude: orders that stay smaller at every speed are rounding
 SUBDIVISIONS = 6  # halvings of a step of speed before a solution is given up
-LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
-LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
 GROWS = 1e-5  # over one common period: less may be the error of few modes
 SLIPS = 1e-6  # of the drive's torque: what a coupling without stiffness may be required to carry
 ASIDE = (-0.02, 0.02)  # of the speed: from so far away a motion is carried to it
 STEPS = 4  # of the way
 SAME = 1e-5  # of the largest amplitude: motions that differ by less are one
-
-
-Orders = tuple[Fraction, ...]
 
 
 class Found(IntEnum):
@@ -132,32 +119,6 @@ class PeriodicResponse:
         return np.asarray(np.nan_to_num(self.growth * periods) > GROWS)
 
 
-def is_advised(system: System, first_order: FloatArray | None = None) -> bool:
-    """Whether the exact response is the default: a joint beyond 10 deg, or a first-order estimate of error beyond 1 %.
-
-    first_order: the estimates (speeds, lines) of a first-order response, where there is one.
-    """
-    joints = (system.train.parts[span.part].joint for span in system.spans if span.error)
-    if any(joint is not None and joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints):
-        return True
-    return first_order is not None and bool(np.nanmax(first_order, initial=0.0) > LARGE_ERROR)
-
-
-def periodic_response(
-    study: Study, system: System, speeds: FloatArray, *, progress: Progress | None = None
-) -> PeriodicResponse:
-    """The periodic response at ascending reference speeds (speeds,) rad/s, each started from the one before it."""
-    at = scene(study, system)
-    report = progress or silent
-    orbits, why = list[Orbit | None](), list[str]()
-    for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
-        report("harmonic balance", k / len(speeds))
-        orbit, reason = continued(at, speed, orbits[-1] if orbits else None)
-        orbits.append(orbit)
-        why.append(reason)
-    return response_of(at, orbits, np.asarray(speeds, dtype=float), tuple(why))
-
-
 def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:
     """The one of the speed nearest to a speed, rad/s; None of none."""
     return min(orbits, key=lambda one: abs(one.now.loading.speed - speed), default=None)
@@ -165,15 +126,11 @@ def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:
 
 def continued(at: Scene, speed: float, before: Orbit | None) -> tuple[Orbit | None, str]:
     """The orbit at a speed (rad/s) from its neighbour, else from the rigid motion, else by smaller steps of speed."""
-    if before is not None:
+    for start in (None,) if before is None else (before, None):
         try:
-            return orbit(at, speed, before), ""
-        except SolveError:
-            pass
-    try:
-        return orbit(at, speed), ""
-    except SolveError as fault:
-        why = str(fault)
+            return orbit(at, speed, start), ""
+        except SolveError as fault:
+            why = str(fault)
     if before is None:
         return None, why
     here, reached, step = before, before.now.loading.speed, (speed - before.now.loading.speed) / 2.0
@@ -196,10 +153,13 @@ def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
     The number of harmonics is raised until those left out are small.
     """
     now = operating(at, speed)
-    count = harmonics_at_least(at) if start is None else start.found.count
-    harmonic = rigid_motion(at, now, count) if start is None else start.found.harmonic
-    load = now.load if start is None else start.found.load
-    found = _solved(at, now, harmonic, load)
+    if start is None:
+        count = harmonics_at_least(at)
+        turned = mean_angle(now.loading, points_in_time(count))
+        rigid = rigid_deviation(at.layout, now.loading.steady, now.twist[:, None], turned)
+        found = _solved(at, now, harmonics_of(rigid, count), now.load)
+    else:
+        found = _solved(at, now, start.found.harmonic, start.found.load)
     most = min(MOST, 20_000 // max(1, at.layout.free))
     while found.truncation > ACCURACY and found.count < most:
         more = min(most, int(np.ceil(GROWTH * found.count)))
@@ -229,7 +189,8 @@ def _solved(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray)
     free, w0, count = at.layout.free, now.loading.w0, (harmonic.shape[1] - 1) // 2
     if at.layout.dampers.size.size:
         deviation = motion_of(harmonic, w0, points_in_time(count)).deviation
-        twist = damper_twists(at.layout, now.loading, deviation)
+        moving = turning(at.layout, deviation, mean_angle(now.loading, deviation.shape[1]))
+        twist = at_bodies(at.layout) @ moving.deviation
         harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
     found = balance(equations, harmonic, load, now.loading.steady, w0)
     return replace(found, harmonic=found.harmonic[:free])
@@ -244,8 +205,9 @@ def _refuse_slipping(found: Balance, now: Operating) -> None:
 
 
 def response_of(
-    at: Scene, orbits: Sequence[Orbit | None], speed: FloatArray, why: tuple[str, ...], orders: Orders | None = None
-) -> PeriodicResponse:
+    at: Scene, orbits: Sequence[Orbit | None], speed: FloatArray, why: tuple[str, ...],
+    orders: tuple[Fraction, ...] | None = None,
+) -> PeriodicResponse:  # fmt: skip
     """The response at speeds (speeds,) rad/s whose orbits are known, in some orders: all that are more than rounding.
 
     why: of every speed without an orbit.
@@ -260,11 +222,11 @@ def response_of(
     for k, one in enumerate(orbits):
         if one is None:
             continue
-        count, moving = one.found.count, course(at, one.now, one.found)
-        angle[k], torque[k] = 0.0, 0.0
-        angle[k, :count] = 2.0 * harmonics_of(moving.angle, count)[:, count + 1 :].T
-        torque[k, :count] = 2.0 * harmonics_of(moving.torque, count)[:, count + 1 :].T
-        mean[k] = moving.torque.mean(axis=1)
+        count, courses = one.found.count, _course(at, one)
+        for part, course in zip((angle, torque), courses, strict=True):
+            part[k] = 0.0
+            part[k, :count] = 2.0 * harmonics_of(course, count)[:, count + 1 :].T
+        mean[k] = courses[1].mean(axis=1)
         drive[k] = one.found.load[0] if one.found.load.size else np.nan
         harmonics[k], truncation[k], status[k] = count, one.found.truncation, one.status
     kept = np.array(ranks, dtype=int) - 1
@@ -277,33 +239,25 @@ def response_of(
     )
 
 
-@dataclass(frozen=True)
-class Course:
-    """A periodic motion over the common period, at evenly spaced times."""
+def _course(at: Scene, there: Orbit) -> tuple[FloatArray, FloatArray]:
+    """Over the common period: deviations of the stations (stations, times) rad at own speed, and torques of the spans.
 
-    time: FloatArray  # (times,) s
-    angle: FloatArray  # (stations, times) rad at own speed, deviation from the mean motion
-    speed: FloatArray  # (stations, times) rad/s at own speed, deviation from the mean speed
-    torque: FloatArray  # (spans, times) N m at the driving station's speed, positive when the driving side pushes
-
-
-def course(at: Scene, now: Operating, found: Balance, times: int | None = None) -> Course:
-    """The motion of every station and the torque of every span."""
-    whole, system, loading = at.layout, at.system, now.stations
-    times = points_in_time(found.count) if times is None else times
+    The torques, (spans, times) N m, are at the driving station's speed, positive when the driving side pushes.
+    """
+    whole, system, now, found = at.layout, at.system, there.now, there.found
+    loading, times = now.stations, points_in_time(found.count)
     turned = mean_angle(loading, times)
     moving = state(whole, now.loading, motion_of(found.harmonic, loading.w0, times), found.load, turned)
     ratio = system.speed_ratio[:, None]
-    deviation, slip = moving.turning.deviation[whole.body], moving.slip[whole.body]
     inertia = np.where(system.held, 0.0, system.inertia)[:, None] * ratio**2
-    need = inertia * moving.acceleration[whole.body] + loading.damping[:, None] * slip
+    need = inertia * moving.acceleration[whole.body] + loading.damping[:, None] * moving.slip[whole.body]
     need -= torques(loading, turned, found.load)
     torque = np.zeros((len(system.spans), times))
     torque[whole.spring] = spring_torques(whole, moving.turning.deviation, moving.slip)
     np.add.at(need, system.driving[whole.spring], torque[whole.spring])
     np.subtract.at(need, system.driven[whole.spring], torque[whole.spring])
     _rigid_torques(system, torque, need, moving.turning.first[whole.body])
-    return Course(turned / loading.speed, deviation * ratio, slip * ratio, torque / system.span_ratio[:, None])
+    return moving.turning.deviation[whole.body] * ratio, torque / system.span_ratio[:, None]
 
 
 def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: FloatArray) -> None:
@@ -333,7 +287,8 @@ def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: 
 def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:
     """What else was found at the speeds of some rows of a response, in its orders; None where nothing was.
 
-    A speed stands once for every further motion.
+    A speed stands once for every further motion. They are sought from the rigid motion (None), and from motions a
+    little slower and faster that were found from it.
     """
     speeds, orbits = list[float](), list[Orbit | None]()
     for row in rows:
@@ -341,7 +296,8 @@ def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicRespo
         if here is None:
             continue
         known = [here]
-        for start in _starts(at, found, row):
+        aside = (_reached(at, float(found.speed[row]) * (1.0 + share), None) for share in ASIDE)
+        for start in (None, *(one for one in aside if one is not None)):
             other = _reached(at, float(found.speed[row]), start)
             if other is not None and all(_differ(at, one, other) for one in known):
                 known.append(other)
@@ -350,16 +306,6 @@ def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicRespo
     if not orbits:
         return None
     return response_of(at, orbits, np.array(speeds), ("",) * len(orbits), found.orders)
-
-
-def _starts(at: Scene, found: PeriodicResponse, row: int) -> list[Orbit | None]:
-    """The rigid motion (None), and motions a little slower and faster, found from the rigid one."""
-    starts: list[Orbit | None] = [None]
-    for share in ASIDE:
-        aside = _reached(at, float(found.speed[row]) * (1.0 + share), None)
-        if aside is not None:
-            starts.append(aside)
-    return starts
 
 
 def _reached(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:

@@ -40,12 +40,6 @@ MOST_SOUGHT, EACH = 3, 40  # speeds at which other motions are sought: at most, 
 EDGE = 1e-3  # the same beside a speed without a periodic motion
 
 
-def number_of_speeds(at: Scene) -> int:
-    """How many speeds the exact response of a train is worth."""
-    each = max(1.0, at.layout.free * max(1.0, harmonics_at_least(at) / FEW))
-    return int(np.clip(WORK // each, FEWEST, MOST))
-
-
 def too_long(study: Study, system: System) -> str:
     """Why the exact response takes too long to be computed unrequested; empty where it does not."""
     at = scene(study, system)
@@ -62,20 +56,21 @@ def too_long(study: Study, system: System) -> str:
 
 
 def periodic_over_speed(
-    study: Study, system: System, first_order: Response, *, most: int | None = None, progress: Progress | None = None
+    study: Study, system: System, first_order: Response, *, progress: Progress = silent
 ) -> PeriodicResponse:
-    """The exact periodic response over the range of a first-order response; `most` speeds, else as many as it is worth.
+    """The exact periodic response over the range of a first-order response, at as many speeds as it is worth.
 
     Every speed is started from the nearest that is solved.
     """
     at = scene(study, system)
-    report, number = progress or silent, most or number_of_speeds(at)
+    each = max(1.0, at.layout.free * max(1.0, harmonics_at_least(at) / FEW))
+    number = int(np.clip(WORK // each, FEWEST, MOST))
     known: dict[float, tuple[Orbit | None, str]] = {}
 
     def solve(speeds: FloatArray) -> PeriodicResponse:
         for speed in speeds.tolist():
             if speed not in known:
-                report("harmonic balance", len(known) / number)
+                progress("harmonic balance", len(known) / number)
                 solved = (one for one, _ in known.values() if one is not None)
                 known[speed] = continued(at, speed, nearest(speed, solved))
         order = sorted(known)
@@ -88,9 +83,9 @@ def periodic_over_speed(
         if not more.size:
             break
         found = solve(np.sort(more))
-    report("stability of the periodic motion", 1.0)
+    progress("stability of the periodic motion", 1.0)
     found = replace(found, growth=growths(at, found))
-    report("other periodic motions", 1.0)
+    progress("other periodic motions", 1.0)
     further = others(at, found, worth_another_look(found, max(1, min(MOST_SOUGHT, number // EACH))))
     if further is not None:
         further = replace(further, growth=growths(at, further))
@@ -110,13 +105,13 @@ def worth_another_look(found: PeriodicResponse, most: int) -> list[int]:
 def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
     """(speeds,) 1/s of small deviations from each periodic motion, on the lowest modes; NaN where there is none.
 
-    With loss factors it is that of the motion beside it that dampers in their place make (`losses.viscous`): of any
-    other motion the free turning, which neither grows nor dies out, would seem to do either.
+    With loss factors it is that of the motion beside it that dampers in their place make (`straight_modes.viscous`):
+    of any other motion the free turning, which neither grows nor dies out, would seem to do either.
     """
     shapes = basis(at.layout)
     fewer = modes_that_matter(at, shapes, float(found.speed[-1]))
     there = damped(at, fewer)
-    search = Search(there, shapes, fewer, "monodromy", {})
+    search = Search(there, shapes, fewer)
 
     def growth(own: Orbit | None) -> float:
         if own is None:
@@ -138,8 +133,7 @@ def start(study: Study, first_order: Response, number: int) -> FloatArray:
         requested if len(requested) <= few else requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
     )
     size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
-    chosen = [first_order.speed[row] for row, _, _ in _peaks(size)]
-    highest = np.array(list(dict.fromkeys(float(speed) for speed in chosen))[: int(AT_PEAKS * number)])
+    highest = first_order.speed[list(dict.fromkeys(row for row, _, _ in _peaks(size)))[: int(AT_PEAKS * number)]]
     rated = study.operation.rated
     inside = [] if rated is None or not requested[0] <= rated.speed <= requested[-1] else [rated.speed]
     return np.unique(np.concatenate([spread, highest, inside]))

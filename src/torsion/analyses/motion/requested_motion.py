@@ -1,22 +1,119 @@
-"""The exact periodic response of a train with joints, its stability, and the map of it, as a study requests them."""
+"""The exact motion of a train with joints as a study requests it: its response, its stability, and the map of that."""
+
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import BeforeValidator, Field, ValidationInfo
 
-from torsion.analyses.motion.stability_settings import StabilitySettings
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly.system import System
+from torsion.components.lowering import JointRecord
+from torsion.errors import Fault, Path
+from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Work
+from torsion.study import Range, SpeedRange, Study
 
 PERIODIC = "exact periodic response"
 SMALL = "no joint is bent by more than 10 degrees, and the first order estimates its error below 1 %"
+LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
+LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
+SPEEDS = "`speeds: {from: 300 rpm, to: 1800 rpm}`, here or in `operation`"
+METHODS = {
+    "monodromy": "Floquet multipliers by the monodromy matrix, checked by Hill's matrix",
+    "hill": "Floquet exponents by Hill's matrix, checked by the monodromy matrix",
+}
+Method = Literal["hill", "monodromy"]
+Over = Literal["angle", "damping", "torque"]
+
+
+def _read_value(value: Any, info: ValidationInfo) -> float:
+    """An angle below 90 degrees with its unit, or a factor; which, `over` says."""
+    if info.data.get("over") == "angle":
+        return Quantity("rad", at_least=0, below=np.pi / 2.0).read(value)
+    return Quantity("1", at_least=0).read(value) if "over" in info.data else 0.0
+
+
+Value = Annotated[float, BeforeValidator(_read_value, json_schema_input_type=float | str)]
+
+
+class MapSettings(Range):
+    """Settings of `map` in `stability`."""
+
+    over: Over = required("angle (of all cross joints), damping or torque (factors on what the file says)")
+    first: Value = required("lowest value: an angle with its unit, or a factor", alias="from")
+    last: Value = required("highest value", alias="to")
+    steps: Annotated[int, Field(ge=2, le=2000)] = given("number of values", 101)
+    modes: Annotated[int, Field(ge=1, le=60)] | None = given("elastic modes kept (default: those that matter)")
+
+
+class StabilitySettings(Declared):
+    """Settings of `stability`."""
+
+    speeds: SpeedRange | None = given("speeds (default: those of the operation)")
+    method: Method = given("`monodromy` in steps of time, or `hill`: the eigenvalues of Hill's matrix", "monodromy")
+    modes: Annotated[int, Field(ge=1, le=1000)] | None = given(
+        "reduce to so many elastic modes (default: all of a train of at most 20 coordinates, else those that matter)"
+    )
+    map: MapSettings | None = given("growth over speed and one more quantity")
+
+
+def motion_faults(study: Study, path: Path) -> list[Fault]:
+    """Why a train has no exact motion: its model of shafts, or its closed loops; at the place that requests it."""
+    if study.model != "lumped" and study.train.has_shafts:
+        message = f"the exact motion of joints is built for the model lumped, and this is {study.model}"
+        return [Fault(path, message, "model: lumped")]
+    if study.train.has_loops:
+        message = "the exact motion of joints takes no closed loops, and `links` closes one"
+        return [Fault(path, message, "leave one out")]
+    return []
+
+
+def requested_motion_faults(study: Study) -> list[Fault]:
+    """Faults of a file that requests the exact response or stability."""
+    found: list[Fault] = []
+    if study.setting("analyses", "response", "method") == "harmonic-balance":
+        found += motion_faults(study, ("analyses", "response", "method"))
+    path = ("analyses", "stability")
+    if study.setting(*path) is None:
+        return found
+    if not study.has_joints:
+        hint = "leave it out; the damped modes show what damps"
+        found.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
+    if study.setting(*path, "speeds") is None and study.operation.speeds is None:
+        found.append(Fault(path, "stability needs speeds", SPEEDS))
+    over = study.setting(*path, "map", "over")
+    if over is not None:
+        found += _map_faults(study, over, (*path, "map", "over"))
+    return [*found, *motion_faults(study, path)]
+
+
+def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
+    """Why a map has nothing to vary: a factor on nothing, or the angle of joints that the train does not have."""
+    train, load = study.train, study.operation.load
+    if over == "torque":
+        is_flat = not isinstance(load, str) and not any(torque for _, torque in load)
+        varies = study.operation.has_mean_torque and not is_flat
+        message = "the mean torque, and the train has none"
+        hint = "give it, for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`, or a table of `load`"
+    elif over == "damping":
+        lossy = any(one.viscous > 0 or one.loss_factor > 0 for one in train.springs)
+        varies = lossy or bool(train.dampers) or any(bar.loss_factor > 0 for bar in train.bars)
+        message = "the damping, and nothing in the train damps"
+        hint = "give the train its damping, for example `viscous` of a coupling or `damping` of a disc"
+    else:
+        joints = [part.joint for part in train.parts if part.joint is not None]
+        varies = any(joint.kind == "cross" and joint.angle > 0 for joint in joints)
+        message = "the angle of cross joints, and none of the train is bent"
+        hint = "bend one, for example `joint: {angle: 5 deg}`; tripods and cv joints keep their angle in a map"
+    return [] if varies else [Fault(path, f"the map varies {message}", hint)]
 
 
 def run_periodic(work: Work) -> None:
     """The exact periodic response beside the first-order one, where the file or the size of the angles calls for it."""
     system, log, first_order = work.system, work.log, work.get(Response)
-    method = getattr(work.study.analyses.get("response"), "method", None)
-    requested = method == "harmonic-balance"
-    if not exciting_joints(system):
+    method = work.study.setting("analyses", "response", "method")
+    joints, requested = exciting_joints(system), method == "harmonic-balance"
+    if not joints:
         if requested:
             log.without(PERIODIC, "no joint of the train excites: the response over speed is exact as it is")
         return
@@ -24,9 +121,8 @@ def run_periodic(work: Work) -> None:
         if requested or first_order is not None:
             log.without(PERIODIC, "`method: first-order`" if first_order is not None else "no response over speed")
         return
-    from torsion.analyses.motion.periodic_orbits import is_advised
-
-    if not requested and not is_advised(system, first_order.joint_error):
+    is_large = any(joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints)
+    if not requested and not is_large and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR:
         log.without(PERIODIC, SMALL)
         return
     why = "requested" if requested else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
@@ -37,7 +133,6 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
     """patient: it may take long."""
     from torsion.analyses.motion.periodic_orbits import Found
     from torsion.analyses.motion.periodic_speeds import periodic_over_speed, too_long
-    from torsion.analyses.motion.stability_settings import motion_faults
 
     study, system, log = work.study, work.system.whole, work.log
     refused = "; ".join(fault.message for fault in motion_faults(study, ()))
@@ -64,17 +159,15 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
     work.put(periodic=found if groups is None else found.condensed(groups))
 
 
-def exciting_joints(system: System) -> bool:
-    """A joint of the train turns unevenly."""
-    parts = system.train.parts
-    return any(span.error and parts[span.part].joint is not None for span in system.spans)
+def exciting_joints(system: System) -> list[JointRecord]:
+    """The joints of the train that turn unevenly."""
+    every = (system.train.parts[span.part].joint for span in system.spans if span.error)
+    return [joint for joint in every if joint is not None]
 
 
 def run_stability(work: Work) -> None:
     """Stability over speed and its map, where they are requested."""
-    from torsion.analyses.motion.mechanism_loads import scene
-    from torsion.analyses.motion.periodic_orbits import harmonics_at_least
-    from torsion.analyses.motion.stability_over_speed import requested_stability
+    from torsion.analyses.motion.stability_over_speed import stability
 
     study, system, log = work.study, work.system.whole, work.log
     settings = work.settings("stability", StabilitySettings)
@@ -82,13 +175,13 @@ def run_stability(work: Work) -> None:
     if not exciting_joints(system) or speeds is None:
         log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
         return
-    harmonics_at_least(scene(study, system, vibratory=False))  # refused before anything is computed
     with log.step("stability", "requested") as step:
-        found = requested_stability(study, system, settings, speeds.values(), progress=work.progress)
-        step.method = _METHODS[settings.method]
+        found = stability(
+            study, system, speeds.values(), method=settings.method, modes=settings.modes, progress=work.progress
+        )
+        step.method = METHODS[settings.method]
         added = int((~found.requested).sum())
-        modes = found.modes.size
-        kept = "all modes" if found.kept is None else f"{found.kept} of {modes} elastic modes"
+        kept = "all modes" if found.kept is None else f"{found.kept} of {found.modes.size} elastic modes"
         step.size = f"{int(found.requested.sum())} speeds requested, {added} more around zones and boundaries; {kept}"
     if found.unsolved.size:
         number = found.unsolved.size
@@ -97,23 +190,14 @@ def run_stability(work: Work) -> None:
     work.put(stability=found)
 
 
-_METHODS = {
-    "monodromy": "Floquet multipliers by the monodromy matrix, checked by Hill's matrix",
-    "hill": "Floquet exponents by Hill's matrix, checked by the monodromy matrix",
-}
-
-
 def run_map(work: Work) -> None:
     """Growth over speed and one more quantity, where it is requested."""
     stability = work.settings("stability", StabilitySettings)
     settings, speeds = stability.map, stability.speeds or work.study.operation.speeds
     if settings is None or speeds is None or not exciting_joints(work.system):
         return
-    from torsion.analyses.motion.mechanism_loads import scene
-    from torsion.analyses.motion.periodic_orbits import harmonics_at_least
     from torsion.analyses.motion.stability_map import stability_map
 
-    harmonics_at_least(scene(work.study, work.system.whole, vibratory=False))
     with work.log.step("stability map", "requested") as step:
         found = stability_map(
             work.study, work.system.whole, speeds.values(), settings.over, settings.values(), modes=settings.modes,

@@ -5,14 +5,15 @@ values of the second quantity are solved side by side at one speed, each started
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
+from torsion.analyses.motion.equations_of_motion import scaled
 from torsion.analyses.motion.floquet_exponents import Search, damped, modes_that_matter
-from torsion.analyses.motion.mechanism import JointMap, JointStep
+from torsion.analyses.motion.mechanism import JointStep
 from torsion.analyses.motion.mechanism_loads import Scene, scene
-from torsion.analyses.motion.stability_settings import Over
+from torsion.analyses.motion.periodic_orbits import harmonics_at_least
 from torsion.analyses.motion.straight_modes import Basis, basis
 from torsion.analyses.motion.variant_stack import Stack, growths, half_range, solve_stack
 from torsion.arrays import FloatArray
@@ -24,6 +25,7 @@ from torsion.kinematics.cross import unevenness
 from torsion.results import reported, result
 from torsion.study import Study
 
+Over = Literal["angle", "damping", "torque"]
 SIDE_BY_SIDE = 25  # values solved at a time, to stay within the caches
 SAME_MOTION = 0.02  # relative: periodic motions that differ by more are not the same
 CHECKED = 9  # points at which the unreduced train is computed too
@@ -40,54 +42,37 @@ class StabilityMap:
     growth: FloatArray = result("1/s", ("speed", "value"), "null where no periodic motion was found")
     modes: int = result("", (), "elastic modes kept")
     of_modes: int = result("", (), "of so many")
-    amplitude: FloatArray  # (speeds, values) rad: largest vibration of a coordinate, half range
     error: float = result("1/s", (), "largest difference to the whole train at the points checked")
     checked: int = result("", (), "points checked")
     elsewhere: int = result("", (), "points checked at which the whole train settled in another motion")
-    alone: int  # points near resonances that were solved one by one on the unreduced train
 
 
 def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
     """The scene with another joint angle (rad), or factor on damping or mean torque; arrays lie along the time."""
     whole = at.layout
     if over == "angle":
-        steps = tuple(_bent(step, unevenness(value)) for step in whole.steps)
-        return replace(at, layout=replace(whole, steps=steps))
+        uneven, steps = unevenness(value), list[JointStep]()
+        for step in whole.steps:  # of cross joints; the inverse of one stays an inverse
+            bent = replace(step.joint, unevenness=np.copysign(uneven, step.joint.unevenness))  # type: ignore[arg-type]
+            steps.append(step if step.joint.series else replace(step, joint=bent))
+        return replace(at, layout=replace(whole, steps=tuple(steps)))
     if over == "damping":
-        dampers = replace(whole.dampers, size=_times(whole.dampers.size, value))
-        hysteretic = _times(whole.hysteretic, value)
-        more = replace(whole, viscous=_times(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
+        dampers = replace(whole.dampers, size=scaled(whole.dampers.size, value))
+        hysteretic = scaled(whole.hysteretic, value)
+        more = replace(whole, viscous=scaled(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
         return replace(at, layout=more, damping=value)  # type: ignore[arg-type]
     return replace(at, mean=value)  # type: ignore[arg-type]
 
 
-def _times(part: FloatArray, value: float | FloatArray) -> FloatArray:
-    return part[:, None] * value if np.ndim(value) else part * value
-
-
-def _bent(step: JointStep, uneven: Any) -> JointStep:
-    """A cross joint with another unevenness; the inverse of one stays an inverse."""
-    joint: JointMap = step.joint
-    if joint.series:
-        return step
-    return replace(step, joint=replace(joint, unevenness=np.copysign(1.0, joint.unevenness) * uneven))
-
-
 def stability_map(
-    study: Study,
-    system: System,
-    speeds: FloatArray,
-    over: Over,
-    values: FloatArray,
-    *,
-    modes: int | None = None,
-    progress: Progress | None = None,
-) -> StabilityMap:
+    study: Study, system: System, speeds: FloatArray, over: Over, values: FloatArray, *, modes: int | None = None,
+    progress: Progress = silent,
+) -> StabilityMap:  # fmt: skip
     """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
-    report = progress or silent
     at = scene(study, system, vibratory=False)
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")
+    harmonics_at_least(at)  # raises SolveError before anything is computed
     shapes = basis(at.layout)
     fewer = modes_that_matter(at, shapes, float(np.max(speeds)), modes)
     lossy = damped(at, fewer)
@@ -99,15 +84,16 @@ def stability_map(
         stack = Stack(lossy, fewer, lambda value: varied(lossy, over, value), some, uneven)
         solution = None
         for k, speed in enumerate(np.asarray(speeds, dtype=float).tolist()):
-            report("stability map", (first + len(some) * k / len(speeds)) / len(values))
+            progress("stability map", (first + len(some) * k / len(speeds)) / len(values))
             solution = solve_stack(stack, speed, solution)
             growth[k, first : first + len(some)] = growths(stack, solution)
             amplitude[k, first : first + len(some)] = solution.amplitude
     whole = _Whole(at, shapes, over, np.asarray(speeds, dtype=float), values)
-    alone = whole.fill(growth, amplitude)
+    for k, column in np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist():
+        growth[k, column], amplitude[k, column] = whole(k, column)
     error, checked, elsewhere = whole.check(growth, amplitude)
     counts = fewer.modes - fewer.rigid, len(shapes.frequency) - shapes.rigid
-    return StabilityMap(over, whole.speeds, values, growth, *counts, amplitude, error, checked, elsewhere, alone)
+    return StabilityMap(over, whole.speeds, values, growth, *counts, error, checked, elsewhere)
 
 
 @dataclass(frozen=True)
@@ -124,18 +110,11 @@ class _Whole:
         """Growth (1/s) and amplitude (rad) at a point; NaN where there is no periodic motion."""
         there = varied(self.at, self.over, float(self.values[column]))
         shapes = basis(there.layout) if self.over == "damping" else self.shapes
-        found = Search(damped(there, shapes), shapes, None, "monodromy", {})(float(self.speeds[k]))
+        found = Search(damped(there, shapes), shapes, None)(float(self.speeds[k]))
         if found is None:
             return np.nan, np.nan
         motion = motion_of(found[0].found.harmonic, 1.0, points_in_time(found[0].found.count))
         return found[1].growth, float(half_range(motion.deviation))
-
-    def fill(self, growth: FloatArray, amplitude: FloatArray) -> int:
-        """Solve what is missing point by point; returns how many were found."""
-        missing = np.argwhere(np.isnan(growth))[:MOST_ALONE].tolist()
-        for k, column in missing:
-            growth[k, column], amplitude[k, column] = self(k, column)
-        return sum(bool(np.isfinite(growth[k, column])) for k, column in missing)
 
     def check(self, growth: FloatArray, amplitude: FloatArray) -> tuple[float, int, int]:
         """Largest difference (1/s) at the fastest growing points, those nearest to a boundary, and some spread out.

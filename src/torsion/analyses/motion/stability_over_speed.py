@@ -1,14 +1,10 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from torsion.analyses.motion.floquet_exponents import Search, growth_search, modes_that_matter
-from torsion.analyses.motion.mechanism_loads import scene
-from torsion.analyses.motion.stability_settings import Method, StabilitySettings
-from torsion.analyses.motion.straight_modes import basis
+from torsion.analyses.motion.floquet_exponents import Method, Search, growth_search, modes_that_matter
+from torsion.analyses.motion.periodic_orbits import harmonics_at_least
 from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
@@ -65,49 +61,46 @@ class Stability:
 
 
 def stability(
-    study: Study,
-    system: System,
-    speeds: FloatArray,
-    *,
-    method: Method = "monodromy",
-    modes: int | None = None,
-    progress: Progress | None = None,
-) -> Stability:
+    study: Study, system: System, speeds: FloatArray, *, method: Method = "monodromy", modes: int | None = None,
+    progress: Progress = silent,
+) -> Stability:  # fmt: skip
     """Growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
 
     Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
-    they shift the orbit, not its stability, to first order.
+    they shift the orbit, not its stability, to first order. A long train is reduced to the modes that matter, and any
+    train to as many elastic modes as `modes` says, where it has more.
     """
-    report = progress or silent
-    search = growth_search(study, system, method=method, modes=modes)
+    search = growth_search(study, system, method=method)
+    harmonics_at_least(search.at)  # raises SolveError before anything is computed
+    elastic = search.shapes.frequency[search.shapes.rigid :]
+    if modes is None and search.at.layout.free > WHOLE:
+        fewer = modes_that_matter(search.at, search.shapes, float(np.max(speeds)))
+        modes = fewer.modes - fewer.rigid
+    modes = None if modes is None or modes >= len(elastic) else modes
+    if modes is not None:
+        search = growth_search(study, system, method=method, modes=modes)
     requested = np.unique(np.asarray(speeds, dtype=float))
     for k, speed in enumerate(requested.tolist()):
-        report("stability", 0.6 * k / len(requested))
+        progress("stability", 0.6 * k / len(requested))
         search(speed)
-    _look_between(search, requested, report)
-    ranges = unstable_ranges(search, report)
+    _look_between(search, requested, progress)
+    ranges = unstable_ranges(search, progress)
     speed = np.array(sorted(search.known))
     solved = [search.known[one] for one in speed.tolist()]
-    growth = np.array([np.nan if one is None else one[1].growth for one in solved])
-    frequency = np.array(
-        [np.nan if one is None or not one[1].exponent.size else one[1].exponent.imag[0] for one in solved]
-    )
+    growth, frequency = np.array([(np.nan, np.nan) if one is None else one[1].fastest for one in solved]).T
     with np.errstate(over="ignore"):
         factor = np.exp(growth * 2.0 * np.pi / speed)
-    unsolved = speed[np.isnan(growth)]
-    shapes = search.shapes.frequency[search.shapes.rigid :]
+    left_out = 0.0 if modes is None else _left_out(study, system, speed, growth, min(MORE * modes, len(elastic)))
     return Stability(
-        speed, np.isin(speed, requested), growth, frequency, factor, ranges, shapes, method, _check(search, requested),
-        unsolved, search.loses,
+        speed, np.isin(speed, requested), growth, frequency, factor, ranges, elastic, method, _check(search, requested),
+        speed[np.isnan(growth)], search.loses, modes, left_out,
     )  # fmt: skip
 
 
 def _look_between(search: Search, requested: FloatArray, report: Progress) -> None:
     """Search around each combination resonance for zones that fall between the speeds."""
-    if len(requested) < 2:
-        return
     uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
-    if uneven == 0.0:
+    if uneven == 0.0 or len(requested) < 2:
         return
     seeds = candidates(search.shapes, search.at.layout.orders, float(requested[0]), float(requested[-1]))
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
@@ -119,8 +112,8 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
             continue
 
         def height(speed: float) -> float:
-            value = indicator(search, speed, None)
-            return np.inf if np.isnan(value) else -value
+            found = search(speed)
+            return np.inf if found is None else -indicator(found[1], loses=search.loses)
 
         minimize_scalar(
             height, bounds=(low, high), method="bounded", options={"xatol": around * seed * 1e-2, "maxiter": 10}
@@ -130,42 +123,23 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
 def _check(search: Search, requested: FloatArray) -> float:
     """1/s: largest difference between the growth rates of both methods at a few speeds."""
     other: Method = "monodromy" if search.method == "hill" else "hill"
-    worst = np.nan
+    apart = list[float]()
     known = [found for speed in requested.tolist() if (found := search(speed)) is not None]
     known = known or [found for found in search.known.values() if found is not None]
     for place in np.unique(np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)).tolist():
         found = known[place]
         try:
-            apart = abs(search.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
+            apart.append(abs(search.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth))
         except SolveError:
             continue
-        worst = apart if np.isnan(worst) else max(worst, apart)
-    return float(worst)
+    return max(apart, default=np.nan)
 
 
-def requested_stability(
-    study: Study, system: System, requested: StabilitySettings, speeds: FloatArray, *, progress: Progress | None = None
-) -> Stability:
-    """Stability at reference speeds (speeds,) rad/s, on as many modes as are requested, else those that matter."""
-    at = scene(study, system, vibratory=False)
-    shapes = basis(at.layout)
-    elastic, modes = len(shapes.frequency) - shapes.rigid, requested.modes
-    if modes is None and at.layout.free > WHOLE:
-        fewer = modes_that_matter(at, shapes, float(np.max(speeds)))
-        modes = fewer.modes - fewer.rigid
-    if modes is not None and modes >= elastic:
-        modes = None
-    found = stability(study, system, speeds, method=requested.method, modes=modes, progress=progress)
-    if modes is None:
-        return found
-    return replace(found, kept=modes, left_out=_left_out(study, system, found, min(MORE * modes, elastic)))
-
-
-def _left_out(study: Study, system: System, found: Stability, more: int) -> float:
+def _left_out(study: Study, system: System, speed: FloatArray, growth: FloatArray, more: int) -> float:
     """1/s: largest change of the growth rate with more modes, at the fastest growth and at both ends."""
     search = growth_search(study, system, modes=more)
-    known = np.flatnonzero(np.isfinite(found.growth))
+    known = np.flatnonzero(np.isfinite(growth))
     if not known.size:
         return np.nan
-    places = {int(known[0]), int(known[-1]), int(known[np.argmax(found.growth[known])])}
-    return float(np.nanmax([abs(search.growth(float(found.speed[k])) - found.growth[k]) for k in sorted(places)]))
+    places = {int(known[0]), int(known[-1]), int(known[np.argmax(growth[known])])}
+    return float(np.nanmax([abs(search.growth(float(speed[k])) - growth[k]) for k in sorted(places)]))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import eigh
 
-from torsion.analyses.motion.mechanism import Dampers, Layout
+from torsion.analyses.motion.mechanism import Dampers, Layout, gathered
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 
@@ -85,9 +85,7 @@ def _with_light(some: Basis) -> Basis:
 def basis(whole: Layout) -> Basis:
     """All modes of finite frequency; coordinates without inertia follow the others statically."""
     free = whole.free
-    mass = np.zeros(len(whole.root))
-    np.add.at(mass, whole.coordinate, whole.inertia)
-    mass = mass[:free]
+    mass = gathered(whole, whole.inertia)
     stiffness, lossy = (_assembled(whole, part) for part in (whole.stiffness, whole.hysteretic))
     heavy, light = np.flatnonzero(mass > 0), np.flatnonzero(mass == 0)
     if not heavy.size:
@@ -95,9 +93,8 @@ def basis(whole: Layout) -> Basis:
     follow = np.zeros((free, len(heavy)))
     follow[heavy, np.arange(len(heavy))] = 1.0
     if light.size:
-        follow[light] = -np.linalg.lstsq(stiffness[np.ix_(light, light)], stiffness[np.ix_(light, heavy)], rcond=None)[
-            0
-        ]
+        pull = stiffness[np.ix_(light, heavy)]
+        follow[light] = -np.linalg.lstsq(stiffness[np.ix_(light, light)], pull, rcond=None)[0]
     root = np.sqrt(mass[heavy])
     square, vector = eigh((follow.T @ stiffness @ follow) / np.outer(root, root))
     frequency = np.sqrt(np.maximum(square, 0.0))
@@ -132,9 +129,8 @@ def viscous(whole: Layout, shapes: Basis) -> Layout:
     twist = shape[whole.coordinate[whole.driving]] - shape[whole.coordinate[whole.driven]]
     value, vector = eigh(shapes.loss[np.ix_(elastic, elastic)])
     acts = value > NOTHING * value[-1]
-    onto = (whole.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ (
-        vector[:, acts] * np.sqrt(value[acts])
-    )
+    share = vector[:, acts] * np.sqrt(value[acts])
+    onto = (whole.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ share
     length = np.linalg.norm(onto, axis=0)
     return replace(whole, hysteretic=np.zeros_like(whole.hysteretic), dampers=Dampers(onto / length, length**2))
 
@@ -148,10 +144,8 @@ def at_bodies(whole: Layout) -> FloatArray:
 
 
 def at_coordinates(whole: Layout, slope: FloatArray) -> FloatArray:
-    """(dampers, free, times): twist of each damper over the free coordinates.
+    """(times, dampers, free): twist of each damper over the free coordinates.
 
     slope: (bodies, times), that of each body over its coordinate.
     """
-    out = np.zeros((len(whole.root), whole.dampers.onto.shape[1], slope.shape[1]))
-    np.add.at(out, whole.coordinate, at_bodies(whole).T[:, :, None] * slope[:, None])
-    return out[: whole.free].transpose(1, 0, 2)
+    return gathered(whole, at_bodies(whole).T[:, :, None] * slope[:, None]).transpose(2, 1, 0)

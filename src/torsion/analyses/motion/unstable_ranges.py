@@ -1,6 +1,6 @@
 """Unstable ranges of speed: where they end, how fast small deviations grow within, and what they are called."""
 
-from collections.abc import Callable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, pairwise
@@ -13,6 +13,7 @@ from torsion.analyses.motion.floquet_exponents import UNSTABLE, Multipliers, Sea
 from torsion.analyses.motion.straight_modes import Basis
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
+from torsion.findings import Progress
 from torsion.results import derived, reported, result
 
 TAKES_PART = 0.02  # of the largest modal energy
@@ -25,19 +26,21 @@ BISECTIONS = 10  # before a boundary of a train without damping is sought by the
 PARTS = 8  # of a range: in each of them the growth is evaluated before the greatest is sought
 PEAK = 1e-4  # of the interval in which the greatest growth is sought; at a smooth peak its growth is then far closer
 
+Kind = Literal["principal", "sum", "difference", "unexplained"]
+Combination = tuple[Kind, tuple[int, ...], float]  # modes, and what is to be a multiple of w0 (rad/s)
 
-@dataclass(frozen=True)
+
+@reported
 class Zone:
     """A parametric resonance."""
 
-    kind: Literal["principal", "sum", "difference", "unexplained"]
-    modes: tuple[int, ...]  # elastic modes, counted from 1; 0 is the free turning
-    rank: int  # k of k w0 = combination
-    detuning: float  # (combination - k w0)/w0
+    kind: Kind = result("", (), "principal, sum, difference or unexplained")
+    modes: tuple[int, ...] = result("", (), "elastic modes that take part, counted from 1")  # 0: free turning
+    rank: int = result("", (), "k of k times the common frequency = combination of the modes")
 
-    @property
+    @derived("", (), "its type in words")
     def name(self) -> str:
-        """In words."""
+        """As the report prints it."""
         if self.kind == "unexplained":
             return f"unstable in mode {self.modes[0]}" if self.modes else "unstable"
         if self.kind == "principal":
@@ -64,32 +67,27 @@ def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None
 
 def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
     """The combination of the modes that take part which lies nearest to a multiple of w0 (rad/s)."""
-    rigid = shapes.rigid
-    taking = [int(k) for k in np.argsort(-energy) if energy[k] > TAKES_PART]
     w = shapes.frequency
-    choices: list[tuple[float, Zone]] = []
-
-    def consider(
-        kind: Literal["principal", "sum", "difference"], modes: tuple[int, ...], combination: float, cost: float = 0.0
-    ) -> None:
-        rank = max(1, round(combination / w0))
-        away = combination / w0 - rank
-        if abs(away) < DETUNED:
-            numbers = tuple(max(0, mode - rigid + 1) for mode in modes)
-            choices.append((abs(away) + RANK_COSTS * rank + cost, Zone(kind, numbers, rank, away)))
-
+    taking = [int(k) for k in np.argsort(-energy) if energy[k] > TAKES_PART]
     strong = [k for k in taking if energy[k] > ALONE]
-    for mode in strong if len(strong) < 2 else []:
-        consider("principal", (mode,), 2.0 * w[mode])
-    if not choices:
-        for mode in strong:
-            consider("principal", (mode,), 2.0 * w[mode], MIXED_COSTS)
-        for i, j in combinations(sorted(taking), 2):
-            consider("sum", (i, j), w[i] + w[j])
-            consider("difference", (i, j), w[j] - w[i])
-    if not choices:
-        return Zone("unexplained", tuple(max(0, k - rigid + 1) for k in taking[:1]), 0, 0.0)
-    return min(choices, key=lambda one: one[0])[1]
+    alone: list[Combination] = [("principal", (k,), 2.0 * w[k]) for k in strong]
+    pairs: list[Combination] = []
+    for i, j in combinations(sorted(taking), 2):
+        pairs += [("sum", (i, j), w[i] + w[j]), ("difference", (i, j), w[j] - w[i])]
+
+    def numbers(modes: Iterable[int]) -> tuple[int, ...]:
+        return tuple(max(0, k - shapes.rigid + 1) for k in modes)
+
+    def near(some: list[Combination], cost: float = 0.0) -> Iterator[tuple[float, Zone]]:
+        for kind, modes, combination in some:
+            rank = max(1, round(combination / w0))
+            away = abs(combination / w0 - rank)
+            if away < DETUNED:
+                yield away + RANK_COSTS * rank + cost, Zone(kind, numbers(modes), rank)
+
+    choices = list(near(alone)) if len(strong) < 2 else []
+    choices = choices or [*near(alone, MIXED_COSTS), *near(pairs)]
+    return min(choices, key=lambda one: one[0])[1] if choices else Zone("unexplained", numbers(taking[:1]), 0)
 
 
 def candidates(
@@ -107,8 +105,8 @@ def candidates(
 
 
 @reported
-class UnstableRange:
-    """Speeds between which small deviations grow."""
+class UnstableRange(Zone):
+    """Speeds between which small deviations grow, by a parametric resonance."""
 
     first: float = result("rad/s", (), "lower boundary, reference speed", key="from_rad_per_s")
     last: float = result("rad/s", (), "upper boundary", key="to_rad_per_s")
@@ -117,31 +115,10 @@ class UnstableRange:
     )
     growth: float = result("1/s", (), "largest growth found within")
     at: float = result("rad/s", (), "where")
-    zone: Zone
     unknown: tuple[float | None, float | None] = result(
         "rad/s", (), "[below, above] from the end to there nothing is known; null elsewhere",
         key="unknown_to_rad_per_s", default=(None, None),
     )  # fmt: skip
-
-    @derived("", (), "its type in words")
-    def name(self) -> str:
-        """As the report prints it."""
-        return self.zone.name
-
-    @derived("", (), "principal, sum, difference or unexplained")
-    def kind(self) -> str:
-        """Of the zone."""
-        return self.zone.kind
-
-    @derived("", (), "elastic modes that take part, counted from 1")
-    def modes(self) -> tuple[int, ...]:
-        """Of the zone."""
-        return self.zone.modes
-
-    @derived("", (), "k of k times the common frequency = combination of the modes")
-    def rank(self) -> int:
-        """Of the zone."""
-        return self.zone.rank
 
     @property
     def grows_at_end(self) -> tuple[bool, bool]:
@@ -170,22 +147,18 @@ class End:
     unknown: float | None = None
 
 
-def unstable_ranges(search: Search, report: Callable[[str, float], None]) -> tuple[UnstableRange, ...]:
+def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ...]:
     """Every range around the unstable speeds that are known; speeds without a periodic motion part them."""
     out = list[UnstableRange]()
     while True:
         known = sorted(search.known)
-        apart = (one for one in known if search.is_unstable(one) and not any(_holds(there, one) for there in out))
+        met = [(one.first * (1.0 - 10.0 * WITHIN), one.last * (1.0 + 10.0 * WITHIN)) for one in out]
+        apart = (one for one in known if search.is_unstable(one) and not any(low <= one <= high for low, high in met))
         seed = next(apart, None)
         if seed is None:
             return tuple(sorted(out, key=lambda one: one.first))
         report("boundaries", 0.8 + 0.2 * known.index(seed) / len(known))
         out.append(_around(search, seed))
-
-
-def _holds(there: UnstableRange, speed: float) -> bool:
-    """A speed lies within, to ten times the accuracy of the boundaries."""
-    return there.first * (1.0 - 10.0 * WITHIN) <= speed <= there.last * (1.0 + 10.0 * WITHIN)
 
 
 def _around(search: Search, seed: float) -> UnstableRange:
@@ -195,14 +168,11 @@ def _around(search: Search, seed: float) -> UnstableRange:
         worst = _fastest(search, low.speed, high.speed)
         if all(search.is_unstable(one) for one in list(search.known) if low.inner < one < high.inner):
             break
-    found = search(worst)
-    if found is None:
-        raise SolveError("no periodic motion within an unstable range")
-    multipliers = found[1]
-    energy = modal_energy(multipliers, search.shapes, search.reduced)
+    found = _multipliers(search, worst)
+    named = zone(modal_energy(found, search.shapes, search.reduced), search.shapes, 2.0 * np.pi / found.period)
     return UnstableRange(
-        low.speed, high.speed, (low.is_open, high.is_open), multipliers.growth, worst,
-        zone(energy, search.shapes, 2.0 * np.pi / multipliers.period), (low.unknown, high.unknown),
+        named.kind, named.modes, named.rank, low.speed, high.speed, (low.is_open, high.is_open), found.growth, worst,
+        (low.unknown, high.unknown),
     )  # fmt: skip
 
 
@@ -223,52 +193,45 @@ def _end(search: Search, seed: float, side: int) -> End:
 
 def _boundary(search: Search, inner: float, outer: float) -> float:
     """The speed (rad/s) between an unstable and a stable one at which the growth begins; raises NoMotion."""
-    if search.loses:
-        if _known(search, outer, search.growth(outer)) >= 0.0:
-            return outer
-        return _root(lambda speed: _known(search, speed, search.growth(speed)), inner, outer)
-    for _ in range(BISECTIONS):
+    if search.loses and _multipliers(search, outer).growth >= 0.0:
+        return outer
+    for _ in range(0 if search.loses else BISECTIONS):
         middle = (inner + outer) / 2.0
-        _known(search, middle, search.growth(middle))
+        _multipliers(search, middle)
         inner, outer = (middle, outer) if search.is_unstable(middle) else (inner, middle)
-    found = search(inner)
-    if found is None:
-        raise SolveError("no periodic motion at the boundary of an unstable range")
-    at = np.exp(1j * np.angle(found[1].multiplier[0]))
+    at = np.exp(1j * np.angle(_multipliers(search, inner).multiplier[0]))
+
+    def height(speed: float) -> float:
+        return indicator(_multipliers(search, speed), at, loses=search.loses)
+
     try:
-        return _root(lambda speed: _known(search, speed, indicator(search, speed, at)), inner, outer)
+        return float(brentq(height, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
     except ValueError:
         return (inner + outer) / 2.0
 
 
-def _root(of: Callable[[float], float], inner: float, outer: float) -> float:
-    return float(brentq(of, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
-
-
-def _known(search: Search, speed: float, value: float) -> float:
-    if search(speed) is None:
+def _multipliers(search: Search, speed: float) -> Multipliers:
+    """Of the motion at a speed (rad/s); raises NoMotion where there is none."""
+    found = search(speed)
+    if found is None:
         raise NoMotion(f"no periodic motion at {speed:.8g} rad/s")
-    return value
+    return found[1]
 
 
-def indicator(search: Search, speed: float, at: complex | None) -> float:
+def indicator(found: Multipliers, at: complex | None = None, *, loses: bool) -> float:
     """Smooth over speed, positive where unstable: growth, or without damping the squared gap of two multipliers.
 
     at: unit complex number near which the two meet; None: wherever they lie closest.
     """
-    found = search(speed)
-    if found is None:
-        return np.nan
-    multipliers = found[1]
-    if search.loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and at is None):
-        return multipliers.growth
-    value = multipliers.multiplier
+    if loses or (found.growth * found.period > UNSTABLE * 1e3 and at is None):
+        return found.growth
+    value = found.multiplier
     if at is None:
         apart = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
         first, second = np.unravel_index(int(np.argmin(apart)), apart.shape)
     else:
         first, second = np.argsort(np.abs(value - at))[:2]
-    gap = np.log(value[first] / value[second]) / (2.0 * multipliers.period)
+    gap = np.log(value[first] / value[second]) / (2.0 * found.period)
     return float((gap * gap).real)
 
 

@@ -8,10 +8,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.motion.equations_of_motion import Loading, State, entries, gathered, over_time, state
-from torsion.analyses.motion.mechanism import Layout
+from torsion.analyses.motion.equations_of_motion import (
+    Loading,
+    State,
+    damper_matrices,
+    entries,
+    mean_angle,
+    scaled,
+    state,
+)
+from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, operating, rigid_deviation
-from torsion.analyses.motion.straight_modes import Basis, at_bodies
+from torsion.analyses.motion.straight_modes import Basis
 from torsion.arrays import FloatArray
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of
 from torsion.kernels.periodic.hill import from_real_parts, harmonics_of, real_blocks, real_parts, toeplitz
@@ -85,24 +93,31 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     variants, count, modes = len(stack.values), stack.count, len(stack.reduced.frequency)
     plain = operating(stack.at, speed)
     there = stack.vary(np.repeat(stack.values, stack.times))
-    loading = _loading(plain.loading, there)
-    turned = np.tile(2.0 * np.pi / loading.order * np.arange(stack.times) / stack.times, variants)
+    damping, torque = scaled(plain.loading.damping, there.damping), scaled(plain.loading.torque, there.mean)
+    loading = replace(plain.loading, damping=damping, torque=torque)
+    turned = np.tile(mean_angle(loading, stack.times), variants)
     rigid = rigid_deviation(there.layout, loading.steady, plain.twist[:, None] * there.mean, turned)
     base = motion_of(harmonics_of(rigid.reshape(-1, variants, stack.times), stack.times // 2), loading.w0, stack.times)
     if before is None:
-        harmonic, load = np.zeros((variants, modes, 2 * count + 1)), plain.load * _each(there.mean, stack)
+        mean = np.broadcast_to(there.mean, len(turned))[:: stack.times, None]
+        harmonic, load, around = np.zeros((variants, modes, 2 * count + 1)), plain.load * mean, None
     else:
-        harmonic, load = before.harmonic, before.load
-    size, factors, around = np.full(variants, np.inf), None, None if before is None else before.around
-    for _ in range(MOST_STEPS):
+        harmonic, load, around = before.harmonic, before.load, before.around
+    size, factors = np.full(variants, np.inf), None
+
+    def moving() -> tuple[Motion, State]:
         motion = _motion(stack, base, harmonic, loading.w0)
-        now = state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
+        return motion, state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
+
+    for _ in range(MOST_STEPS):
+        motion, now = moving()
         if np.all(size < SMALL):
             break
         if factors is None:
             around = around or _periodic(stack, there.layout, loading, now)
             factors = _factored(stack, loading, around)
-        move, change = _step(stack, factors, _residual(stack, there.layout, now))
+        lacking = _on_modes(stack, there.layout, now.turning.first * now.residual)
+        move, change = _step(stack, factors, lacking)
         is_near = np.abs(move).max(axis=(1, 2)) < FARTHEST
         harmonic = harmonic + np.where(is_near[:, None, None], move, 0.0)
         load = load + np.where(is_near[:, None], change, 0.0)
@@ -114,8 +129,7 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     found = size < FOUND
     if not found.all():
         harmonic, load = np.where(found[:, None, None], harmonic, 0.0), np.where(found[:, None], load, plain.load)
-        motion = _motion(stack, base, harmonic, loading.w0)
-        now = state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
+        motion, now = moving()
     around = _periodic(stack, there.layout, loading, now)
     first = [one.reshape(-1, variants, stack.times)[:, :, 0] for one in (speed + motion.speed, motion.acceleration)]
     start = [stack.reduced.share(one).T for one in first]
@@ -128,23 +142,6 @@ def half_range(deviation: FloatArray) -> FloatArray:
     return np.asarray(np.ptp(deviation, axis=-1).max(axis=0) / 2.0)
 
 
-def _each(value: float | FloatArray, stack: Stack) -> FloatArray:
-    """(variants, 1) from a value that is the same for all, or that lies along the axis of time."""
-    if np.ndim(value):
-        return np.reshape(value, (-1, stack.times))[:, :1]
-    return np.full((len(stack.values), 1), value)
-
-
-def _loading(plain: Loading, there: Scene) -> Loading:
-    """The loading of all variants: damping and torque (bodies, variants * times) where they differ."""
-    damping, torque = plain.damping, plain.torque
-    if np.ndim(there.damping):
-        damping = damping[:, None] * there.damping
-    if np.ndim(there.mean):
-        torque = torque[:, None] * there.mean
-    return replace(plain, damping=damping, torque=torque)
-
-
 def _motion(stack: Stack, base: Motion, harmonic: FloatArray, w0: float) -> Motion:
     """Rigid motion (coordinates, variants, times) and modes together, (coordinates, variants * times)."""
     modal = motion_of(from_real_parts(harmonic).swapaxes(0, 1), w0, stack.times)  # (modes, variants, times)
@@ -152,12 +149,11 @@ def _motion(stack: Stack, base: Motion, harmonic: FloatArray, w0: float) -> Moti
     return Motion(*(rigid.reshape(len(rigid), -1) + shape @ one.reshape(len(one), -1) for rigid, one in parts))
 
 
-def _residual(stack: Stack, layout: Layout, now: State) -> FloatArray:
-    """(variants, modes * harmonics) real parts of what the modes lack for equilibrium."""
-    variants, modes = len(stack.values), stack.reduced.shape.shape[1]
-    missing = stack.reduced.shape.T @ gathered(layout, now.turning.first * now.residual)[: layout.free]
-    missing = missing.reshape(modes, variants, stack.times)
-    return real_parts(harmonics_of(missing, stack.count)).transpose(1, 0, 2).reshape(variants, -1)
+def _on_modes(stack: Stack, layout: Layout, onto: FloatArray) -> FloatArray:
+    """(variants, modes * harmonics) real parts of what acts on the modes, from (bodies, variants * times)."""
+    variants = len(stack.values)
+    modal = (stack.reduced.shape.T @ gathered(layout, onto)).reshape(-1, variants, stack.times)
+    return real_parts(harmonics_of(modal, stack.count)).transpose(1, 0, 2).reshape(variants, -1)
 
 
 def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State) -> Periodic:
@@ -165,36 +161,18 @@ def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State) -> Per
     shape, variants = stack.reduced.shape, len(stack.values)
     modes = shape.shape[1]
     whole = entries(layout, loading, now)
-    inside = np.flatnonzero((whole.row < layout.free) & (whole.column < layout.free))
-    row, column = whole.row[inside], whole.column[inside]
-    outer = (shape[row][:, :, None] * shape[column][:, None, :]).reshape(len(row), -1).T
-    heavy = np.flatnonzero(inside < len(layout.root))  # the first entries are the coordinates' own
+    outer = (shape[whole.row][:, :, None] * shape[whole.column][:, None, :]).reshape(len(whole.row), -1).T
+    free = layout.free  # the first entries are the coordinates' own, and they alone have mass
     form = (modes, modes, variants, stack.times)
-    mass = (outer[:, heavy] @ whole.mass[inside[heavy]]).reshape(form)
-    damping = (outer @ whole.damping[inside]).reshape(form)
-    stiffness = (outer @ whole.stiffness[inside]).reshape(form)
+    mass = (outer[:, :free] @ whole.mass[:free]).reshape(form)
+    damping, stiffness = (outer @ whole.damping).reshape(form), (outer @ whole.stiffness).reshape(form)
     if layout.dampers.size.size:
-        damp, stiff = _damped(stack, layout, now)
-        damping, stiffness = damping + damp.reshape(form), stiffness + stiff.reshape(form)
+        damp, stiff = (part.transpose(1, 2, 0).reshape(form) for part in damper_matrices(layout, now, shape))
+        damping, stiffness = damping + damp, stiffness + stiff
     force = np.empty((variants, modes * (2 * stack.count + 1), len(loading.drive)))
     for k, drive in enumerate(loading.drive):
-        one = -shape.T @ gathered(layout, now.turning.first * drive[:, None])[: layout.free]
-        one = real_parts(harmonics_of(one.reshape(modes, variants, stack.times), stack.count))
-        force[:, :, k] = one.transpose(1, 0, 2).reshape(variants, -1)
+        force[:, :, k] = -_on_modes(stack, layout, now.turning.first * drive[:, None])
     return Periodic(mass, damping, stiffness, force)
-
-
-def _damped(stack: Stack, layout: Layout, now: State) -> tuple[FloatArray, FloatArray]:
-    """Damping and stiffness (modes, modes, variants * times) of the dampers on the modes."""
-    of_body = np.zeros((layout.bodies, stack.reduced.shape.shape[1]))
-    own = layout.coordinate < layout.free
-    of_body[own] = stack.reduced.shape[layout.coordinate[own]]
-    each = at_bodies(layout)[:, None, :] * of_body.T  # (dampers, modes, bodies)
-    twist = np.einsum("dmb,bt->tdm", each, now.turning.first, optimize=True)
-    slope = np.einsum("dmb,bt->tdm", each, now.turning.second * now.rate, optimize=True)
-    size = np.broadcast_to(over_time(layout.dampers.size).T, twist.shape[:2])[:, :, None]
-    pull = np.swapaxes(size * twist, 1, 2)
-    return (pull @ twist).transpose(1, 2, 0), (pull @ slope).transpose(1, 2, 0)
 
 
 def _factored(stack: Stack, loading: Loading, around: Periodic) -> Factors:

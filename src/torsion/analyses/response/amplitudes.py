@@ -35,12 +35,9 @@ class Response:
     lines: tuple[Line, ...] = result("", ("line",), "harmonic components of the excitation", record="")
     frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
     angle: ComplexArray = result(
-        "rad",
-        ("speed", "line", "station"),
-        "complex amplitude at own speed; null where the status is not ok",
-        printed=("speed", "named station"),
-        known_by="status",
-    )
+        "rad", ("speed", "line", "station"), "complex amplitude at own speed; null where the status is not ok",
+        printed=("speed", "named station"), known_by="status",
+    )  # fmt: skip
     torque: ComplexArray = result(
         "N*m", ("speed", "line", "span"), "complex amplitude, elastic and damping share together",
         printed=("speed", "end span"), known_by="status",
@@ -100,12 +97,9 @@ class FrequencyResponse:
     sources: tuple[str, ...] = result("", (), "what excites")
     speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 where none is given")
     angle: ComplexArray = result(
-        "rad",
-        ("frequency", "station"),
-        "complex amplitude at own speed; null where the status is not ok",
-        printed=("frequency", "named station"),
-        known_by="status",
-    )
+        "rad", ("frequency", "station"), "complex amplitude at own speed; null where the status is not ok",
+        printed=("frequency", "named station"), known_by="status",
+    )  # fmt: skip
     torque: ComplexArray = result(
         "N*m", ("frequency", "span"), "complex amplitude, elastic and damping share together",
         printed=("frequency", "end span"), known_by="status",
@@ -126,9 +120,9 @@ class FrequencyResponse:
         return words(self.status, Status)
 
 
-def blocks(points: int, system: System, values: int = BLOCK_VALUES) -> Iterator[slice]:
-    """Points in blocks; one block for all but large trains."""
-    length = max(values // max(len(system.stations), len(system.spans), 1), 1)
+def blocks(points: int, width: int, values: int = BLOCK_VALUES) -> Iterator[slice]:
+    """Points in blocks, of so many stations or spans each; one block for all but large trains."""
+    length = max(values // max(width, 1), 1)
     return (slice(start, start + length) for start in range(0, max(points, 1), length))
 
 
@@ -153,35 +147,18 @@ def _in_gigabytes(number: float, digits: int = 3) -> str:
     return f"{number / 1e9:.{digits}g} GB"
 
 
-def part_of(found: Response, part: slice) -> Response:
-    """A view of some speeds."""
-    rows: dict[str, Any] = {key: value[part] for key, value in vars(found).items() if isinstance(value, np.ndarray)}
-    return replace(found, **rows)
+Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse)
 
 
-Result = TypeVar("Result", Response, FrequencyResponse)
-
-
-def merged(first: Result, second: Result) -> Result:
-    """Both results in one, by ascending speed or frequency."""
-    return replace(first, **_by_ascending(first.points, second.points, first, second))
-
-
-def joined(first: tuple[Response, Synthesis], second: tuple[Response, Synthesis]) -> tuple[Response, Synthesis]:
-    """Two responses of the same lines with their syntheses in one, by ascending speed."""
-    response = merged(first[0], second[0])
-    return response, replace(first[1], **_by_ascending(first[0].speed, second[0].speed, first[1], second[1]))
-
-
-def _by_ascending(along: FloatArray, others: FloatArray, first: object, second: object) -> dict[str, Any]:
-    """The arrays of two results in one each, by ascending place, where both have one that of the first."""
+def merged(first: Result, second: Result, along: FloatArray, others: FloatArray) -> Result:
+    """Two results at the speeds or frequencies `along` and `others`, both ascending, in one; `first` where both are."""
     place = np.unique(np.concatenate([along, others]), return_index=True)[1]
     mine = place < len(along)
-    kept = slice(None) if np.count_nonzero(mine) == len(along) else place[mine]  # `along` ascends
+    kept = slice(None) if np.count_nonzero(mine) == len(along) else place[mine]
     both: dict[str, Any] = {}
     for key, value in vars(first).items():
         if isinstance(value, np.ndarray):
             both[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
             both[key][mine] = value[kept]
             both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
-    return both
+    return replace(first, **both)

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.response.amplitudes import Result, blocks, merged
+from torsion.analyses.response.amplitudes import FrequencyResponse, Response, blocks, merged
 from torsion.analyses.steady import SAME_SPEED
 from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
@@ -15,6 +16,7 @@ from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree_response import Status
 
+Answered = TypeVar("Answered", bound=Response | FrequencyResponse)
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
 FEWEST_POINTS = 5
 MOST_ADDED = 4000  # points added around resonances
@@ -94,7 +96,7 @@ def places(
     inside = (place >= first) & (place <= last)
     at, mode = place[inside], np.nonzero(inside)[0]
     zeta = known.damping_ratio[mode]
-    for part in blocks(len(at), system):
+    for part in blocks(len(at), len(system.stations)):
         lost = np.einsum("sp,sp->p", ground(at[part]), known.angle[:, mode[part]] ** 2)
         zeta[part] += lost / (2.0 * known.frequency[mode[part]])
     return at, zeta
@@ -127,9 +129,9 @@ def refined(requested: FloatArray, at: FloatArray, ratio: FloatArray) -> tuple[F
 
 
 def with_peaks(
-    solve: Callable[[FloatArray], Result], requested: FloatArray, points: FloatArray, remark: str,
+    solve: Callable[[FloatArray], Answered], requested: FloatArray, points: FloatArray, remark: str,
     refuse_too_many: Callable[[int], None],
-) -> Result:  # fmt: skip
+) -> Answered:  # fmt: skip
     """The response at the points and wherever a peak shows between two of them; `remark` says what was left out.
 
     solve: the response at points, ascending. refuse_too_many: raises InputError where so many points are too many.
@@ -144,7 +146,7 @@ def with_peaks(
         remark = left_out or remark
         if missed.size == 0:
             break
-        found = merged(found, solve(missed))
+        found = merged(found, solve(missed), found.points, missed)
     return replace(found, requested=np.isin(found.points, requested), remark=remark)
 
 

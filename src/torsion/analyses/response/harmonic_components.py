@@ -68,22 +68,19 @@ class Sources:
 
 def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tuple[Excitation, ...]:
     """Every component, orders first, both ascending; `orders` keeps those orders of the reference alone."""
-    by_order: dict[Fraction, list[Torque | JointError]] = {}
-    by_frequency: dict[float, list[Torque | JointError]] = {}
+    found: dict[tuple[Fraction | None, float | None], list[Torque | JointError]] = {}
     for torque in system.train.torques:
         if torque.order is not None:
-            by_order.setdefault(torque.order * system.stations[torque.station].ratio, []).append(torque)
+            found.setdefault((torque.order * system.stations[torque.station].ratio, None), []).append(torque)
         elif torque.frequency is not None:
-            by_frequency.setdefault(torque.frequency, []).append(torque)
+            found.setdefault((None, torque.frequency), []).append(torque)
     for number, span in enumerate(system.own_spans):
         for order, amplitude in span.error:
             error = JointError(number, order, amplitude, span.name)
-            by_order.setdefault(order * system.stations[span.driving].ratio, []).append(error)
-    wanted = by_order.keys() if orders is None else set(orders)
-    return (
-        *(_excitation(by_order[order], order, None) for order in sorted(by_order) if order in wanted),
-        *(_excitation(by_frequency[value], None, value) for value in sorted(by_frequency)),
-    )
+            found.setdefault((order * system.stations[span.driving].ratio, None), []).append(error)
+    wanted = None if orders is None else {None, *orders}
+    ascending = sorted(found, key=lambda key: (key[0] is None, key[0] or 0, key[1] or 0))
+    return tuple(_excitation(found[key], *key) for key in ascending if wanted is None or key[0] in wanted)
 
 
 def lines(system: System) -> tuple[Line, ...]:

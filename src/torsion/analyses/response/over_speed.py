@@ -1,4 +1,4 @@
-"""Forced response: complex amplitudes of every order and fixed frequency over the speed range."""
+"""Forced response: complex amplitudes of every order and fixed frequency over the speed range, and their synthesis."""
 
 import math
 from dataclasses import replace
@@ -11,10 +11,12 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.discretisation import no_response
 from torsion.analyses.response import grid
-from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis, blocks, refuse_too_large
-from torsion.analyses.response.harmonic_components import Excitation, Line, excitations, excited_orders, lines, sources
+from torsion.analyses.response.amplitudes import Response, Synthesis, blocks, merged, refuse_too_large
+from torsion.analyses.response.harmonic_components import Excitation, excitations, excited_orders, lines, sources
 from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
@@ -22,10 +24,10 @@ from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
-from torsion.findings import Progress, silent
+from torsion.findings import Progress, Work, silent
 from torsion.study import FrequencyRange, Study
 
-__all__ = ["FrequencyResponse", "Line", "Response", "ResponseSettings", "Synthesis", "response"]
+MOST_ROUNDS = 4  # of looking for higher shares of the limits between the speeds
 
 
 def _read_orders(value: Any) -> Any:
@@ -101,13 +103,10 @@ def response_at(study: Study, system: System, found: Response, speeds: FloatArra
 
 def requested_orders(study: Study) -> tuple[Fraction, ...] | None:
     """The orders that the settings of `response` name, None for all; raises InputError where nothing excites one."""
-    orders: Any = getattr(study.analyses.get("response"), "orders", "all")
-    if orders == "all":
-        return None
-    faults = order_faults(study)
-    if faults:
+    if faults := order_faults(study):
         raise InputError(faults)
-    return tuple(orders)
+    orders: Any = getattr(study.analyses.get("response"), "orders", "all")
+    return None if orders == "all" else tuple(orders)
 
 
 def order_faults(study: Study) -> list[Fault]:
@@ -143,7 +142,7 @@ def _solved(
     angle, torque = (np.empty((*shape, len(each)), dtype=np.complex128) for each in (system.stations, system.spans))
     mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
-    for part in blocks(len(speed), system):
+    for part in blocks(len(speed), len(system.stations)):
         here = speed[part]
         known = steady_if_known(study, system, here)
         ground = ground_damping(system, here, known)
@@ -175,3 +174,55 @@ def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) ->
         amplitude = np.abs(angle[:, system.spans[error.span].driving])
         worst = np.maximum(worst, (2.0 * abs(error.amplitude) + error.order * amplitude) ** 2)
     return worst
+
+
+def run(work: Work) -> None:
+    """Response and synthesis of a train that something excites, at speeds that are given."""
+    if why := no_response(work.study, work.system, work.ruled):
+        work.log.without("response over speed", why)
+        return
+    found = _found(work)
+    lines = "the orders requested" if found.left_out else "all orders"
+    with work.log.step("synthesis", f"rules and readers judge {lines} together") as step:
+        total = synthesis(found)
+        step.method = "sum over the common cycle, true to phase"
+        step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
+    if "response" in work.ruled:
+        found, total = _judged(work, found, total)
+    work.put(response=found, synthesis=total)
+
+
+def _found(work: Work) -> Response:
+    """The response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
+    study, log, ruled = work.study, work.log, "response" in work.ruled
+    with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
+        also = work.rules.judged_speeds(study) if ruled else np.empty(0)
+        found = response(
+            study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
+            progress=work.progress,
+        )  # fmt: skip
+        step.method = "two-sided elimination, every order apart"
+        step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.requested.sum())} requested)"
+        if ruled and requested_orders(study) is not None:
+            step.size += "; all orders, not only those of `orders`: the rules judge them together"
+        if found.remark:
+            step.size += f"; {found.remark}"
+    for line in found.left_out:
+        log.without(f"order {line.order} of the response ({', '.join(line.sources)})", "`orders` does not name it")
+    return found
+
+
+def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Synthesis]:
+    """With the speeds between at which a rule finds more than at the ones beside them."""
+    before = found.speed.size
+    with work.log.step("speeds between", "no worst value of a rule lies between two speeds") as step:
+        for _ in range(MOST_ROUNDS):
+            more = work.rules.speeds_between(work.having(response=found, synthesis=total))
+            if not more.size:
+                break
+            there = response_at(work.study, work.system, found, more)
+            total = merged(total, synthesis(there), found.speed, more)
+            found = merged(found, there, found.speed, more)
+        step.method = "parabolas through the shares of the limits; ends of barred ranges"
+        step.size = f"{found.speed.size - before} speeds"
+    return found, total

@@ -11,11 +11,10 @@ from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
-    from torsion.kernels.loops.looped_response import Chords
+    from torsion.kernels.loops import Chords
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,8 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
 
     damping: (stations, frequencies) N m s/rad to ground at own speed.
     """
-    condensed, tree = system.condensed, _tree(system)
+    condensed = system.condensed
+    tree = condensed.tree.cut(np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0))
     # chords of loops with a stiffness or a damping
     chords = condensed.extra[np.isfinite(system.flexibility[condensed.extra]) | (system.viscous[condensed.extra] > 0)]
     ground = np.zeros((tree.size, len(w)))
@@ -41,18 +41,16 @@ def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray)
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
     acting: dict[str, Any] = {"twist": sources.twist, "ground_damping": ground, "compliance": compliance}
     if system.condensed_shafts is not None:
-        loss = condensed.loss_factor[system.condensed_shafts.node]
-        found = tree_response(
-            replace(tree, shafts=system.condensed_shafts), w, sources.force, shaft_loss=loss, **acting
-        )
+        tree, loss = replace(tree, shafts=system.condensed_shafts), condensed.loss_factor[system.condensed_shafts.node]
+        found = tree_response(tree, w, sources.force, shaft_loss=loss, **acting)
         torque = bar_torques(system, found.torque, found.torque_outer)
-    else:
-        if chords.size:
-            from torsion.kernels.loops.looped_response import looped_response
+    elif chords.size:
+        from torsion.kernels.loops import looped_response
 
-            found = looped_response(tree, _chords(system, chords, w), w, sources.force, **acting)
-        else:
-            found = tree_response(tree, w, sources.force, **acting)
+        found = looped_response(tree, _chords(system, chords, w), w, sources.force, **acting)
+        torque = span_torques(system, found.torque, chords, found.chord_torque)
+    else:
+        found = tree_response(tree, w, sources.force, **acting)
         torque = span_torques(system, found.torque, chords, found.chord_torque)
     angle = found.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
@@ -72,19 +70,9 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
     return system.ground_damping(speed, applied)
 
 
-def _tree(system: System) -> Tree:
-    """The tree without spans that have neither stiffness nor damping."""
-    condensed = system.condensed
-    loose = np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0)
-    if not loose.any():
-        return condensed.tree
-    parent = np.where(loose, -1, condensed.tree.parent)
-    return replace(condensed.tree, parent=parent, flexibility=np.where(loose, 0.0, condensed.tree.flexibility))
-
-
 def _chords(system: System, chords: IntArray, w: FloatArray) -> "Chords":
     """The spans `chords` that close loops."""
-    from torsion.kernels.loops.looped_response import Chords
+    from torsion.kernels.loops import Chords
 
     condensed, ratio = system.condensed, system.span_ratio[chords]
     flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2

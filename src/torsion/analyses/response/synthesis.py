@@ -6,9 +6,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
-from torsion.analyses.response.over_speed import Response, Synthesis
+from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.assembly.system import System
 from torsion.kernels.tree_response import Status
 
 SAMPLES = 32  # of the highest harmonic, before extremes are refined
@@ -24,34 +23,32 @@ HALVES = [  # (powers, powers) each: the coefficients of the left and of the rig
     for at in (-0.5, 0.5)
 ]
 
-__all__ = ["Synthesis", "synthesis"]
 
-
-def synthesis(system: System, response: Response) -> Synthesis:
+def synthesis(response: Response) -> Synthesis:
     """Half range, peak with the mean torque, RMS and arithmetic bound of every span at every speed.
 
     Orders are summed as phasors in time. Fixed frequencies have no common cycle with them: their magnitudes
     are added. The same holds, as a bound, where the cycle of all orders is too long; `turns` is 0 then.
     Where the status of a line is not ok, the sum has no value: it is infinite.
     """
-    size = np.abs(response.torque)
-    bound = size.sum(axis=1)
-    rms = np.sqrt((size**2).sum(axis=1) / 2.0)
+    turns, harmonics = common_cycle([line.order for line in response.lines if line.order is not None])
     ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
-    fixed = size[:, ~ordered].sum(axis=1)
-    orders = [line.order for line in response.lines if line.order is not None]
-    turns, harmonics = common_cycle(orders)
-    highest, lowest = (np.zeros_like(bound) for _ in range(2))
-    if turns == 0:
-        highest[:] = size[:, ordered].sum(axis=1)
-        lowest = -highest
-    else:
-        phasors = np.moveaxis(response.torque[:, ordered], 1, 2).reshape(-1, len(orders))
-        highest, lowest = (values.reshape(bound.shape) for values in extremes(phasors, harmonics))
-    half_range = (highest - lowest) / 2.0 + fixed
-    peak = np.maximum(np.abs(response.mean + highest + fixed), np.abs(response.mean + lowest - fixed))
-    answered = np.isfinite(bound) & (response.status == Status.OK).all(axis=1)[:, None]
-    values = [np.where(answered, value, np.inf) for value in (half_range, peak, rms, bound)]
+    values = np.empty((4, *response.mean.shape))
+    for part in blocks(len(response.mean), response.mean.shape[1], SMALL_BLOCK):
+        torque, mean = response.torque[part], response.mean[part]
+        size = np.abs(torque)
+        bound = size.sum(axis=1)
+        fixed = size[:, ~ordered].sum(axis=1)
+        if turns == 0:
+            highest = size[:, ordered].sum(axis=1)
+            lowest = -highest
+        else:
+            phasors = np.moveaxis(torque[:, ordered], 1, 2).reshape(bound.size, len(harmonics))
+            highest, lowest = (extreme.reshape(bound.shape) for extreme in extremes(phasors, harmonics))
+        peak = np.maximum(np.abs(mean + highest + fixed), np.abs(mean + lowest - fixed))
+        rms = np.sqrt((size**2).sum(axis=1) / 2.0)
+        answered = np.isfinite(bound) & (response.status[part] == Status.OK).all(axis=1)[:, None]
+        values[:, part] = np.where(answered, [(highest - lowest) / 2.0 + fixed, peak, rms, bound], np.inf)
     return Synthesis(values[0], values[1], values[2], values[3], turns)
 
 

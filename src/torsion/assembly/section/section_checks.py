@@ -1,12 +1,10 @@
 """Whether triangles make one cross-section: whole, without overlaps, drawn about the axis of its shaft."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.section.section_boundary import Boundary, all_sides, boundary
-from torsion.assembly.section.section_mesh import SectionFault, Triangles
+from torsion.assembly.section.section_mesh import Boundary, SectionFault, Triangles, boundary, edges_of
+from torsion.kernels.spanning_forest import connected
 
 SAME = 1e-9  # of the extent: points nearer than this are one
 FLAT = 1e-10  # of a triangle's longest side squared: twice the area of one that is a line
@@ -43,18 +41,14 @@ def refuse_size(extent: float, widest: float) -> None:
         raise SectionFault(f"the section is {extent:.3g} m wide", hint)
 
 
-def _at(point: FloatArray) -> str:
-    return f"at ({point[0]:.6g}, {point[1]:.6g})"
-
-
 def _refuse_double_points(mesh: Triangles, tolerance: float) -> None:
     from scipy.spatial import cKDTree
 
     corners = mesh.points[np.unique(mesh.nodes[:, :3])]
     pairs = cKDTree(corners).query_pairs(tolerance, output_type="ndarray")
     if len(pairs):
-        where = _at(corners[pairs[0, 0]])
-        raise SectionFault(f"two points of the mesh coincide {where}", "merge them, so that triangles join")
+        hint = "merge them, so that triangles join"
+        raise SectionFault("two points of the mesh coincide", hint, corners[pairs[0, 0]])
 
 
 def _counterclockwise(mesh: Triangles) -> Triangles:
@@ -64,22 +58,23 @@ def _counterclockwise(mesh: Triangles) -> Triangles:
     longest = np.max(np.sum((x - np.roll(x, 1, axis=1)) ** 2, axis=2), axis=1)
     small = np.min(np.abs(twice), axis=1) <= FLAT * longest
     if np.any(small):
-        raise SectionFault(_which("has no area", mesh, small), "remove it or mesh anew")
+        raise _triangle(mesh, small, "has no area", "remove it or mesh anew")
     if np.all(twice < 0):
         return Triangles(mesh.points, mesh.nodes[:, [0, 2, 1, 5, 4, 3]])
-    condensed = np.any(twice < 0, axis=1) & np.any(twice > 0, axis=1)
-    if np.any(condensed):
-        raise SectionFault(_which("is turned inside out by a node amid its sides", mesh, condensed), "mesh anew")
+    turned = np.any(twice < 0, axis=1) & np.any(twice > 0, axis=1)
+    if np.any(turned):
+        raise _triangle(mesh, turned, "is turned inside out by a node amid its sides", "mesh anew")
     inverted = twice[:, 0] < 0
     if np.any(inverted):
         less = inverted if np.count_nonzero(inverted) * 2 <= len(inverted) else ~inverted
-        raise SectionFault(_which("is inverted", mesh, less), "the corners of all triangles turn the same way")
+        raise _triangle(mesh, less, "is inverted", "the corners of all triangles turn the same way")
     return mesh
 
 
-def _which(what: str, mesh: Triangles, where: BoolArray) -> str:
-    first = int(np.flatnonzero(where)[0])
-    return f"triangle {first + 1} {what}, {_at(mesh.points[mesh.nodes[first, :3]].mean(axis=0))}"
+def _triangle(mesh: Triangles, where: BoolArray, what: str, hint: str) -> SectionFault:
+    """The fault of the first of some triangles."""
+    first = int(np.argmax(where))
+    return SectionFault(f"triangle {first + 1} {what},", hint, mesh.points[mesh.nodes[first, :3]].mean(axis=0))
 
 
 def _twice_areas(mesh: Triangles) -> FloatArray:
@@ -95,28 +90,23 @@ def _twice_areas(mesh: Triangles) -> FloatArray:
 
 def _refuse_broken_sides(mesh: Triangles) -> None:
     """Two triangles at a side run along it in opposite directions and have the same node amid it."""
-    sides = all_sides(mesh)
-    _, place, count = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_inverse=True, return_counts=True)
-    forward = np.bincount(place.ravel(), weights=sides[:, 0] < sides[:, 1])
-    bad = (count > 2) | ((count == 2) & (forward != 1))
+    sides, edge = mesh.sides, edges_of(mesh.sides)[2]
+    count, forward = np.bincount(edge), np.bincount(edge, weights=sides[:, 0] < sides[:, 1])
+    bad = ((count > 2) | ((count == 2) & (forward != 1)))[edge]
+    if np.any(bad):
+        hint = "a side belongs to one triangle or to two, one on each hand"
+        raise SectionFault("triangles overlap", hint, mesh.points[sides[np.argmax(bad), 0]])
     low = np.full(len(count), len(mesh.points))
-    np.minimum.at(low, place.ravel(), sides[:, 2])
-    torn = sides[:, 2] != low[place.ravel()]
-    if np.any(bad[place.ravel()]):
-        where = _at(mesh.points[sides[np.flatnonzero(bad[place.ravel()])[0], 0]])
-        raise SectionFault(f"triangles overlap {where}", "a side belongs to one triangle or to two, one on each hand")
+    np.minimum.at(low, edge, sides[:, 2])
+    torn = sides[:, 2] != low[edge]
     if np.any(torn):
-        where = _at(mesh.points[sides[np.flatnonzero(torn)[0], 2]])
-        raise SectionFault(f"two triangles do not share the node amid their side {where}", "mesh anew")
+        at = mesh.points[sides[np.argmax(torn), 2]]
+        raise SectionFault("two triangles do not share the node amid their side", "mesh anew", at)
 
 
 def _refuse_pieces(mesh: Triangles) -> None:
-    corners = mesh.nodes[:, :3]
-    number = len(mesh.points)
-    ones = np.ones(corners.size)
-    graph = coo_array((ones, (corners.ravel(), np.roll(corners, 1, axis=1).ravel())), shape=(number, number))
-    label = connected_components(graph, directed=False)[1][corners[:, 0]]
-    pieces = len(np.unique(label))
+    ends = mesh.sides[:, :2].T
+    pieces = len(np.unique(connected(len(mesh.points), *ends)[ends[0]]))
     if pieces > 1:
         raise SectionFault(f"the mesh is in {pieces} pieces", "a cross-section is one piece")
 
@@ -125,8 +115,8 @@ def _refuse_pinches(mesh: Triangles, edge: Boundary) -> None:
     """No point of the boundary is passed twice."""
     count = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
     if np.any(count > 1):
-        where = _at(mesh.points[int(np.argmax(count))])
-        raise SectionFault(f"the section is joined by a point alone {where}", "a cross-section is one piece")
+        at = mesh.points[np.argmax(count)]
+        raise SectionFault("the section is joined by a point alone", "a cross-section is one piece", at)
 
 
 def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
@@ -138,15 +128,12 @@ def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
     for begin in range(0, len(start), _BLOCK):
         block = slice(begin, begin + _BLOCK)
         near = np.all((low[block, None] <= high) & (low <= high[block, None]), axis=2)
-        one, other = np.nonzero(near)
+        one, other = np.nonzero(near & (np.arange(len(start)) > np.arange(begin, begin + len(near))[:, None]))
         one = one + begin
-        apart = one < other
-        one, other = one[apart], other[apart]
         meets = _meet(np.stack([start[one], end[one]]), np.stack([start[other], end[other]]), mesh.points, tolerance)
         if np.any(meets):
-            where = _at(p[one[np.flatnonzero(meets)[0]]])
             hint = "no overlaps, no cracks and no hanging nodes: neighbours share their corners"
-            raise SectionFault(f"the boundary of the section meets itself {where}", hint)
+            raise SectionFault("the boundary of the section meets itself", hint, p[one[np.argmax(meets)]])
 
 
 def _meet(one: IntArray, other: IntArray, points: FloatArray, tolerance: float) -> BoolArray:

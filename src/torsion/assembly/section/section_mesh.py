@@ -1,28 +1,33 @@
-"""The triangles of a cross-section from a mesh file; the one place that reads meshes."""
+"""The triangles of a cross-section: read from a mesh file (the one place that does), divided, and their boundary."""
 
 import contextlib
 import io
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.spanning_forest import connected
 
 LARGEST_FILE = 20_000_000  # bytes; a mesh of MOST triangles has a tenth of it
 MOST = 10_000  # triangles; they are divided into four at least once
 PLANE = {"triangle": 3, "triangle6": 6}
 LOWER = ("vertex", "line", "line3")  # points and sides, by which a mesher marks boundaries
 
+_GAUSS = np.polynomial.legendre.leggauss(2)  # exact for the area under a parabola
+
 
 class SectionFault(Exception):
-    """What is wrong with a mesh as a cross-section, and what would be right."""
+    """What is wrong with a mesh as a cross-section, what would be right, and at which point it is."""
 
-    def __init__(self, message: str, hint: str = "") -> None:
-        super().__init__(message)
-        self.message, self.hint = message, hint
+    def __init__(self, message: str, hint: str = "", at: FloatArray | None = None) -> None:
+        self.message = message if at is None else f"{message} at ({at[0]:.6g}, {at[1]:.6g})"
+        self.hint = hint
+        super().__init__(self.message)
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,21 @@ class Triangles:
 
     points: FloatArray  # (points, 2)
     nodes: IntArray  # (triangles, 6)
+
+    @cached_property
+    def sides(self) -> IntArray:
+        """(3 triangles, 3) first corner, last corner, node amid, around every triangle."""
+        corners, middles = self.nodes[:, :3], self.nodes[:, 3:]
+        return np.stack([corners, np.roll(corners, -1, axis=1), middles], axis=2).reshape(-1, 3)
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """Sides that one triangle alone has, the section on their left; the loop 0 is the outer one."""
+
+    sides: IntArray  # (sides, 3) first corner, last corner, node amid
+    loop: IntArray  # (sides,)
+    area: FloatArray  # (loops,) within each loop, negative around holes
 
 
 def read_triangles(file: str | Path) -> Triangles:
@@ -59,7 +79,7 @@ def read_triangles(file: str | Path) -> Triangles:
 def with_middles(points: FloatArray, corners: IntArray) -> Triangles:
     """Straight triangles (triangles, 3) with a node in the middle of every side."""
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
-    edges, place = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
+    edges, _, place = edges_of(sides)
     middles = points[edges].mean(axis=1)
     nodes = np.concatenate([corners, len(points) + place.reshape(-1, 3)], axis=1)
     return Triangles(np.concatenate([points, middles]), nodes)
@@ -110,3 +130,64 @@ def _flat(points: FloatArray) -> FloatArray:
         if z > 1e-9 * x_y:  # of the extent: rounding of figures written with ten digits
             raise SectionFault("the mesh is not plane: z is not constant", "draw the section in the plane of x and y")
     return np.ascontiguousarray(points[:, :2])
+
+
+def edges_of(sides: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Every edge (edges, 2) once, by its ends in ascending order; the first side of each; the edge of every side."""
+    edges, first, place = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_inverse=True)
+    return edges, first, place.ravel()
+
+
+def boundary(mesh: Triangles) -> Boundary:
+    """The boundary of a sound mesh, the loop of the largest area first."""
+    edge = edges_of(mesh.sides)[2]
+    sides = mesh.sides[np.bincount(edge)[edge] == 1]
+    joined = connected(len(mesh.points), sides[:, 0], sides[:, 1])[sides[:, 0]]
+    loop = np.unique(joined, return_inverse=True)[1]
+    area = np.asarray(np.bincount(loop, weights=_area_under(mesh.points, sides)), dtype=float)
+    order = np.argsort(-area, kind="stable")
+    return Boundary(sides, np.argsort(order, kind="stable")[loop], area[order])
+
+
+def _area_under(points: FloatArray, sides: IntArray) -> FloatArray:
+    """(sides,) int (x dy - y dx)/2 along each parabola."""
+    first, last, amid = (points[sides[:, k]] for k in range(3))
+    slope, bend = (last - first) / 2.0, (first + last) / 2.0 - amid
+    found = np.zeros(len(sides))
+    for t, weight in zip(*_GAUSS, strict=True):
+        at, along = amid + slope * t + bend * t**2, slope + 2.0 * bend * t
+        found += weight * (at[:, 0] * along[:, 1] - at[:, 1] * along[:, 0]) / 2.0
+    return found
+
+
+def refined(mesh: Triangles) -> Triangles:
+    """Every triangle divided into four, of the same, straight or curved, outline."""
+    points, nodes = mesh.points, mesh.nodes
+    edges, first, place = edges_of(mesh.sides)
+    (low, high), amid = points[edges.T], points[mesh.sides[first, 2]]
+    quarters = [_quarter(low, amid, high), _quarter(high, amid, low)]
+    inner = [_inner(points[nodes], corner) for corner in range(3)]
+    edge = place.reshape(-1, 3)
+    turned = nodes[:, :3] > nodes[:, [1, 2, 0]]
+    at_first, at_last = (len(points) + edge + len(edges) * side for side in (turned, ~turned))
+    within = len(points) + 2 * len(edges) + np.arange(3)[:, None] * len(nodes) + np.arange(len(nodes))
+    a, b, c, ab, bc, ca = nodes.T
+    new = [
+        (a, ab, ca, at_first[:, 0], within[0], at_last[:, 2]),
+        (ab, b, bc, at_last[:, 0], at_first[:, 1], within[1]),
+        (ca, bc, c, within[2], at_last[:, 1], at_first[:, 2]),
+        (ab, bc, ca, within[1], within[2], within[0]),
+    ]
+    return Triangles(np.concatenate([points, *quarters, *inner]), np.concatenate([np.stack(one, 1) for one in new]))
+
+
+def _quarter(near: FloatArray, amid: FloatArray, far: FloatArray) -> FloatArray:
+    """The point of a parabola at a quarter of its parameter."""
+    return np.asarray(0.375 * near + 0.75 * amid - 0.125 * far)
+
+
+def _inner(at: FloatArray, corner: int) -> FloatArray:
+    """(triangles, 2) the point halfway between the nodes amid the two sides at a corner; `at` (triangles, 6, 2)."""
+    b, c = (corner + 1) % 3, (corner + 2) % 3
+    beside, across = at[:, 3 + corner] + at[:, 3 + c], at[:, 3 + b]
+    return np.asarray(0.5 * beside + 0.25 * across - 0.125 * (at[:, b] + at[:, c]))

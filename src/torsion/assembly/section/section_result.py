@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from torsion.arrays import FloatArray
 from torsion.assembly.section.section_checks import refuse_size, sound
-from torsion.assembly.section.section_mesh import SectionFault, Triangles, read_triangles
+from torsion.assembly.section.section_mesh import SectionFault, Triangles, read_triangles, refined
 from torsion.assembly.section.section_torsion import Level, Moments, moments, solve_level
 from torsion.primitives import Section, SectionMesh
 
@@ -129,38 +128,3 @@ def _fine(levels: list[Level]) -> bool:
     """A further refinement would change nothing that counts."""
     before, last = levels[-2:]
     return last.upper - last.lower <= CLOSE * last.upper and abs(last.stress / before.stress - 1.0) <= STEADY
-
-
-def refined(mesh: Triangles) -> Triangles:
-    """Every triangle divided into four, of the same, straight or curved, outline."""
-    points, nodes = mesh.points, mesh.nodes
-    sides = np.stack([nodes[:, [0, 1, 3]], nodes[:, [1, 2, 4]], nodes[:, [2, 0, 5]]], axis=1).reshape(-1, 3)
-    edges, first, place = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_inverse=True)
-    amid = sides[first, 2]
-    low, high = points[edges[:, 0]], points[edges[:, 1]]
-    quarters = [_quarter(low, points[amid], high), _quarter(high, points[amid], low)]
-    inner = [_inner(points[nodes], corner) for corner in range(3)]
-    edge = place.reshape(-1, 3)
-    turned = nodes[:, :3] > nodes[:, [1, 2, 0]]
-    at_first, at_last = (len(points) + edge + len(edges) * side for side in (turned, ~turned))
-    within = len(points) + 2 * len(edges) + np.arange(3)[:, None] * len(nodes) + np.arange(len(nodes))
-    a, b, c, ab, bc, ca = nodes.T
-    new = [
-        (a, ab, ca, at_first[:, 0], within[0], at_last[:, 2]),
-        (ab, b, bc, at_last[:, 0], at_first[:, 1], within[1]),
-        (ca, bc, c, within[2], at_last[:, 1], at_first[:, 2]),
-        (ab, bc, ca, within[1], within[2], within[0]),
-    ]
-    return Triangles(np.concatenate([points, *quarters, *inner]), np.concatenate([np.stack(one, 1) for one in new]))
-
-
-def _quarter(near: FloatArray, amid: FloatArray, far: FloatArray) -> FloatArray:
-    """The point of a parabola at a quarter of its parameter."""
-    return np.asarray(0.375 * near + 0.75 * amid - 0.125 * far)
-
-
-def _inner(at: FloatArray, corner: int) -> FloatArray:
-    """(triangles, 2) the point halfway between the nodes amid the two sides at a corner; `at` (triangles, 6, 2)."""
-    b, c = (corner + 1) % 3, (corner + 2) % 3
-    beside, across = at[:, 3 + corner] + at[:, 3 + c], at[:, 3 + b]
-    return np.asarray(0.5 * beside + 0.25 * across - 0.125 * (at[:, b] + at[:, c]))

@@ -17,8 +17,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.section.section_boundary import Boundary, boundary
-from torsion.assembly.section.section_mesh import Triangles
+from torsion.assembly.section.section_mesh import Boundary, Triangles, boundary
 
 ORDER = 8  # of the quadrature: exact for degree 4 on straight triangles, and for r^2 on curved ones
 _ALONG = np.linspace(0.0, 1.0, 17)  # places on a side of the boundary at which the stress is looked at
@@ -62,7 +61,8 @@ def solve_level(mesh: Triangles, degree: int) -> Level:
     around = skfem.LinearForm(lambda v, w: w.x[1] * v.grad[0] - w.x[0] * v.grad[1])
     stiffness = gradients.assemble(basis)
     lower, phi = _stress_function(basis, stiffness, edge, _facets(mesh, basis.mesh, edge))
-    upper = float(np.sum((x * x + y * y) * dx)) - _warping_energy(stiffness, around.assemble(basis))
+    turning = around.assemble(basis)[1:]  # omega is known but for a constant, so one unknown is left out
+    upper = float(np.sum((x * x + y * y) * dx)) - float(turning @ _solved(stiffness[1:, 1:], turning))
     stress, at = _largest_slope(basis, phi)
     return Level(len(mesh.nodes), lower, upper, stress, at)
 
@@ -98,11 +98,6 @@ def _stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArra
     force[:holes] -= 2.0 * edge.area[1:]  # negative around a hole
     answer = _solved(spread.T @ stiffness @ spread, force)
     return float(force @ answer), np.asarray(spread @ answer)
-
-
-def _warping_energy(stiffness: Any, turning: FloatArray) -> float:
-    """int |grad omega|^2; omega is known but for a constant, so one unknown is left out."""
-    return float(turning[1:] @ _solved(stiffness[1:, 1:], turning[1:]))
 
 
 def _solved(matrix: Any, force: FloatArray) -> FloatArray:

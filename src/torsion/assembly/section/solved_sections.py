@@ -19,53 +19,44 @@ def resolved(train: Train) -> Train:
     It becomes the solid round one of the same polar moment I_p, its shear modulus lowered by I_t/I_p: stiffness
     G I_t, inertia rho I_p and speed of waves are then those of the section. Raises InputError with every faulty mesh.
     """
-    if not any(isinstance(bar.section, SectionMesh) for bar in train.bars):
+    if not _meshes(train):
         return train
     faults = mesh_faults(train)
     if faults:
         raise InputError(faults)
-    return replace(train, bars=tuple(_resolved(bar) for bar in train.bars))
+    bars = {bar.name: bar for bar in train.bars}
+    for name, found in section_results(train).items():
+        section, bar = found.section, bars[name]
+        across = (32.0 / math.pi * section.polar_moment) ** 0.25
+        modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
+        bars[name] = replace(bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus)
+    return replace(train, bars=tuple(bars.values()))
+
+
+def _meshes(train: Train) -> list[tuple[Bar, SectionMesh]]:
+    """Every shaft whose section is yet to be solved, and that section."""
+    return [(bar, bar.section) for bar in train.bars if isinstance(bar.section, SectionMesh)]
 
 
 def mesh_faults(train: Train) -> list[Fault]:
     """What is wrong with the meshes of a train, each stated where its shaft names it."""
     found = []
-    for bar in train.bars:
-        if isinstance(bar.section, SectionMesh):
-            from torsion.assembly.section.section_mesh import SectionFault
-            from torsion.assembly.section.section_result import section_mesh
+    for bar, section in _meshes(train):
+        from torsion.assembly.section.section_mesh import SectionFault
+        from torsion.assembly.section.section_result import section_mesh
 
-            try:
-                section_mesh(bar.section)
-            except SectionFault as fault:
-                found.append(Fault((*train.parts[bar.part].path, "section", "mesh"), fault.message, fault.hint))
+        try:
+            section_mesh(section)
+        except SectionFault as fault:
+            found.append(Fault((*train.parts[bar.part].path, "section", "mesh"), fault.message, fault.hint))
     return found
 
 
 def section_results(train: Train) -> "dict[str, SectionResult]":
     """By name of the shaft: its section with bounds and convergence, for the plan and the report."""
-    found = {}
-    for bar in train.bars:
-        if isinstance(bar.section, SectionMesh):
-            from torsion.assembly.section.section_result import section_result
-
-            found[bar.name] = section_result(bar.section)
-    return found
-
-
-def _resolved(bar: Bar) -> Bar:
-    if not isinstance(bar.section, SectionMesh):
-        return bar
     from torsion.assembly.section.section_result import section_result
 
-    return with_section(bar, section_result(bar.section).section)
-
-
-def with_section(bar: Bar, section: Section) -> Bar:
-    """The shaft with constants in place of its diameters."""
-    across = (32.0 / math.pi * section.polar_moment) ** 0.25
-    modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
-    return replace(bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus)
+    return {bar.name: section_result(section) for bar, section in _meshes(train)}
 
 
 def stress_modulus(bar: Bar) -> float:

@@ -11,20 +11,19 @@ Without unknowns inside, 1/h = k + s c and J is constant: linear elements keep f
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, distinct
+from torsion.arrays import FloatArray
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array
-_FEW = 2**11  # modes inside times frequencies, up to which it does not pay to look for equal elements (measured)
 _NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the element turns by 1
 
 
@@ -32,13 +31,12 @@ _NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the elemen
 class CondensedElements(Law):
     """Condensed elements; modes inside, fixed at both ends, as (shafts, inside)."""
 
+    both_ends: ClassVar = ("ends", "coupling")
     stiffness: FloatArray  # (shafts,) N m/rad, k of the static bend
     across: FloatArray  # (shafts,) kg m2, c
-    inner: FloatArray  # (shafts,) kg m2, row sum at the inner end
-    outer: FloatArray  # (shafts,) kg m2
+    ends: FloatArray  # (shafts, 2) kg m2, row sums at the inner and the outer end
     modes: FloatArray  # (shafts, inside) s2, c_j = 1/frequency^2
-    coupling_inner: FloatArray  # (shafts, inside) g of the inner end
-    coupling_outer: FloatArray  # (shafts, inside)
+    coupling: FloatArray  # (shafts, 2, inside) g of the inner and the outer end
     coupling_turn: FloatArray  # (shafts, inside) g of the turning as a whole: not the rounded sum of the other two
 
     @cached_property
@@ -48,86 +46,40 @@ class CondensedElements(Law):
         return 1.0 / math.sqrt(largest) if largest > 0.0 else math.inf
 
     @cached_property
-    def _distinct(self) -> tuple["CondensedElements", IntArray]:
-        """The different elements, and which one each shaft is."""
-        columns = [getattr(self, name) for name in self.__dataclass_fields__]
-        first, position = distinct(np.concatenate([column.reshape(self.size, -1) for column in columns], axis=1))
-        return CondensedElements(*(column[first] for column in columns)), position
-
-    @cached_property
     def _weights(self) -> FloatArray:
         """(shafts, 3, inside) of s/(1 - s c_j) in 1/h, less its static part, and in both end inertias."""
-        pairs = (
-            (self.coupling_inner, self.coupling_outer),
-            (self.coupling_inner, self.coupling_turn),
-            (self.coupling_outer, self.coupling_turn),
-        )
-        return np.stack([one * other for one, other in pairs], axis=1)
+        across = self.coupling.prod(axis=1, keepdims=True)
+        return np.concatenate([across, self.coupling * self.coupling_turn[:, None]], axis=1)
 
-    def at(self, square: NDArray[Any]) -> Pi:
-        if square.ndim > 1 or self.modes.size * len(square) <= _FEW:
-            return self._values(np.broadcast_to(square, (self.size, square.shape[-1])))
-        few, position = self._distinct
-        flexibility, inner, outer = few._values(np.broadcast_to(square, (few.size, len(square))))
-        return flexibility[position], inner[position], outer[position]
-
-    def _values(self, s: NDArray[Any]) -> Pi:
-        return self._pi(s, self._summed(s, lambda part, modes: part / (1.0 - part * modes)))
-
-    def _pi(self, s: NDArray[Any], rows: NDArray[Any]) -> Pi:
-        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
-        return spring, self.inner[:, None] + rows[:, 1], self.outer[:, None] + rows[:, 2]
-
-    def _summed(self, s: NDArray[Any], answer: Callable[[NDArray[Any], FloatArray], NDArray[Any]]) -> NDArray[Any]:
-        """Sums (shafts, 3, m) over the modes inside of `_weights` times `answer` of s (shafts, m) and the modes."""
-        found = np.empty((self.size, 3, s.shape[1]), dtype=s.dtype)
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        rows = np.empty((self.size, 3, s.shape[1]), dtype=s.dtype)
         block = max(1, _AT_ONCE // max(self.modes.size, 1))
         for begin in range(0, s.shape[1], block):
-            part = slice(begin, begin + block)
-            found[:, :, part] = self._weights @ answer(s[:, None, part], self.modes[:, :, None])
-        return found
-
-    def slopes(self, square: FloatArray) -> Slopes:
-        few, position = self._distinct
-        s = np.broadcast_to(square, (few.size, len(square)))
-        plain = few._summed(s, lambda part, modes: part / (1.0 - part * modes))
-        squared = few._summed(s, lambda part, modes: 1.0 / (1.0 - part * modes) ** 2)
-        h, inner, outer = few._pi(s, plain)
-        of_stiffness = few.across[:, None] + (plain[:, 0] + s * squared[:, 0])
-        rows = (h, inner, outer, -(h * h) * of_stiffness, squared[:, 1], squared[:, 2])
-        return Slopes(square, *(row[position] for row in rows))
+            part = s[:, None, begin : begin + block]
+            rows[:, :, begin : begin + block] = self._weights @ (part / (1.0 - part * self.modes[:, :, None]))
+        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
+        return spring, self.ends[:, :1] + rows[:, 1], self.ends[:, 1:] + rows[:, 2]
 
     def rounding(self, square: FloatArray) -> FloatArray:
         nearest = 1.0 - square * self.modes.max(initial=0.0)
         return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF / np.maximum(nearest, UNIT_ROUNDOFF))
-
-    def turned(self, which: BoolArray) -> "CondensedElements":
-        swap = np.asarray(which)[:, None]
-        return replace(
-            self,
-            inner=np.where(which, self.outer, self.inner),
-            outer=np.where(which, self.inner, self.outer),
-            coupling_inner=np.where(swap, self.coupling_outer, self.coupling_inner),
-            coupling_outer=np.where(swap, self.coupling_inner, self.coupling_outer),
-        )
 
     def scaled(self, stiffness: ArrayLike, inertia: ArrayLike) -> "CondensedElements":
         """The elements with their stiffness and inertia multiplied by `stiffness` and `inertia` (shafts,), positive.
 
         Of one element, as many as there are factors.
         """
-        k, m = (np.asarray(factor, dtype=np.float64) for factor in (stiffness, inertia))
-        g = (m / np.sqrt(k))[:, None]
-        ends, couplings = (self.across, self.inner, self.outer), (self.coupling_inner, self.coupling_outer)
-        inside = (self.modes * (m / k)[:, None], *(coupling * g for coupling in (*couplings, self.coupling_turn)))
-        return CondensedElements(self.stiffness * k, *(end * m for end in ends), *inside)
+        k, m = (np.asarray(factor, dtype=np.float64)[:, None] for factor in (stiffness, inertia))
+        g = m / np.sqrt(k)
+        couplings = self.coupling * g[:, None], self.coupling_turn * g
+        return CondensedElements(
+            self.stiffness * k[:, 0], self.across * m[:, 0], self.ends * m, self.modes * (m / k), *couplings
+        )
 
     @classmethod
     def joined(cls, parts: "Sequence[CondensedElements]") -> "CondensedElements":
         """Elements of one degree, one part after another."""
-        if len(parts) == 1:
-            return parts[0]
-        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__))
+        return cls(*(np.concatenate([getattr(part, name.name) for part in parts]) for name in fields(cls)))
 
 
 def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedElements:
@@ -139,19 +91,6 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
     k, m = (np.asarray(matrix, dtype=np.float64) for matrix in (stiffness, inertia))
     if k.ndim != 3 or k.shape != m.shape or k.shape[1] != k.shape[2] or k.shape[1] < 2:
         raise ValueError(f"matrices have shapes {k.shape} and {m.shape}; expected (shafts, unknowns, unknowns) twice")
-    if not len(k):
-        return CondensedElements(*np.zeros((4, 0)), *np.zeros((4, 0, k.shape[1] - 2)))
-    return _condensed(k, m) if k.shape[1] > 2 else _linear(k, m)
-
-
-def _linear(k: FloatArray, m: FloatArray) -> CondensedElements:
-    across = 0.5 * (m[:, 0, 1] + m[:, 1, 0])
-    none = np.zeros((len(k), 0))
-    spring = -0.5 * (k[:, 0, 1] + k[:, 1, 0])
-    return CondensedElements(spring, across, m[:, 0, 0] + across, m[:, 1, 1] + across, none, none, none, none)
-
-
-def _condensed(k: FloatArray, m: FloatArray) -> CondensedElements:
     number, unknowns, _ = k.shape
     inside = k[:, 2:, 2:]
     bend = np.zeros((number, unknowns))  # static, under the outer end's angle 1, the inner end fixed
@@ -164,22 +103,14 @@ def _condensed(k: FloatArray, m: FloatArray) -> CondensedElements:
     held = np.linalg.solve(lower, half.transpose(0, 2, 1))
     modes, vectors = np.linalg.eigh(0.5 * (held + held.transpose(0, 2, 1)))
     shapes = np.linalg.solve(lower.transpose(0, 2, 1), vectors)
-
-    def product(one: FloatArray, two: FloatArray) -> FloatArray:
-        return np.asarray(np.einsum("bi,bij,bj->b", one, m, two))
-
-    def coupling(shape: FloatArray) -> FloatArray:
-        return np.asarray(np.einsum("bji,bjl,bl->bi", shapes, m[:, 2:], shape))
-
+    both = np.stack([other, bend], axis=1)
     return CondensedElements(
         np.einsum("bi,bij,bj->b", bend, k, bend),
-        product(other, bend),
-        product(other, turn),
-        product(bend, turn),
+        np.einsum("bi,bij,bj->b", other, m, bend),
+        np.einsum("bei,bij,bj->be", both, m, turn),
         np.maximum(modes, 0.0),
-        coupling(other),
-        coupling(bend),
-        coupling(turn),
+        np.einsum("bji,bjl,bel->bei", shapes, m[:, 2:], both),
+        np.einsum("bji,bjl,bl->bi", shapes, m[:, 2:], turn),
     )
 
 

@@ -47,7 +47,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     if not isinstance(element, CondensedElements):
         raise ValueError("the dense way is for finite elements of one degree; expected one law of elements")
     coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
-    mass = _rows_of_inertia(tree, shafts, coordinates, _root(local))
+    mass = _rows_of_inertia(tree, shafts, coordinates, local)
     y = largest_right_vectors(mass, _number(tree, element, count))
     weight = np.sum((mass @ y) ** 2, axis=0)
     square = np.sum(y * y, axis=0) / weight
@@ -83,7 +83,7 @@ def estimated_frequencies(tree: Tree, count: int) -> FloatArray:
     """
     shafts = _of(tree)
     element = _one_mode_elements(shafts)
-    mass = _rows_of_inertia(tree, shafts, static_bends(tree, shafts, element), _root(_local_inertia(element)))
+    mass = _rows_of_inertia(tree, shafts, static_bends(tree, shafts, element), _local_inertia(element))
     values = np.linalg.svd(mass, compute_uv=False)[: _number(tree, element, count)]
     return np.asarray(1.0 / values[values > _LEAST * values.max(initial=0.0)])
 
@@ -103,33 +103,28 @@ def _local_inertia(element: CondensedElements) -> FloatArray:
     """Inertia (shafts, 2 + modes, 2 + modes) kg m2 of the ends and the modes inside."""
     number, modes = element.modes.shape
     local = np.zeros((number, 2 + modes, 2 + modes))
-    local[:, 0, 0], local[:, 1, 1] = element.inner - element.across, element.outer - element.across
+    local[:, [0, 1], [0, 1]] = element.ends - element.across[:, None]
     local[:, 0, 1] = local[:, 1, 0] = element.across
-    local[:, 0, 2:] = local[:, 2:, 0] = element.coupling_inner
-    local[:, 1, 2:] = local[:, 2:, 1] = element.coupling_outer
+    local[:, :2, 2:] = element.coupling
+    local[:, 2:, :2] = element.coupling.transpose(0, 2, 1)
     inside = np.arange(2, 2 + modes)
     local[:, inside, inside] = element.modes
     return local
 
 
-def _root(local: FloatArray) -> FloatArray:
-    """R of each inertia (shafts, unknowns, unknowns) R'R."""
+def _rows_of_inertia(tree: Tree, shafts: Shafts, coordinates: Bends, local: FloatArray) -> FloatArray:
+    """C (rows, coordinates), with as many rows for an element as it has unknowns, of its inertia `local` = R'R."""
     try:
-        return np.asarray(np.linalg.cholesky(local).transpose(0, 2, 1))
+        root = np.linalg.cholesky(local).transpose(0, 2, 1)
     except np.linalg.LinAlgError:  # an element without inertia
         values, vectors = np.linalg.eigh(local)
-        return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1))
-
-
-def _rows_of_inertia(tree: Tree, shafts: Shafts, coordinates: Bends, root: FloatArray) -> FloatArray:
-    """C (rows, coordinates), with as many rows for an element as it has unknowns."""
+        root = np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1)
     number, unknowns, _ = root.shape
     rows = root[:, :, :2] @ coordinates.angle[_ends(tree, shafts)]
     row = np.arange(unknowns)[None, :, None]
     rows[np.arange(number)[:, None, None], row, coordinates.inside[:, None, :]] += root[:, :, 2:]
-    inertia = tree.moving_inertia
-    stations = np.flatnonzero(inertia > 0.0)
-    own = np.sqrt(inertia[stations])[:, None] * coordinates.angle[stations]
+    stations = np.flatnonzero(tree.moving_inertia > 0.0)
+    own = np.sqrt(tree.moving_inertia[stations])[:, None] * coordinates.angle[stations]
     return np.concatenate((rows.reshape(number * unknowns, -1), own))
 
 
@@ -156,16 +151,16 @@ def _one_mode_elements(shafts: Shafts) -> CondensedElements:
     """
     middle = 0.25 * shafts.limit**2
     at, (_, inner, outer) = shafts.slopes(np.zeros(1)), shafts.at(np.array([middle]))
-    first, last = at.inner_slope[:, 0], at.outer_slope[:, 0]
-    turn = first + last
-    rise = inner[:, 0] - at.inner[:, 0] + (outer[:, 0] - at.outer[:, 0])
+    coupled, ends = np.hstack([at.inner_slope, at.outer_slope]), np.hstack([at.inner, at.outer])
+    turn = coupled.sum(axis=1)
+    rise = inner[:, 0] - ends[:, 0] + (outer[:, 0] - ends[:, 1])
     mode = 1.0 / middle - np.divide(turn, rise, out=np.full(shafts.size, 1.0 / middle), where=rise > 0.0)
     root = np.sqrt(np.maximum(turn, 0.0))
     share = np.divide(1.0, root, out=np.zeros(shafts.size), where=root > 0.0)
-    inside = (np.clip(mode, 0.0, 1.0 / shafts.limit**2), first * share, last * share, root)
+    inside = np.clip(mode, 0.0, 1.0 / shafts.limit**2)[:, None]
     across = -at.flexibility_slope[:, 0] / at.flexibility[:, 0] ** 2
-    ends = (1.0 / at.flexibility[:, 0], across, at.inner[:, 0], at.outer[:, 0])
-    return CondensedElements(*ends, *(values[:, None] for values in inside))
+    coupling = (coupled * share[:, None])[:, :, None]
+    return CondensedElements(1.0 / at.flexibility[:, 0], across, ends, inside, coupling, root[:, None])
 
 
 def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:
@@ -207,10 +202,9 @@ def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) 
 def _beyond(tree: Tree) -> BoolArray:
     """(stations, stations) whether a station is at the outer end of a span, or beyond."""
     beyond = np.eye(tree.size, dtype=np.bool_)
-    columns = list(beyond)
     for i in range(tree.size - 1, -1, -1):
         if tree.parents[i] >= 0:
-            np.logical_or(columns[tree.parents[i]], columns[i], columns[tree.parents[i]])
+            beyond[tree.parents[i]] |= beyond[i]
     return beyond.T
 
 
@@ -246,9 +240,7 @@ def largest_right_vectors(matrix: FloatArray, number: int) -> FloatArray:
 
 def _before_gap(square: FloatArray, number: int) -> int:
     """How many of the descending eigenvalues lie before the widest gap at `number` or somewhat beyond; 0: none does."""
-    enough = np.flatnonzero(square[: len(square) - 1] * _SPREAD_OF_SQUARE > square[0])[max(number - 1, 0) :][
-        :_COLUMNS_BEYOND
-    ]
+    enough = np.flatnonzero(square[:-1] * _SPREAD_OF_SQUARE > square[0])[number - 1 :][:_COLUMNS_BEYOND]
     if not number or not len(enough):
         return 0
     ratio = square[enough + 1] / square[enough]

@@ -9,14 +9,14 @@ Jo = (1 - D)/(s B), in whose coefficients s is divided out.
 import math
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.arrays import BoolArray, FloatArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating, alternating_slope
+from torsion.arrays import FloatArray
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, alternating
 
 POINTS = 32  # of Gauss along a piece
 TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first
@@ -38,9 +38,7 @@ def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     at, slope = _legendre(x, points)
     weight = 2 / ((1 - x) * (1 + x) * slope**2)
     to_series = (0.5 + degree)[:, None] * (at[:, :points] * weight[:, None]).T
-    from_start = np.empty((points, points), dtype=np.longdouble)
-    from_start[:, 0] = x + 1
-    from_start[:, 1:] = (at[:, 2:] - at[:, :-2])[:, : points - 1] / (2 * degree[1:] + 1)
+    from_start = np.column_stack([x + 1, (at[:, 2:] - at[:, :-2]) / (2 * degree[1:] + 1)])
     rule = 0.5 * (x + 1), 0.5 * weight, 0.5 * from_start @ to_series
     places, weights, integrals = (part.astype(np.float64) for part in rule)
     return places, weights, integrals
@@ -48,10 +46,7 @@ def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _legendre(x: NDArray[Any], degree: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Legendre's polynomials to `degree` at `x` (points, degree + 1), and the slope of the last."""
-    at = np.empty((len(x), degree + 1), dtype=x.dtype)
-    at[:, 0], at[:, 1] = 1, x
-    for n in range(1, degree):
-        at[:, n + 1] = ((2 * n + 1) * x * at[:, n] - n * at[:, n - 1]) / (n + 1)
+    at = legendre.legvander(x, degree)
     return at, degree * (at[:, degree - 1] - x * at[:, degree]) / ((1 - x) * (1 + x))
 
 
@@ -64,11 +59,11 @@ def profile_points(points: int = POINTS) -> FloatArray:
 class ProfileShafts(Law):
     """Series in v = s F M, F and M being the whole flexibility and inertia: h = F b(v), J = M e(v)/b(v)."""
 
+    both_ends: ClassVar = ("ends",)
     flexibility: FloatArray  # (shafts,) rad/(N m), F
     inertia: FloatArray  # (shafts,) kg m2, M
     spring: FloatArray  # (shafts, terms) of b
-    inner: FloatArray  # (shafts, terms) of e at the inner end
-    outer: FloatArray  # (shafts, terms) of e at the outer end
+    ends: FloatArray  # (shafts, 2, terms) of e at the inner and the outer end
 
     @cached_property
     def _travel(self) -> FloatArray:
@@ -91,34 +86,19 @@ class ProfileShafts(Law):
         """Angular frequency (rad/s) up to which the law holds; its series have as many terms as the limit needs."""
         return self.limit
 
-    def at(self, square: NDArray[Any]) -> Pi:
-        v = self._travel[:, None] * square
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        v = self._travel[:, None] * s
         spring = alternating(self.spring, v)
         share = self.inertia[:, None] / spring
         spring *= self.flexibility[:, None]
-        return spring, share * alternating(self.inner, v), share * alternating(self.outer, v)
-
-    def slopes(self, square: FloatArray) -> Slopes:
-        travel, whole, mass = self._travel[:, None], self.flexibility[:, None], self.inertia[:, None]
-        v = travel * square
-        spring, spring_slope = alternating(self.spring, v), alternating_slope(self.spring, v)
-        (inner, inner_slope), (outer, outer_slope) = (
-            (mass * end, mass * travel * ((alternating_slope(series, v) - end * spring_slope) / spring))
-            for series, end in ((series, alternating(series, v) / spring) for series in (self.inner, self.outer))
-        )
-        return Slopes(square, whole * spring, inner, outer, whole * travel * spring_slope, inner_slope, outer_slope)
+        return spring, share * alternating(self.ends[:, 0], v), share * alternating(self.ends[:, 1], v)
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """Relative error (m,) of the values at s (m,): that of the coefficients times what cancels in the series."""
+        """That of the coefficients times what cancels in the series."""
         v = self._travel.max(initial=0.0) * square
-        spring = self.spring[:1] if self.size else np.ones((1, 1))
-        growth = alternating(spring, -v[None])[0] / np.maximum(alternating(spring, v[None])[0], UNIT_ROUNDOFF)
+        below, above = (alternating(self.spring[:1], sign * v[None])[0] for sign in (1.0, -1.0))
+        growth = above / np.maximum(below, UNIT_ROUNDOFF)
         return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF * np.abs(growth))
-
-    def turned(self, which: BoolArray) -> "ProfileShafts":
-        swap = np.asarray(which)[:, None]
-        inner, outer = np.where(swap, self.outer, self.inner), np.where(swap, self.inner, self.outer)
-        return ProfileShafts(self.flexibility, self.inertia, self.spring, inner, outer)
 
 
 def profile_shafts(
@@ -134,11 +114,11 @@ def profile_shafts(
     _, weight, from_start = _rule(f.shape[1])
     whole, mass = f @ weight, m @ weight
     f, m = f / whole[:, None], m / np.where(mass > 0.0, mass, 1.0)[:, None]
-    inner, _ = _series(m, f, weight, from_start)
-    outer, _ = _series(m[:, ::-1], f[:, ::-1], weight, from_start)
-    _, spring = _series(f, m, weight, from_start)
-    found = ProfileShafts(whole * long, mass * long, spring, inner, outer)
-    if found.size and math.isfinite(found.limit):
+    inner = _series(m @ from_start.T, f, m, weight, from_start)
+    outer = _series(m[:, ::-1] @ from_start.T, f[:, ::-1], m[:, ::-1], weight, from_start)
+    spring = _series(np.ones_like(f), f, m, weight, from_start)
+    found = ProfileShafts(whole * long, mass * long, spring, np.stack([inner, outer], axis=1))
+    if math.isfinite(found.limit):
         last = spring[:, -1] * ((found.limit * found.limit) * found._travel) ** (TERMS - 1)
         worst = int(np.argmax(last))
         if not last[worst] < _LARGEST_LEFT_OUT or not (spring > 0.0).all():
@@ -147,15 +127,12 @@ def profile_shafts(
 
 
 def _series(
-    first: FloatArray, second: FloatArray, weight: FloatArray, from_start: FloatArray
-) -> tuple[FloatArray, ...]:
-    """Coefficients (shafts, TERMS) each: whole integrals of `second` and of `first` in 1 -> first -> second -> ..."""
-    after_second, after_first = [], []
-    running = np.ones_like(first)
+    running: FloatArray, f: FloatArray, m: FloatArray, weight: FloatArray, from_start: FloatArray
+) -> FloatArray:
+    """Coefficients (shafts, TERMS): whole integrals of f times `running`, which then goes through f and m in turn."""
+    whole = []
     for _ in range(TERMS):
-        product = first * running
-        after_first.append(product @ weight)
-        product = second * (product @ from_start.T)
-        after_second.append(product @ weight)
-        running = product @ from_start.T
-    return np.stack(after_second, axis=1), np.stack(after_first, axis=1)
+        product = f * running
+        whole.append(product @ weight)
+        running = (m * (product @ from_start.T)) @ from_start.T
+    return np.stack(whole, axis=1)

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, distinct
+from torsion.arrays import BoolArray, FloatArray
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi
 
 _ROUNDINGS = 8.0  # of one step of the elimination
 
@@ -35,54 +35,26 @@ class SegmentChains(Law):
         slowest = float((self.inertia * held).sum(axis=1).max(initial=0.0))
         return 1.0 / math.sqrt(slowest) if slowest > 0.0 else math.inf
 
-    @cached_property
-    def _distinct(self) -> tuple[FloatArray, IntArray]:
-        """The different rows (rows, 2, segments), and which one each has."""
-        both = np.stack([self.flexibility, self.inertia], axis=1)
-        first, position = distinct(both)
-        return both[first], position
-
-    def at(self, square: NDArray[Any]) -> Pi:
-        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (rows, m), at s = w^2 (m,) or (rows, m)."""
-        rows, position = self._distinct
-        if square.ndim > 1:
-            rows, position = np.stack([self.flexibility, self.inertia], axis=1), np.arange(self.size)
-        first = rows[:, 0, 0, None]
-        h = np.repeat(first, square.shape[-1], axis=1).astype(square.dtype)
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        h = np.repeat(self.flexibility[:, :1], s.shape[1], axis=1).astype(s.dtype)
         inner, outer = np.zeros_like(h), np.zeros_like(h)
-        for k in range(1, rows.shape[2]):
-            spring, between = rows[:, 0, k, None], rows[:, 1, k - 1, None] + outer
-            joined = h + spring - square * between * h * spring
+        for k in range(1, self.flexibility.shape[1]):
+            spring, between = self.flexibility[:, k, None], self.inertia[:, k - 1, None] + outer
+            joined = h + spring - s * between * h * spring
             share = between / joined
             inner += share * spring
             outer = share * h
             h = joined
-        return self._from_inside(h[position], inner[position], outer[position])
-
-    def slopes(self, square: FloatArray) -> Slopes:
-        """The same with their derivatives at s (m,), real."""
-        h = np.repeat(self.flexibility[:, :1], len(square), axis=1)
-        inner, outer, dh, d_inner, d_outer = (np.zeros_like(h) for _ in range(5))
-        for k in range(1, self.flexibility.shape[1]):
-            spring, between = self.flexibility[:, k, None], self.inertia[:, k - 1, None] + outer
-            joined = h + spring - square * between * h * spring
-            d_joined = dh - spring * (between * h + square * (d_outer * h + between * dh))
-            share = between / joined
-            d_share = (d_outer - share * d_joined) / joined
-            inner, d_inner = inner + share * spring, d_inner + d_share * spring
-            outer, d_outer = share * h, d_share * h + share * dh
-            h, dh = joined, d_joined
-        return Slopes(square, *self._from_inside(h, inner, outer), *self._from_inside(dh, d_inner, d_outer))
+        return self._from_inside(h, inner, outer)
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """Relative error (m,) that rounding may leave in the values at s (m,): what cancels in every h."""
+        """What cancels in every h."""
         whole = self.flexibility.sum(axis=1).max(initial=0.0)
         h = self.at(square)[0]
         growth = whole / np.maximum(np.abs(h).min(axis=0, initial=whole), UNIT_ROUNDOFF * whole)
         return np.asarray(_ROUNDINGS * self.flexibility.shape[1] * UNIT_ROUNDOFF * growth)
 
     def turned(self, which: BoolArray) -> "SegmentChains":
-        """The same with inner and outer end exchanged in `which` (rows,)."""
         return replace(self, is_turned=self.is_turned ^ which)
 
     def _from_inside(self, h: NDArray[Any], first: NDArray[Any], last: NDArray[Any]) -> Pi:

@@ -8,10 +8,10 @@ With a loss factor of the material, G becomes G (1 + i eta): h and s are divided
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,8 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 
 Pi = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 UNIT_ROUNDOFF = 2.0**-53
+_STEP = 1e-100  # rad2/s2, beside which nothing changes but imaginary parts (Squire and Trapp 1998)
+_FEW = 2**9  # shafts times frequencies, up to which it does not pay to look for equal shafts (measured)
 
 
 @dataclass(frozen=True)
@@ -34,19 +36,16 @@ class Slopes:
     inner_slope: FloatArray  # kg m2 s2
     outer_slope: FloatArray  # kg m2 s2
 
-    @classmethod
-    def joined(cls, parts: "list[Slopes]") -> "Slopes":
-        """One after another."""
-        names = list(cls.__dataclass_fields__)[1:]
-        return cls(parts[0].square, *(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
-
+@dataclass(frozen=True)
 class Law(ABC):
-    """The pi of shafts of one sort, as a function of s = w^2."""
+    """The pi of shafts of one sort, as a function of s = w^2; every field has a row for each shaft."""
+
+    both_ends: ClassVar[tuple[str, ...]] = ()  # fields (shafts, 2, ...) of the inner and the outer end
 
     @property
     def size(self) -> int:
-        """Number of shafts: rows of every field."""
+        """Number of shafts."""
         return len(next(iter(vars(self).values())))
 
     @property
@@ -59,21 +58,50 @@ class Law(ABC):
         """Angular frequency (rad/s) up to which the law holds at all."""
         return math.inf
 
-    @abstractmethod
     def at(self, square: NDArray[Any]) -> Pi:
         """Flexibility rad/(N m), inner and outer end inertia kg m2, each (shafts, m), at s (m,) or (shafts, m)."""
+        if square.ndim > 1:
+            return self._pi(square)
+        few, position = self._distinct_at(square)
+        flexibility, inner, outer = few._pi(square[None])
+        return flexibility[position], inner[position], outer[position]
 
-    @abstractmethod
     def slopes(self, square: FloatArray) -> Slopes:
         """The same with their derivatives at s (m,), real."""
+        few, position = self._distinct_at(square)
+        return Slopes(square, *(row[position] for row in few._slopes(square[None])))
 
     @abstractmethod
     def rounding(self, square: FloatArray) -> FloatArray:
         """Relative error (m,) that rounding may leave in the values at s (m,), besides that of s itself."""
 
-    @abstractmethod
-    def turned(self, which: BoolArray) -> "Law":
+    def turned(self, which: BoolArray) -> Self:
         """The same with inner and outer end exchanged in `which` (shafts,)."""
+        exchanged = {}
+        for name in self.both_ends:
+            values = getattr(self, name)
+            exchanged[name] = np.where(which.reshape(-1, *[1] * (values.ndim - 1)), values[:, ::-1], values)
+        return replace(self, **exchanged)
+
+    @abstractmethod
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        """What `at` returns, at s (1, m) or (shafts, m)."""
+
+    def _slopes(self, s: FloatArray) -> tuple[FloatArray, ...]:
+        """The six of `Slopes`, each (shafts, m), at s (1, m): by a complex step, which cancels nothing."""
+        rows = self._pi(s + 1j * _STEP)
+        return *(row.real for row in rows), *(row.imag / _STEP for row in rows)
+
+    def _distinct_at(self, square: NDArray[Any]) -> tuple[Self, IntArray | slice]:
+        """As `_distinct`; all shafts, where it does not pay to look for equal ones."""
+        return (self, slice(None)) if self.size * len(square) <= _FEW else self._distinct
+
+    @cached_property
+    def _distinct(self) -> tuple[Self, IntArray | slice]:
+        """The different shafts, and which one each shaft is."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        first, position = distinct(np.concatenate([one.reshape(self.size, -1) for one in columns.values()], axis=1))
+        return replace(self, **{name: column[first] for name, column in columns.items()}), position
 
 
 @dataclass(frozen=True)
@@ -91,12 +119,12 @@ class Shafts:
     @cached_property
     def limit(self) -> float:
         """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
-        return min((law.limit for law in self.laws), default=np.inf)
+        return min(law.limit for law in self.laws)
 
     @cached_property
     def reach(self) -> float:
         """Angular frequency (rad/s) up to which the laws hold at all; counts need `limit`, responses only this."""
-        return min((law.reach for law in self.laws), default=np.inf)
+        return min(law.reach for law in self.laws)
 
     @cached_property
     def parts(self) -> tuple[slice, ...]:
@@ -107,61 +135,42 @@ class Shafts:
         return tuple(slice(a, b) for a, b in pairwise(edges))
 
     def at(self, square: ArrayLike) -> Pi:
-        """Flexibility rad/(N m), inner and outer end inertia kg m2, each (shafts, m), at s = w^2.
-
-        `square` (m,), or (shafts, m), real or complex, rad2/s2.
-        """
+        """As of a `Law`; `square` (m,), or (shafts, m), real or complex, rad2/s2."""
         s = np.asarray(square)
-        found = [
-            law.at(s if s.ndim == 1 else s[part]) for law, part in zip(self.laws, self.parts, strict=True) if law.size
-        ]
-        if len(found) == 1:
-            return found[0]
-        if not found:
-            none = np.empty((0, s.shape[-1]), dtype=s.dtype)
-            return none, none, none
-        flexibility, inner, outer = (np.concatenate(rows) for rows in zip(*found, strict=True))
+        found = [law.at(s if s.ndim == 1 else s[part]) for law, part in zip(self.laws, self.parts, strict=True)]
+        flexibility, inner, outer = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
         return flexibility, inner, outer
 
     def lossy(self, square: FloatArray, loss: FloatArray) -> Pi:
         """The same of a material with the loss factors `loss` (shafts,), complex, at real s (m,)."""
-        shapes = (self.size, len(square))
-        flexibility, inner, outer = (np.empty(shapes, dtype=np.complex128) for _ in range(3))
-        for law, part in zip(self.laws, self.parts, strict=True):
-            for eta in np.unique(loss[part]).tolist():
-                turn = 1.0 + 1j * eta
-                rows = np.flatnonzero(loss[part] == eta) + part.start
-                h, near, far = law.at(square / turn)
-                kept = rows - part.start
-                flexibility[rows], inner[rows], outer[rows] = h[kept] / turn, near[kept], far[kept]
+        flexibility, inner, outer = np.empty((3, self.size, len(square)), dtype=np.complex128)
+        for eta in np.unique(loss).tolist():
+            rows, turn = loss == eta, 1.0 + 1j * eta
+            h, near, far = self.at(square / turn)
+            flexibility[rows], inner[rows], outer[rows] = h[rows] / turn, near[rows], far[rows]
         return flexibility, inner, outer
 
     def slopes(self, square: FloatArray) -> Slopes:
-        """Values and derivatives with respect to s, each (shafts, m), at real s (m,)."""
-        parts = [law.slopes(square) for law in self.laws if law.size]
-        return Slopes.joined(parts) if parts else Slopes(square, *np.empty((6, 0, len(square))))
+        """As of a `Law`."""
+        found = [list(vars(law.slopes(square)).values())[1:] for law in self.laws]
+        return Slopes(square, *map(np.concatenate, zip(*found, strict=True)))
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """Relative error (m,) that rounding may leave in the values at s (m,), besides that of s itself."""
-        largest = np.zeros(len(square))
-        for law in self.laws:
-            np.maximum(largest, law.rounding(square) if law.size else 0.0, out=largest)
-        return largest
+        """As of a `Law`, the largest of any."""
+        return np.asarray(np.max([law.rounding(square) for law in self.laws], axis=0))
 
     def turned(self, which: BoolArray) -> "Shafts":
-        """The same with inner and outer end exchanged in `which` (shafts,)."""
-        return Shafts(
-            self.node, tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True))
-        )
+        """As of a `Law`."""
+        laws = tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True))
+        return replace(self, laws=laws)
 
 
-def distinct(table: FloatArray) -> tuple[IntArray, IntArray]:
+def distinct(table: FloatArray) -> tuple[IntArray, IntArray | slice]:
     """First row of each sort in `table` (shafts, values), and which sort (shafts,) each row is."""
     number: dict[bytes, int] = {}
     position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
-    first = np.zeros(len(number), dtype=np.int64)
-    first[position[::-1]] = np.arange(len(table))[::-1]
-    return first, position
+    first = np.unique(position, return_index=True)[1]
+    return first, position if len(first) < len(table) else slice(None)
 
 
 def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:

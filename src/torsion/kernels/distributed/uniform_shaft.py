@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Slopes, alternating_slope, distinct
+from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, alternating_slope, distinct
 
 _ROUNDINGS = 20.0  # of tan (4 units), what follows from it and the factors
 _SERIES_BELOW = 4.0  # square of the phase; above, differences lose less than a digit
@@ -33,38 +33,26 @@ class UniformShafts(Law):
         return math.pi / math.sqrt(longest) if longest > 0.0 else math.inf
 
     @cached_property
-    def _distinct(self) -> tuple[FloatArray, IntArray]:
+    def _travels(self) -> tuple[FloatArray, IntArray | slice]:
         """The different squares of travel times, and which one each shaft has."""
         first, position = distinct(self.travel[:, None])
         return self.travel[first], position
 
-    def at(self, square: NDArray[Any]) -> Pi:
-        if square.ndim == 1:
-            values, position = self._distinct
-            sine, tangent, _ = (row[position] for row in _functions(np.multiply.outer(values, square)))
-        else:
-            sine, tangent, _ = _functions(self.travel[:, None] * square)
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        travel, position = self._travels if len(s) == 1 else (self.travel, slice(None))
+        sine, tangent, _ = (row[position] for row in _functions(travel[:, None] * s))
         end = np.multiply(tangent, self.half[:, None], out=tangent)
         return np.multiply(sine, self.flexibility[:, None], out=sine), end, end
 
-    def slopes(self, square: FloatArray) -> Slopes:
-        values, position = self._distinct
-        v = np.multiply.outer(values, square)
-        sine, tangent, cosine = _functions(v)
-        by_sine, by_tangent = _derivatives(v, sine, tangent, cosine)
-        factor = values[:, None]
-        rows = [row[position] for row in (sine, tangent, factor * by_sine, factor * by_tangent)]
-        h, half = self.flexibility[:, None], self.half[:, None]
-        end, end_slope = half * rows[1], half * rows[3]
-        return Slopes(square, h * rows[0], end, end, h * rows[2], end_slope, end_slope)
+    def _slopes(self, s: FloatArray) -> tuple[FloatArray, ...]:
+        h, half, travel = self.flexibility[:, None], self.half[:, None], self.travel[:, None]
+        sine, tangent, cosine = _functions(travel * s)
+        by_sine, by_tangent = _derivatives(travel * s, sine, tangent, cosine)
+        end, end_slope = half * tangent, half * (travel * by_tangent)
+        return h * sine, end, end, h * (travel * by_sine), end_slope, end_slope
 
     def rounding(self, square: FloatArray) -> FloatArray:
         return np.full(len(square), _ROUNDINGS * UNIT_ROUNDOFF)
-
-    def turned(self, which: BoolArray) -> "UniformShafts":
-        """The same: both ends are alike."""
-        del which
-        return self
 
 
 def uniform_shafts(length: ArrayLike, rigidity: ArrayLike, inertia_per_length: ArrayLike) -> UniformShafts:
@@ -79,12 +67,9 @@ def _functions(v: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any
     """sin(mu)/mu, tan(mu/2)/(mu/2) and cos(mu) at v = mu^2, from one tangent."""
     half = 0.5 * np.sqrt(v)
     tangent = np.tan(half)
-    still = half == 0
-    if still.any():
-        tangent[still] = half[still] = 1.0
-    ratio = tangent / half
-    if still.any():
-        tangent[still] = 0.0
+    with np.errstate(invalid="ignore"):
+        ratio = tangent / half
+    ratio[half == 0] = 1.0
     np.multiply(tangent, tangent, out=tangent)
     below = 1.0 + tangent
     return ratio / below, ratio, (1.0 - tangent) / below

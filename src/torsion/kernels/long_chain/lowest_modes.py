@@ -1,14 +1,15 @@
 """The lowest modes of a long chain: brackets by counts, Rayleigh's quotients from twisted vectors, and the enclosure.
 
-A back end for long chains: LAPACK counts in one sweep of the chain and makes a twisted vector in about three, one
-frequency at a time, which the sweeps of `sturm` and `two_sides` for many frequencies cannot (measured from 2000
-stations). Brackets are halved only until the quotients converge. (Parlett and Dhillon 1997; Marques, Riedy and Voemel
-2006 for counts in IEEE arithmetic.)
+A back end for long chains: LAPACK counts in one sweep of the chain and makes a twisted vector in about three (dlaneg
+and dlar1v), one frequency at a time, which the sweeps of `sturm` and `two_sides` for many frequencies cannot (measured
+from 2000 stations). The matrix is L D L' with unit lower bidiagonal L: its Sturm count and its vectors need no entry
+of the product. Brackets are halved only until the quotients converge. (Parlett and Dhillon 1997; Marques, Riedy and
+Voemel 2006 for counts in IEEE arithmetic.)
 """
 
+import ctypes
 import math
-from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -16,10 +17,8 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
+from torsion.kernels.lapack import call, routine
 from torsion.kernels.long_chain.temple import Chain, quotient
-from torsion.kernels.long_chain.twisted import BidiagonalFactor, Twisted, negative_count, twisted_vector
-
-Progress = Callable[[int, int], None]  # modes done, modes wanted
 
 _BRACKET = 2.0**-6  # relative width of the bracket of a square from which quotients take fewer sweeps than halving
 _SETTLED = 1e-14  # of the width of the bracket: an error of the shift that the shape does not show
@@ -34,6 +33,50 @@ _LUMP = 32  # stations that become one in a coarser chain; its low frequencies a
 _STATIONS_FOR_GUESS = 64  # of the coarser chain for every mode
 _WIDENING = 16.0  # of the square while no bracket is known
 _RANGE = 1e280  # of entries and of their inverses, so that nothing over- or underflows
+_DLANEG, _DLAR1V = "i iddddi", "v iiiddddddddiiddiidddd"
+_SMALLEST_PIVOT = 2.3e-308  # both take it; neither needs it, as their arithmetic is IEEE's
+
+
+@dataclass(frozen=True)
+class BidiagonalFactor:
+    """L D L' of n rows in the four arrays that LAPACK reads, contiguous float64."""
+
+    diagonal: FloatArray  # (n,) D
+    lower: FloatArray  # (n,) L below its diagonal; the last is unused
+    product: FloatArray  # (n,) L D
+    square: FloatArray  # (n,) L L D
+    vector: FloatArray  # (n,) written by each twisted factorisation
+    work: FloatArray  # (4 n,) likewise
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return len(self.diagonal)
+
+
+@dataclass(frozen=True)
+class Twisted:
+    """What one twisted factorisation at a shift gives; the arrays last until the next one of the same matrix."""
+
+    vector: FloatArray  # (n,) 1 at the row of the twist
+    correction: float  # of the shift by Rayleigh's quotient
+    twist: int  # row from which the vector was built
+    factor: BidiagonalFactor
+
+    def passed_on(self) -> FloatArray:
+        """(twist,) what each row before the twist adds to the diagonal of the next one when it is eliminated."""
+        size = self.factor.size
+        return self.factor.work[2 * size + 1 : 2 * size + 1 + self.twist]
+
+    def taken_back(self) -> FloatArray:
+        """(n - 1 - twist,) what each row from the twist on has added to it when the next one is eliminated."""
+        size, rows = self.factor.size, slice(self.twist, self.factor.size - 1)
+        upper, pivot = self.factor.work[size : 2 * size - 1][rows], self.factor.work[3 * size + 1 :][rows]
+        with np.errstate(all="ignore"):
+            taken: FloatArray = pivot * (upper / self.factor.lower[rows])
+        stiff = np.isinf(pivot)  # the next row is at rest
+        taken[stiff] = self.factor.diagonal[rows][stiff]
+        return taken
 
 
 @dataclass(frozen=True)
@@ -49,26 +92,23 @@ class ChainMode:
 
 @dataclass
 class Counts:
-    """All counts made so far, in ascending order of the square they were made at."""
+    """All counts made so far."""
 
     factor: BidiagonalFactor
-    square: list[float] = field(default_factory=list)
-    count: list[int] = field(default_factory=list)
+    made: list[tuple[float, int]] = field(default_factory=list)  # a square of a frequency, and how many are below it
 
     def at(self, square: float) -> int:
         """Count of squares below `square`."""
-        place = bisect_left(self.square, square)
-        if place < len(self.square) and self.square[place] == square:
-            return self.count[place]
-        count = negative_count(self.factor, square)
-        self.square.insert(place, square)
-        self.count.insert(place, count)
-        return count
+        for known, count in self.made:
+            if known == square:
+                return count
+        self.made.append((square, negative_count(self.factor, square)))
+        return self.made[-1][1]
 
     def bracket(self, mode: int) -> tuple[float, float]:
         """The largest square known with a count of at most `mode`, and the smallest with a greater one."""
-        low = max(square for square, count in zip(self.square, self.count, strict=True) if count <= mode)
-        return low, min(square for square, count in zip(self.square, self.count, strict=True) if count > mode)
+        low = max(square for square, count in self.made if count <= mode)
+        return low, min(square for square, count in self.made if count > mode)
 
     def halve(self, mode: int, width: float, *, alone: bool = False) -> tuple[float, float]:
         """The bracket of `mode` when it is narrower than `width`, relatively, and, if `alone`, holds no other mode."""
@@ -81,20 +121,16 @@ class Counts:
 
     def neighbours(self, mode: int, square: float) -> tuple[float, float]:
         """Squares between `mode` and the one before, and the one after; as far from `square` as is known."""
-        found = []
-        for side, count in ((-1.0, mode), (1.0, mode + 1)):
-            known = self._farthest(count, side)
-            if known is None or abs(known - square) < _APART * square:
+        sides = (mode, -1.0), (mode + 1, 1.0)
+        for count, side in sides:
+            if abs(self._farthest(count, side, square) - square) < _APART * square:
                 self.at(square * (1.0 + side * _PROBE))
-                known = self._farthest(count, side)
-            found.append(square if known is None else known)
-        return found[0], found[1]
+        below, above = (self._farthest(*one, square) for one in sides)
+        return below, above
 
-    def _farthest(self, count: int, side: float) -> float | None:
-        known = [square for square, number in zip(self.square, self.count, strict=True) if number == count]
-        if not known:
-            return None
-        return max(known) if side > 0.0 else min(known)
+    def _farthest(self, count: int, side: float, square: float) -> float:
+        """The smallest (side -1) or largest (side 1) square known with this count; `square` where there is none."""
+        return max((at for at, number in self.made if number == count), key=lambda at: side * at, default=square)
 
 
 def factor_of(chain: Chain) -> BidiagonalFactor:
@@ -113,29 +149,14 @@ def factor_of(chain: Chain) -> BidiagonalFactor:
     return BidiagonalFactor(diagonal, lower, product, square, np.empty(size), np.empty(4 * size))
 
 
-def lowest_modes(
-    chain: Chain, wanted: int, keep: Callable[[int, ChainMode], None], progress: Progress | None = None
-) -> None:
-    """Hand the lowest `wanted` elastic modes, in ascending order, to `keep`, which need not keep all that is in them.
-
-    At least so many modes are required. `progress` is given how many are done.
-    """
-    counts, rigid = Counts(factor_of(chain)), int(chain.is_free)
-    guess = _guessed_squares(chain, wanted)
+def lowest_modes(chain: Chain, wanted: int) -> Iterator[ChainMode]:
+    """The lowest `wanted` elastic modes in ascending order, one at a time; the chain has at least so many."""
+    counts, rigid, guess = Counts(factor_of(chain)), int(chain.is_free), list[float]()
+    if len(chain.inertia) >= _LUMP * _STATIONS_FOR_GUESS * (wanted + 1):
+        guess = [found.frequency**2 for found in lowest_modes(chain.lumped(_LUMP), wanted)]
     _span_all(counts, chain, rigid, rigid + wanted - 1, guess)
     for mode in range(rigid, rigid + wanted):
-        keep(mode - rigid, _mode(chain, counts, mode, guess[mode - rigid] if guess else math.nan))
-        if progress is not None:
-            progress(mode - rigid + 1, wanted)
-
-
-def _guessed_squares(chain: Chain, wanted: int) -> list[float]:
-    """Squares of the lowest frequencies of a coarser chain; none where that would not be coarse."""
-    squares: list[float] = []
-    if len(chain.inertia) >= _LUMP * _STATIONS_FOR_GUESS * (wanted + 1):
-        coarse = chain.lumped(_LUMP)
-        lowest_modes(coarse, wanted, lambda _, found: squares.append(found.frequency**2))
-    return squares
+        yield _mode(chain, counts, mode, guess[mode - rigid] if guess else math.nan)
 
 
 def _span_all(counts: Counts, chain: Chain, first: int, last: int, guess: list[float]) -> None:
@@ -196,13 +217,13 @@ def _finite_shape(chain: Chain, factor: BidiagonalFactor, square: float) -> _Sha
     for nudge in _NUDGES:
         twisted = twisted_vector(factor, square * (1.0 + nudge))
         with np.errstate(all="ignore"):
-            shape = _shape(chain, factor, twisted)
+            shape = _shape(chain, twisted)
             if math.isfinite(float(np.dot(shape.torque, shape.torque)) + float(np.dot(shape.angle, shape.angle))):
                 return shape
     raise SolveError(f"no shape was found near {math.sqrt(square):.6g} rad/s; scale the train")
 
 
-def _shape(chain: Chain, factor: BidiagonalFactor, twisted: Twisted) -> _Shape:
+def _shape(chain: Chain, twisted: Twisted) -> _Shape:
     """Angles and torques, each torque a product of a dynamic stiffness and an angle."""
     root, vector, twist = chain.root, twisted.vector, twisted.twist
     torque = np.empty(len(chain.flexibility))
@@ -230,3 +251,30 @@ def _counted(chain: Chain, counts: Counts, mode: int) -> tuple[float, float, flo
     low, high = sorted(counts.bracket(mode))
     middle = math.sqrt(low + 0.5 * (high - low))
     return middle, math.sqrt(low) * (1.0 - chain.slack), math.sqrt(high) * (1.0 + chain.slack)
+
+
+def are_available() -> bool:
+    """Both routines are in this scipy, with 32-bit integers."""
+    return routine("dlaneg", _DLANEG) is not None and routine("dlar1v", _DLAR1V) is not None
+
+
+def negative_count(factor: BidiagonalFactor, shift: float) -> int:
+    """Number of eigenvalues of L D L' below `shift`, for entries that differ by a few units of rounding."""
+    size = factor.size
+    found = call("dlaneg", _DLANEG, size, factor.diagonal, factor.square, shift, _SMALLEST_PIVOT, size)
+    assert found is not None
+    return int(found[0])
+
+
+def twisted_vector(factor: BidiagonalFactor, shift: float) -> Twisted:
+    """The vector of L D L' next to `shift`, as products either way from the row with the smallest residual.
+
+    Componentwise accurate where the eigenvalue is well apart (Parlett and Dhillon 1997).
+    """
+    size, support = factor.size, (ctypes.c_int * 2)()
+    found = call(
+        "dlar1v", _DLAR1V, size, 1, size, shift, factor.diagonal, factor.lower, factor.product, factor.square,
+        _SMALLEST_PIVOT, 0.0, factor.vector, 0, 0, 0.0, 0.0, 0, support, 0.0, 0.0, 0.0, factor.work,
+    )  # fmt: skip
+    assert found is not None
+    return Twisted(factor.vector, correction=found[-1], twist=found[-4] - 1, factor=factor)

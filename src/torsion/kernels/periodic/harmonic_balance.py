@@ -62,6 +62,7 @@ class Balance:
         return int(self.harmonic.shape[1] - 1) // 2
 
 
+Entries = tuple[IntArray, IntArray, FloatArray]  # row and column (entries,), and the block of each
 Equations = Callable[[Motion, FloatArray, int], Linearised]  # (motion, loads, harmonics kept)
 
 
@@ -98,7 +99,7 @@ def balance(
     load: first guess of the unknown loads; each goes with one coordinate of `held`, whose mean stays as it starts.
     Raises SolveError where Newton's method finds no solution.
     """
-    count = (start.shape[1] - 1) // 2
+    count = start.shape[1] // 2
     if start.size > MOST_UNKNOWNS:
         raise SolveError(f"a harmonic balance of {start.size} unknowns is too large; the common period is too long")
     times = points_in_time(count)
@@ -129,9 +130,12 @@ def balance(
 
 
 def _is_small(move: ComplexArray, harmonic: ComplexArray) -> bool:
-    middle = harmonic.shape[1] // 2
-    amplitude = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
-    return bool(np.abs(move).max() <= QUADRATIC * amplitude + ROUNDING * np.abs(harmonic).max())
+    return bool(np.abs(move).max() <= QUADRATIC * _amplitude(harmonic) + ROUNDING * np.abs(harmonic).max())
+
+
+def _amplitude(harmonic: ComplexArray) -> float:
+    """The largest of all harmonics but the means."""
+    return float(np.abs(np.delete(harmonic, harmonic.shape[1] // 2, axis=1)).max(initial=0.0))
 
 
 def _norm(at: Linearised, count: int) -> float:
@@ -153,9 +157,7 @@ def _newton(at: Linearised, held: IntArray, w0: float, count: int) -> tuple[Comp
     return from_real_parts(found[: size * number].reshape(size, number)), found[size * number :]
 
 
-def _solve(
-    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
-) -> FloatArray:
+def _solve(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
     """Solve with the loads as further unknowns and the means at `place` fixed as further equations."""
     total, loads = force.shape
     size = float(np.abs(entries[2]).max())
@@ -164,16 +166,14 @@ def _solve(
     try:
         found = (_dense if total <= DENSE else _sparse)(scaled, force, place, right)
     except (np.linalg.LinAlgError, RuntimeError):
-        raise SolveError("the harmonic balance is singular; the train is in resonance without damping") from None
+        found = np.full(total + loads, np.nan)
     found[total:] *= size
     if not np.isfinite(found).all():
         raise SolveError("the harmonic balance is singular; the train is in resonance without damping")
     return found
 
 
-def _dense(
-    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
-) -> FloatArray:
+def _dense(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
     total, loads = force.shape
     whole = np.zeros((total + loads, total + loads))
     whole[:total, :total] = assembled(*entries, total // entries[2].shape[-1])
@@ -182,9 +182,7 @@ def _dense(
     return np.asarray(np.linalg.solve(whole, right))
 
 
-def _sparse(
-    entries: tuple[IntArray, IntArray, FloatArray], force: FloatArray, place: IntArray, right: FloatArray
-) -> FloatArray:
+def _sparse(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
@@ -214,6 +212,5 @@ def _truncation(at: Linearised, harmonic: ComplexArray, w0: float, count: int) -
     acts = np.abs(at.entries.stiffness).max(axis=1) * np.abs(harmonic).sum(axis=1)[at.entries.column]
     np.add.at(noise, at.entries.row, ROUNDING * acts)
     missed = (np.maximum(np.abs(spectrum) - noise[:, None], 0.0) / floor).max(initial=0.0)
-    middle = harmonic.shape[1] // 2
-    amplitude = np.abs(np.delete(harmonic, middle, axis=1)).max(initial=0.0)
+    amplitude = _amplitude(harmonic)
     return float(missed / amplitude) if amplitude > 0 else 0.0

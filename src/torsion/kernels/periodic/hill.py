@@ -13,10 +13,8 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 if TYPE_CHECKING:
     from scipy import sparse
 
-CENTRED = (
-    -0.4863,
-    0.5137,
-)  # mean harmonic of a vector: one copy of each lies here, and no symmetry puts one at the ends
+# Mean harmonic of a vector: one copy of each lies here, and no symmetry puts one at the ends.
+CENTRED = (-0.4863, 0.5137)
 KEPT = 1e-7  # relative: by how much a motion that solves the equations may miss that, each coordinate alone
 APART = 1e-10  # of a motion that others combine to, less is left
 DOUBLE = 1e-6  # of w0: exponents nearer to the one taken out are the same, and their vectors have no share of its own
@@ -34,13 +32,11 @@ class Couplings:
 
     def full(self, size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """M, C and K, each (times, size, size)."""
-        place = self.row * size + self.column
-        out = []
-        for part in (self.mass, self.damping, self.stiffness):
-            sums = np.zeros((size * size, part.shape[1]))
-            np.add.at(sums, place, part)
-            out.append(sums.T.reshape(-1, size, size))
-        return out[0], out[1], out[2]
+        sums = np.zeros((3, size * size, self.mass.shape[1]))
+        for total, part in zip(sums, (self.mass, self.damping, self.stiffness), strict=True):
+            np.add.at(total, self.row * size + self.column, part)
+        mass, damping, stiffness = sums.transpose(0, 2, 1).reshape(3, -1, size, size)
+        return mass, damping, stiffness
 
 
 def couplings_of(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -> Couplings:
@@ -150,12 +146,11 @@ def hill_exponents(
     number = 2 * count + 1
     total = size * number
     w = 1j * w0 * np.arange(-count, count + 1)
-    stiff, damp, mass = (toeplitz(part, count) for part in (entries.stiffness, entries.damping, entries.mass))
-
-    def dense(blocks: ComplexArray) -> ComplexArray:
-        return assembled(entries.row, entries.column, blocks, size)
-
-    constant, linear, inert = dense(stiff + w * damp + w**2 * mass), dense(damp + 2.0 * w * mass), dense(mass)
+    damp, mass = toeplitz(entries.damping, count), toeplitz(entries.mass, count)
+    constant, linear, inert = (
+        assembled(entries.row, entries.column, blocks, size)
+        for blocks in (hill_blocks(entries, w0, count), damp + 2.0 * w * mass, mass)
+    )
     own = entries.row == entries.column
     heavy = np.zeros(size)
     np.add.at(heavy, entries.row[own], entries.mass[own].min(axis=1))
@@ -197,25 +192,27 @@ def _solving(constant: ComplexArray, size: FloatArray, known: ComplexArray | Non
 
 def _eigen(left: ComplexArray, right: ComplexArray | None, apart: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """Values and vectors (columns) of left x = value right x (right None: 1), without the null vectors `apart`."""
-    from scipy.linalg import eig
-
     known = apart.shape[1]
     if not known:
-        value, vector = np.linalg.eig(left) if right is None else eig(left, right, check_finite=False)
-        return value, vector
+        return _eig(left, right)
     turned = np.linalg.qr(apart, mode="complete")[0]
     if right is None:
-        onto, weight = turned, np.eye(len(left), dtype=complex)
+        left, weight = turned.conj().T @ left @ turned, np.eye(len(left))
+        value, rest = _eig(left[known:, known:], None)
     else:
-        onto, weight = np.linalg.qr(right @ apart, mode="complete")[0], right
-    left, weight = onto.conj().T @ left @ turned, onto.conj().T @ weight @ turned
-    if right is None:
-        value, rest = np.linalg.eig(left[known:, known:])
-    else:
-        value, rest = eig(left[known:, known:], weight[known:, known:], check_finite=False)
+        onto = np.linalg.qr(right @ apart, mode="complete")[0].conj().T
+        left, weight = onto @ left @ turned, onto @ right @ turned
+        value, rest = _eig(left[known:, known:], weight[known:, known:])
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.linalg.solve(
             weight[:known, :known], left[:known, known:] @ rest / value - weight[:known, known:] @ rest
         )
     share = np.where(np.isfinite(share) & (np.abs(value) > DOUBLE), share, 0.0)  # a double one has none of its own
     return value, turned @ np.concatenate([share, rest])
+
+
+def _eig(left: ComplexArray, right: ComplexArray | None) -> tuple[ComplexArray, ComplexArray]:
+    from scipy.linalg import eig
+
+    value, vector = np.linalg.eig(left) if right is None else eig(left, right, check_finite=False)
+    return value, vector

@@ -1,6 +1,7 @@
 """The chapters of a report: functions of the findings, which give no block where these have nothing for them."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from functools import partial
 from importlib import import_module
 
 from torsion.analyses import ANALYSES
@@ -8,7 +9,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block
 from torsion.output.reports import REPORTS, Report
 
-Chapter = Callable[[Findings], list[Block]]
+Chapter = Callable[[Findings], Iterable[Block]]
 OF_ANALYSIS, OF_THE_REST = "@", "@*"  # in a list of chapters: those of an analysis, or of all that it does not name
 
 
@@ -38,9 +39,7 @@ def _of_analysis(findings: Findings, key: str) -> Iterator[Chapter]:
         if analysis.chapters:
             yield from map(_function, analysis.chapters)
         else:
-            from torsion.output.chapters.declared_results import DeclaredResults
-
-            yield DeclaredResults(analysis.title, tuple(analysis.results))
+            yield partial(import_module(f"{__name__}.declared_results").chapter, analysis)
 
 
 def _function(name: str) -> Chapter:

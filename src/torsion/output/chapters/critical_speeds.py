@@ -1,12 +1,13 @@
 """Chapter: critical speeds, order by mode, and the Campbell diagram."""
 
+from collections.abc import Iterator
+
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
-from torsion.study import SpeedRange
 
 MOST_ORDERS = 12  # in the figure
 MOST_ROWS = 60
@@ -14,18 +15,29 @@ IN_RANGE = "Critical speeds in the speed range"
 Crossings = tuple[CriticalSpeed, ...]
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where no order excites or no speed range is given."""
     speeds, found = findings.study.operation.speeds, findings.need(CriticalSpeeds).crossings
     if not found or speeds is None:
-        return []
-    text = (
+        return
+    yield Heading("Critical speeds")
+    yield Paragraph(
         f"A speed of {reference(findings)} is critical where an order that is excited meets a natural frequency. "
         f"{_inside(sum(c.is_inside for c in found), len(found))} in the speed range "
         f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm."
     )
-    blocks: list[Block] = [Heading("Critical speeds"), Paragraph(text), _matrix(found), _list(found, rated(findings))]
-    return [*blocks, Figure("campbell", "Campbell diagram", "campbell", _diagram(findings, found, speeds))]
+    yield _matrix(found)
+    yield _list(found, rated(findings))
+    met = {c.order for c in found if c.is_inside}
+    shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])
+    values = {
+        "frequencies": findings.need(Modes).frequency.tolist(),
+        "orders": [(float(one), f"order {order(one)}") for one in shown],
+        "crossings": [(c.speed * RPM, c.frequency, c.is_inside) for c in found if c.order in shown],
+        "speeds": (speeds.first * RPM, speeds.last * RPM), "rated": rated_rpm(findings),
+        "barred": barred_rpm(findings),
+    }  # fmt: skip
+    yield Figure("campbell", "Campbell diagram", "campbell", values)
 
 
 def _inside(inside: int, total: int) -> str:
@@ -39,34 +51,23 @@ def _matrix(found: Crossings) -> Table:
     """Order by mode."""
     modes = sorted({c.mode for c in found})
     at = {(c.order, c.mode): rpm(c.speed) + (" *" if c.is_inside else "") for c in found}
-    columns = (Column("Order"), *(Column(f"Mode {mode}", "rpm") for mode in modes))
+    titles = "Order" + "".join(f" | Mode {mode} [rpm]" for mode in modes)
     rows = [(order(one), *(at.get((one, mode), NONE) for mode in modes)) for one in sorted({c.order for c in found})]
-    return Table(columns, tuple(rows), "Critical speeds, order by mode (* in the speed range)")
+    return table(titles, rows, "Critical speeds, order by mode (* in the speed range)")
 
 
 def _list(found: Crossings, speed: float | None) -> Table:
     """The critical speeds in the range, and how far they lie from the rated speed (rad/s)."""
     distance = "Distance from rated [%] | " if speed else ""
-    columns = head(
-        f"Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz] | {distance}< Sources -> excited by"
-    )
     inside = sorted((c for c in found if c.is_inside), key=lambda c: c.speed)
     rows = []
     for c in inside[:MOST_ROWS]:
         own = [number(100 * (c.speed / speed - 1), 3)] if speed else []
-        rows.append((rpm(c.speed), order(c.order), str(c.mode), number(c.frequency), *own, ", ".join(c.sources)))
+        rows.append((rpm(c.speed), order(c.order), c.mode, number(c.frequency), *own, ", ".join(c.sources)))
     rest = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
-    return Table(columns, tuple(rows), IN_RANGE + rest, short=IN_RANGE)
-
-
-def _diagram(findings: Findings, found: Crossings, speeds: SpeedRange) -> dict[str, object]:
-    met = {c.order for c in found if c.is_inside}
-    orders = sorted({c.order for c in found}, key=lambda one: (one not in met, one))
-    shown = sorted(orders[:MOST_ORDERS])
-    return {
-        "frequencies": findings.need(Modes).frequency.tolist(),
-        "orders": [(float(one), f"order {order(one)}") for one in shown],
-        "crossings": [(c.speed * RPM, c.frequency, c.is_inside) for c in found if c.order in shown],
-        "speeds": (speeds.first * RPM, speeds.last * RPM), "rated": rated_rpm(findings),
-        "barred": barred_rpm(findings),
-    }  # fmt: skip
+    return table(
+        f"Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz] | {distance}< Sources -> excited by",
+        rows,
+        IN_RANGE + rest,
+        short=IN_RANGE,
+    )

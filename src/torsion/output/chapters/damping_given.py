@@ -1,18 +1,18 @@
 """Chapter: the damping used, model and value of each; and what was taken as undamped."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
-from torsion.assembly.system import System
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, head
-from torsion.output.elastic_elements import elements
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, given, given_rpm, number
 from torsion.output.reported_values import rated
+from torsion.output.selection import damps, elements
 
 MODEL = (
     "Internal damping of a loss factor η enters as k (1 + i η), with η = ψ/(2π) = 1/M, independent of frequency; "
@@ -23,55 +23,40 @@ BARELY = 1e-4  # damping ratio: below what any real train has
 GIVEN = {"psi": "ψ", "magnifier": "M", "loss_factor": "η", "viscous": "c", "damping": "c"}
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Left out for an undamped train without a response; an undamped response says so."""
-    system = findings.system
+    system, response = findings.system, findings.get(Response)
     if not system.damps:
-        if findings.get(Response) is None and findings.get(FrequencyResponse) is None:
-            return []
-        text = (
-            "Nothing in the train takes energy out: at a resonance the response has no finite value and is not printed."
-        )
-        return [Heading("Damping"), Paragraph(text, "note")]
-    blocks: list[Block] = [Heading("Damping"), Paragraph(MODEL)]
-    blocks += [table for table in (_elements(findings), _grounds(findings)) if table.rows]
-    bare = [e.name for e in elements(system) if system.flexibility[e.spans[0]] > 0 and not _damps(system, e.spans[0])]
+        if response is not None or findings.get(FrequencyResponse) is not None:
+            yield Heading("Damping")
+            yield Paragraph(
+                "Nothing in the train takes energy out: at a resonance the response has no finite value and is not "
+                "printed.", "note"
+            )  # fmt: skip
+        return
+    yield Heading("Damping")
+    yield Paragraph(MODEL)
+    yield from (one for one in (_elements(findings), _grounds(findings)) if one.rows)
+    bare = [e.name for e in elements(system) if system.flexibility[e.spans[0]] > 0 and not damps(system, e)]
     if bare:
-        blocks.append(Paragraph(f"Taken as undamped: {', '.join(bare)}."))
-    weak = _barely_damped(findings)
-    if weak:
+        yield Paragraph(f"Taken as undamped: {', '.join(bare)}.")
+    damped = findings.get(DampedModes)
+    if damped is not None and response is not None and (damped.damping_ratio < BARELY).any():
+        weak = ", ".join(str(k + 1) for k in np.flatnonzero(damped.damping_ratio < BARELY).tolist())
         ratio = f"The damping ratio of mode {weak} is below {100 * BARELY:g} %"
         text = f"{ratio}: amplitudes at its resonances rest on next to no damping and are no prediction."
-        blocks.append(Paragraph(text, "note"))
-    return blocks
-
-
-def _barely_damped(findings: Findings) -> str:
-    """Modes that the damping given hardly damps."""
-    if findings.get(DampedModes) is None or findings.get(Response) is None:
-        return ""
-    return ", ".join(str(k + 1) for k in np.flatnonzero(findings.need(DampedModes).damping_ratio < BARELY).tolist())
-
-
-def _damps(system: System, span: int) -> bool:
-    return bool(system.loss_factor[span] > 0 or system.viscous[span] > 0)
+        yield Paragraph(text, "note")
 
 
 def _elements(findings: Findings) -> Table:
-    system = findings.system
-    rows = []
+    system, rows = findings.system, []
     for element in elements(system):
-        first = element.spans[0]
-        if not _damps(system, first):
-            continue
-        eta, viscous = float(system.loss_factor[first]), float(system.viscous[first])
-        rows.append((
-            element.name, _as_given(findings, element.part), number(eta) if eta else NONE,
-            number(2 * math.pi * eta) if eta else NONE, number(1 / eta) if eta else NONE,
-            number(viscous) if viscous else NONE,
-        ))  # fmt: skip
-    columns = head("< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | Viscous c [N m s/rad]")
-    return Table(columns, tuple(rows), "Internal damping")
+        if damps(system, element):
+            eta, viscous = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
+            losses = (eta, 2 * math.pi * eta, 1 / eta) if eta else [NONE] * 3
+            rows.append((element.name, _as_given(findings, element.part), *losses, viscous or NONE))
+    columns = "< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | Viscous c [N m s/rad]"
+    return table(columns, rows, "Internal damping")
 
 
 def _as_given(findings: Findings, part: int) -> str:
@@ -84,19 +69,16 @@ def _as_given(findings: Findings, part: int) -> str:
 
 def _grounds(findings: Findings) -> Table:
     system, speed = findings.system, rated(findings)
-    at = f" at {given_rpm(speed)} rpm" if speed is not None else ""
-    columns = head(f"< At | < Model | < Factor | Value{at} [N m s/rad] | < Source")
     rows = []
     for damper in system.dampers:
         station = system.stations[damper.station]
         part = findings.study.train.parts[station.part]
         screw = part.propeller
         model, factor = ("viscous", None) if screw is None else (screw.damping_model, screw.damping_factor)
-        rows.append((
-            station.name, model, NONE if factor is None else given(factor), _value(findings, damper.station, speed),
-            part.source or "input",
-        ))  # fmt: skip
-    return Table(columns, tuple(rows), "Damping to ground")
+        value = _value(findings, damper.station, speed)
+        rows.append((station.name, model, given(factor), value, part.source or "input"))
+    at = f" at {given_rpm(speed)} rpm" if speed is not None else ""
+    return table(f"< At | < Model | < Factor | Value{at} [N m s/rad] | < Source", rows, "Damping to ground")
 
 
 def _value(findings: Findings, station: int, speed: float | None) -> str:
@@ -107,9 +89,11 @@ def _value(findings: Findings, station: int, speed: float | None) -> str:
     steady = findings.get(Steady)
     if speed is None:
         return "varies with speed"
-    near = 0 if steady is None else int(np.argmin(np.abs(steady.speed - speed)))
     if steady is None and any(d.torque_factor for d in mine):
         return "varies with mean torque"
-    mean = np.zeros((len(findings.system.stations), 1)) if steady is None else steady.applied[:, near : near + 1]
-    at = np.array([speed if steady is None else steady.speed[near]])
+    if steady is None:
+        at, mean = np.array([speed]), np.zeros((len(findings.system.stations), 1))
+    else:
+        near = [int(np.argmin(np.abs(steady.speed - speed)))]
+        at, mean = steady.speed[near], steady.applied[:, near]
     return number(float(findings.system.ground_damping(at, mean)[station, 0]))

@@ -1,43 +1,32 @@
 """Chapter of an analysis that declares none: its results as they are declared, short arrays as tables by axis."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from enum import Enum
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from torsion.analyses import Analysis
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Heading, Points, Table, texts
-from torsion.output.numbers import degrees, exact, number
+from torsion.output.blocks import Block, Column, Heading, Points, Table, table, texts
 from torsion.output.plain import shown
 from torsion.output.selection import Selection
 from torsion.results import Quantity, is_declared, quantities
 
 MOST_ROWS = 60  # of a table; a longer array is named with its key of results.json
 MOST_COLUMNS = 5  # of a table on the terminal
-SCALARS = (texts("Quantity", "quantity"), Column("Value", short="value"), texts("Unit", "unit"), texts("Meaning"))
 
 
-@dataclass(frozen=True)
-class DeclaredResults:
-    """The chapter of some results, by their names in every output."""
-
-    title: str
-    names: tuple[str, ...]
-
-    def __call__(self, findings: Findings) -> list[Block]:
-        """Nothing where none of them was found."""
-        chosen = Selection(findings.system)
-        found = [(name, findings.results.get(name)) for name in self.names]
-        blocks = [block for name, held in found if held is not None for block in _blocks(name, held, chosen)]
-        return [Heading(self.title[:1].upper() + self.title[1:]), *blocks] if blocks else []
+def chapter(analysis: Analysis, findings: Findings) -> list[Block]:
+    """Nothing where none of its results was found."""
+    chosen = Selection(findings.system)
+    found = [(name, findings.results.get(name)) for name in analysis.results]
+    blocks = [block for name, held in found if held is not None for block in _blocks(name, held, chosen)]
+    return [Heading(analysis.title[:1].upper() + analysis.title[1:]), *blocks] if blocks else []
 
 
 def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
     """Single values in one table, arrays in one for each axis, then the results that this one consists of."""
-    single: list[tuple[str, ...]] = []
+    single: list[tuple[Any, ...]] = []
     arrays: dict[tuple[str, int], list[tuple[Quantity, Any]]] = {}
     left, inner = list[str](), list[tuple[str, Any]]()
     for one in quantities(type(held)):
@@ -51,9 +40,10 @@ def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
         elif np.ndim(value):
             left.append(f"{one.meaning}: {' by '.join(map(str, np.shape(value)))} values, `{key}` of results.json")
         else:
-            single.append((one.name.replace("_", " "), cell(value), one.unit, one.meaning))
+            single.append((one.name.replace("_", " "), value, one.unit, one.meaning))
     if single:
-        yield Table(SCALARS, tuple(single), f"Single values of {path}", short=path)
+        titles = "< Quantity -> | Value -> | < Unit -> | < Meaning"
+        yield table(titles, single, f"Single values of {path}", short=path)
     for (axis, count), columns in arrays.items():
         yield _table(path, _names(axis, count, chosen), columns)
     if left:
@@ -68,8 +58,8 @@ def _table(path: str, names: list[str], columns: list[tuple[Quantity, Any]]) -> 
     heads = [texts(axis.capitalize(), axis)]
     for place, (one, _) in enumerate(columns, start=2):
         heads.append(Column(one.meaning, one.unit, short=one.key if place <= MOST_COLUMNS else ""))
-    rows = zip(names, *([cell(value) for value in values] for _, values in columns), strict=True)
-    return Table(tuple(heads), tuple(rows), f"Values of {path} by {axis}", short=f"{path} by {axis}")
+    rows = zip(names, *(values for _, values in columns), strict=True)
+    return table(tuple(heads), rows, f"Values of {path} by {axis}", short=f"{path} by {axis}")
 
 
 def _names(axis: str, count: int, chosen: Selection) -> list[str]:
@@ -78,17 +68,3 @@ def _names(axis: str, count: int, chosen: Selection) -> list[str]:
     known = {"station": stations, "span": chosen.groups.names(), "element": [one.name for one in chosen.elements]}
     names = known.get(axis, [])
     return names if len(names) == count else [str(k) for k in range(1, count + 1)]
-
-
-def cell(value: Any) -> str:
-    """A single value: 2.5, 3 ∠ 40°, 1/2, yes."""
-    value = value.item() if isinstance(value, np.generic) else value
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, complex):
-        return f"{number(abs(value))} ∠ {degrees(float(np.angle(value)), 4)}°"
-    if isinstance(value, float):
-        return number(value)
-    if value is None or isinstance(value, Fraction):
-        return exact(value)
-    return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)

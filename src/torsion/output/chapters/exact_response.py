@@ -1,57 +1,93 @@
 """Chapter: the exact periodic response of a train with joints, beside the first-order one."""
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.motion.periodic_orbits import PeriodicResponse
+from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.synthesis import common_cycle, extremes
+from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
-from torsion.output.elastic_elements import Element
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, Scale, counted, distinct_texts, number, order, rpm, scale
-from torsion.output.reported_values import amplitude, rated_rpm, unstable_rpm, worth_a_figure
-from torsion.output.selection import torques
-
-if TYPE_CHECKING:
-    from torsion.output.first_order_and_exact import Compared
+from torsion.output.reported_values import (
+    amplitude,
+    rated_rpm,
+    rounding,
+    synthesis,
+    unstable_rpm,
+    without,
+    worth_a_figure,
+)
+from torsion.output.selection import Element, elements, highest, largest, torques
 
 MOST_ROWS = 60
 MOST_FIGURES = 6
 MOST_ORDERS = 4  # in one figure
 MOST_FLAGGED = 20  # speeds listed one by one
+SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compared
+WORDS = {Found.OK: "ok", Found.COARSE: "coarse", Found.NONE: "none found"}
+Point = tuple[float, int]  # N m, position of the speed
 MODEL = (
     "The joints as they are, at any angle: Newton harmonic balance on the train's full equations of motion, with "
     "every multiple of the common order and the drive's mean torque as unknown. Amplitudes are half ranges."
 )
 
 
-def chapter(findings: Findings) -> list[Block]:
-    """Nothing where no exact response was computed."""
-    if findings.get(PeriodicResponse) is None or findings.get(Response) is None:
-        return []
-    from torsion.output.first_order_and_exact import compared, first_order_judged
+@dataclass(frozen=True)
+class Compared:
+    """The largest torque of an element over the speeds, by both methods; order None is the half range of all orders."""
 
+    element: Element
+    order: Fraction | None
+    first: Point | None  # in the response
+    exact: Point | None  # in the periodic response
+
+    @property
+    def excess(self) -> float:
+        """(exact - first order)/first order; NaN where one is missing or nothing."""
+        if self.first is None or self.exact is None or self.first[0] == 0:
+            return np.nan
+        return self.exact[0] / self.first[0] - 1.0
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """Nothing where no exact response was computed."""
+    found = findings.get(PeriodicResponse)
+    if found is None or findings.get(Response) is None:
+        return
     rows = compared(findings)
-    blocks: list[Block] = [Heading("Exact periodic response"), _introduction(findings)]
-    judged = first_order_judged(findings)
-    if judged:
-        blocks.append(Paragraph(judged, "note"))
-    blocks += [*_flagged(findings), *_others(findings)]
+    yield Heading("Exact periodic response")
+    yield _introduction(findings, found)
+    if judged := first_order_judged(findings):
+        yield Paragraph(judged, "note")
+    if (bad := _flagged(found)).any():
+        yield _flagged_table(found, np.flatnonzero(bad).tolist())
+    if found.others is not None:
+        yield Paragraph(
+            "At some peaks the equations have several periodic motions. Which of them the train settles in depends on "
+            "how it comes there; where deviations grow it does not stay. The curves and tables hold the one called "
+            "`reported`.", "note"
+        )  # fmt: skip
+        yield table(
+            "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | Growth of deviations [1/s]",
+            _motions(findings, found, found.others),
+            "Periodic motions found at the same speed, at the highest peaks",
+        )
     if rows:
         unit = scale("N m", [point[0] for row in rows for point in (row.first, row.exact) if point is not None])
-        blocks.append(_table(findings, rows, unit))
+        yield _table(findings, rows, unit)
         size: dict[Element, float] = {}
         for row in rows:
             if row.exact is not None:
                 size[row.element] = max(size.get(row.element, 0.0), row.exact[0])
-        blocks += [_figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES)]
-    return blocks
+        yield from (_figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES))
 
 
-def _introduction(findings: Findings) -> Paragraph:
-    found = findings.need(PeriodicResponse)
+def _introduction(findings: Findings, found: PeriodicResponse) -> Paragraph:
     known = found.truncation[np.isfinite(found.truncation)]
     harmonics = int(found.harmonics.max(initial=0))
     kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
@@ -59,68 +95,56 @@ def _introduction(findings: Findings) -> Paragraph:
     if known.size:
         text += f"; largest harmonic left out, estimated: {number(float(known.max()), 2)} of the largest kept"
     if np.isfinite(found.drive).any():
-        text += (
-            f"; mean torque of the drive {number(float(np.nanmin(found.drive)))} to "
-            f"{number(float(np.nanmax(found.drive)))} N m"
-        )
+        least, most = number(float(np.nanmin(found.drive))), number(float(np.nanmax(found.drive)))
+        text += f"; mean torque of the drive {least} to {most} N m"
     left_out = any(line.order is None for line in findings.need(Response).lines)
     return Paragraph(text + "." + (" Torques of fixed frequency are left out of it." if left_out else ""))
 
 
-def _flagged(findings: Findings) -> list[Block]:
-    """The speeds without a periodic motion, with a coarse or an unstable one."""
-    from torsion.output.first_order_and_exact import WORDS, flagged
+def _flagged(found: PeriodicResponse) -> BoolArray:
+    """(speeds,) the exact response has no value, a coarse one, or one that small deviations leave."""
+    return np.asarray((found.status != Found.OK) | found.is_unstable)
 
-    found, bad = findings.need(PeriodicResponse), np.flatnonzero(flagged(findings))
-    if not bad.size:
-        return []
-    columns = head("Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why")
-    rows, marks = [], []
-    stated = distinct_texts([float(speed) * RPM for speed in found.speed[bad[:MOST_FLAGGED]]])
-    for k, speed in zip(bad[:MOST_FLAGGED].tolist(), stated, strict=True):
+
+def _flagged_table(found: PeriodicResponse, bad: Sequence[int]) -> Table:
+    """The speeds without a periodic motion, with a coarse or an unstable one."""
+    rows, marks, shown = [], [], bad[:MOST_FLAGGED]
+    for k, speed in zip(shown, distinct_texts((found.speed[shown] * RPM).tolist()), strict=True):
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
-        word = WORDS[found.status[k]] + (", unstable" if unstable else "")
         why = found.why[k] or ("small deviations grow: the train does not settle in this motion" if unstable else
                                "more harmonics would be needed")  # fmt: skip
-        rows.append((speed, word, growth, number(float(found.truncation[k]), 2), why))
+        state = WORDS[found.status[k]] + (", unstable" if unstable else "")
+        rows.append((speed, state, growth, number(float(found.truncation[k]), 2), why))
         marks.append("fail" if unstable or found.why[k] else "note")
-    rest = f"; the first {MOST_FLAGGED} of {bad.size}" if bad.size > MOST_FLAGGED else ""
-    caption = f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}"
-    return [Table(columns, tuple(rows), caption, tuple(marks))]
-
-
-def _others(findings: Findings) -> list[Block]:
-    """Further motions at the same speed; nothing where none was found."""
-    from torsion.output.first_order_and_exact import other_motions
-
-    if findings.need(PeriodicResponse).others is None:
-        return []
-    columns = head(
-        "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | Growth of deviations [1/s]"
+    rest = f"; the first {MOST_FLAGGED} of {len(bad)}" if len(bad) > MOST_FLAGGED else ""
+    return table(
+        "Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why",
+        rows,
+        f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}",
+        marks=marks,
     )
-    rows = [
-        (rpm(one.speed), one.name, number(one.torque), order(one.order), one.where, number(one.growth, 3))
-        for one in other_motions(findings)
-    ]
-    text = (
-        "At some peaks the equations have several periodic motions. Which of them the train settles in depends on how "
-        "it comes there; where deviations grow it does not stay. The curves and tables hold the one called `reported`."
-    )
-    caption = "Periodic motions found at the same speed, at the highest peaks"
-    return [Paragraph(text, "note"), Table(columns, tuple(rows), caption)]
 
 
-def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Table:
-    from torsion.output.first_order_and_exact import flagged, signed
+def _motions(findings: Findings, found: PeriodicResponse, others: PeriodicResponse) -> Iterator[tuple[str, ...]]:
+    """Every motion at the speeds at which several were found, by its largest amplitude, the reported one first."""
+    for speed in np.unique(others.speed).tolist():
+        here = [("reported", found, int(np.flatnonzero(found.speed == speed)[0]))]
+        here += [("another", others, k) for k in np.flatnonzero(others.speed == speed).tolist()]
+        for name, motion, row in here:
+            size = {e: np.abs(motion.torque[row][:, list(e.spans)]).max(axis=1) for e in elements(findings.system)}
+            element = max(size, key=lambda one: float(size[one].max()))
+            rank = int(size[element].argmax())
+            growth = NONE if motion.growth is None else number(float(motion.growth[row]), 3)
+            torque, where = number(float(size[element][rank])), element.name
+            yield rpm(float(motion.speed[row])), name, torque, order(motion.orders[rank]), where, growth
 
-    response, exact, bad = findings.need(Response), findings.need(PeriodicResponse), flagged(findings)
-    columns = head(
-        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | At speed [rpm] | "
-        f"Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->"
-    )
-    cells, marks = [], []
-    for row in sorted(rows, key=lambda row: row.order is not None)[:MOST_ROWS]:
+
+def _table(findings: Findings, compared: tuple[Compared, ...], unit: Scale) -> Table:
+    response, exact = findings.need(Response), findings.need(PeriodicResponse)
+    bad = _flagged(exact)
+    rows = []
+    for row in sorted(compared, key=lambda row: row.order is not None)[:MOST_ROWS]:
         both = [
             (NONE, NONE) if point is None else (unit.text(point[0]), rpm(float(speed[point[1]])))
             for point, speed in ((row.first, response.speed), (row.exact, exact.speed))
@@ -128,40 +152,34 @@ def _table(findings: Findings, rows: "tuple[Compared, ...]", unit: Scale) -> Tab
         remark = "" if row.exact is not None else "no periodic motion"
         if row.exact is not None and bad[row.exact[1]]:
             remark = "unstable there" if exact.is_unstable[row.exact[1]] else "coarse there"
-        change = signed(row.excess) if np.isfinite(row.excess) else NONE
+        change = _signed(row.excess) if np.isfinite(row.excess) else NONE
         line = "all" if row.order is None else order(row.order)
-        cells.append((row.element.name, line, *both[0], *both[1], change, remark))
-        marks.append("fail" if remark else "")
-    rest = f"; {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else ""
-    caption = (
-        f"First order against exact: largest torque over the speed range, of every order above 1 % and (all) of the "
-        f"sum true to phase{rest}"
+        rows.append((row.element.name, line, *both[0], *both[1], change, remark))
+    rest = f"; {MOST_ROWS} of {len(compared)} rows" if len(compared) > MOST_ROWS else ""
+    return table(
+        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | At speed [rpm] | "
+        f"Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->",
+        rows,
+        "First order against exact: largest torque over the speed range, of every order above 1 % and (all) of the "
+        f"sum true to phase{rest}",
+        marks=["fail" if row[-1] else "" for row in rows],
+        short="Exact periodic response, largest torque",
     )
-    return Table(columns, tuple(cells), caption, tuple(marks), "Exact periodic response, largest torque")
-
-
-def joint_orders(findings: Findings) -> list[Fraction]:
-    """The orders of the joints and twice them: of two cross joints 2 and 4."""
-    system = findings.system
-    own = {n * system.stations[s.driving].ratio for s in system.spans for n, _ in s.error}
-    return sorted({n * order for order in own for n in (1, 2)})[:MOST_ORDERS]
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
-    from torsion.analyses.motion.periodic_orbits import Found
-    from torsion.output.first_order_and_exact import exact_amplitude
-
-    response, found = findings.need(Response), findings.need(PeriodicResponse)
+    """At the orders of the joints and twice them: of two cross joints 2 and 4."""
+    response, found, system = findings.need(Response), findings.need(PeriodicResponse), findings.system
     first, exact = amplitude(findings, element.spans), exact_amplitude(findings, element.spans)
-    unit = torques([exact])
-    lines = [line.order for line in response.lines]
+    unit, lines = torques([exact]), [line.order for line in response.lines]
+    joints = {n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error}
     pairs = [
         (
             f"order {order(n)}",
             first[:, lines.index(n)] * unit.factor if n in lines else None,
             exact[:, found.orders.index(n)] * unit.factor,
         )
-        for n in joint_orders(findings)
+        for n in sorted({n * order for order in joints for n in (1, 2)})[:MOST_ORDERS]
         if n in found.orders
     ]
     values = {
@@ -171,3 +189,84 @@ def _figure(findings: Findings, element: Element) -> Figure:
     }  # fmt: skip
     name = f"periodic-{element.part}-{element.spans[0]}"
     return Figure(name, f"Torque in {element.name} by both methods, orders of the joints", "periodic", values)
+
+
+def exact_amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
+    """(speeds, orders) N m: largest exact amplitude in the spans; NaN where no periodic motion was found."""
+    return np.asarray(np.abs(findings.need(PeriodicResponse).torque[:, :, list(spans)]).max(axis=2))
+
+
+def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
+    """(speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
+    found = findings.need(PeriodicResponse)
+    turns, harmonics = common_cycle(list(found.orders))
+    torque = np.moveaxis(found.torque[:, :, list(spans)], 1, 2)
+    if turns == 0:
+        return np.asarray(np.abs(torque).sum(axis=2).max(axis=1))
+    known = found.status != Found.NONE
+    out = np.full(len(found.speed), np.nan)
+    highest, lowest = extremes(torque[known].reshape(-1, len(found.orders)), harmonics)
+    out[known] = ((highest - lowest) / 2.0).reshape(-1, len(spans)).max(axis=1)
+    return out
+
+
+def compared(findings: Findings) -> tuple[Compared, ...]:
+    """Every element that carries torque: all orders together (where no torque has a fixed frequency), then each."""
+    if findings.get(Response) is None or findings.get(PeriodicResponse) is None:
+        return ()
+    nothing = rounding(findings)
+    return tuple(row for element in elements(findings.system) for row in _compared(findings, element, nothing))
+
+
+def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iterator[Compared]:
+    """nothing: (spans,) N m, below which a torque is rounding and reported as 0."""
+    spans, orders = element.spans, [line.order for line in findings.need(Response).lines]
+    here = nothing[list(spans)]
+    first, exact = without(amplitude(findings, spans), here), exact_amplitude(findings, spans)
+    top = highest(exact)
+    if top == 0.0:
+        return
+    exact = _where_found(without(exact, here))
+    if None not in orders:
+        both = synthesis(findings, spans), _where_found(exact_half_range(findings, spans))
+        yield Compared(element, None, *(_largest(without(half, here)) for half in both))
+    for k, one in enumerate(findings.need(PeriodicResponse).orders):
+        mine = None if one not in orders else _largest(first[:, orders.index(one)])
+        found = _largest(exact[:, k])
+        if max((point[0] for point in (mine, found) if point is not None), default=0.0) >= SMALLEST * top:
+            yield Compared(element, one, mine, found)
+
+
+def _where_found(values: FloatArray) -> FloatArray:
+    """The values with the least of all for NaN, so that the largest is that of the speeds with a periodic motion."""
+    return np.where(np.isnan(values), -np.inf, values)
+
+
+def _largest(values: FloatArray) -> Point | None:
+    at = largest(values)
+    return None if at is None else (float(values[at]), at)
+
+
+def first_order_judged(findings: Findings) -> str:
+    """That the rules judge the first order, and by how much it misses the exact one; empty where there is only one."""
+    rows = compared(findings)
+    if not rows or not findings.study.rules:
+        return ""
+    together = [row for row in rows if row.order is None] or rows
+    text = "The rules and the synthesis judge the first-order response, not the exact periodic one."
+    worst = max((row for row in together if np.isfinite(row.excess)), key=lambda row: row.excess, default=None)
+    if worst is None or worst.first is None or worst.exact is None:
+        return text
+    response, exact = findings.need(Response), findings.need(PeriodicResponse)
+    return (
+        f"{text} The exact one exceeds it most in {worst.element.name}: largest "
+        f"{'half range' if worst.order is None else f'amplitude of order {worst.order}'} "
+        f"{number(worst.exact[0])} N m at {rpm(float(exact.speed[worst.exact[1]]))} rpm against "
+        f"{number(worst.first[0])} N m at {rpm(float(response.speed[worst.first[1]]))} rpm of the first order "
+        f"({_signed(worst.excess)} %)."
+    )
+
+
+def _signed(share: float) -> str:
+    """A relative difference in percent, with its sign."""
+    return ("+" if share > 0 else "") + number(100.0 * share, 3)

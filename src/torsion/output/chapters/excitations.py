@@ -1,53 +1,48 @@
 """Chapter: what excites the train."""
 
 import math
+from collections.abc import Iterator
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, head
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, degrees, given, given_rpm, number, order, scale
 from torsion.output.reported_values import reference
 from torsion.primitives import Torque
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Torques, then the orders that come together; joints have a chapter of their own."""
-    train = findings.study.train
+    train, response = findings.study.train, findings.get(Response)
     angled = [mesh for mesh in train.constraints if mesh.error]
     if not train.torques and not angled:
-        return []
-    blocks: list[Block] = [Heading("Excitations")]
+        return
+    yield Heading("Excitations")
     if train.torques:
-        blocks.append(_torques(findings))
+        yield _torques(findings)
     if angled:
         names = ", ".join(f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled)
-        blocks.append(Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}."))
-    if findings.get(Response) is not None and findings.need(Response).lines:
-        blocks.append(_lines(findings))
-    return blocks
+        yield Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}.")
+    if response is not None and response.lines:
+        yield _lines(findings, response)
 
 
 def _torques(findings: Findings) -> Table:
-    columns = head(
-        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) | Phase [deg] | "
-        "< Source"
-    )
     rows = []
     for torque in findings.study.train.torques:
-        station = findings.system.stations[torque.station]
-        own = torque.order
+        station, own = findings.system.stations[torque.station], torque.order
+        frequency = "every one requested" if torque.frequency is None else given(torque.frequency)
         rows.append((
-            torque.name, order(own), order(None if own is None else own * station.ratio), _frequency(torque),
-            _amplitude(torque), degrees(torque.phase),
+            torque.name, order(own), order(None if own is None else own * station.ratio),
+            NONE if own is not None else frequency, _amplitude(torque), degrees(torque.phase),
             findings.study.train.parts[station.part].source or "input",
         ))  # fmt: skip
-    return Table(columns, tuple(rows), "Harmonic torques")
-
-
-def _frequency(torque: Torque) -> str:
-    if torque.order is not None:
-        return NONE
-    return "every one requested" if torque.frequency is None else given(torque.frequency)
+    return table(
+        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) | Phase [deg] | "
+        "< Source",
+        rows,
+        "Harmonic torques",
+    )
 
 
 def _amplitude(torque: Torque) -> str:
@@ -63,14 +58,15 @@ def _amplitude(torque: Torque) -> str:
     return " + ".join(words)
 
 
-def _lines(findings: Findings) -> Table:
-    response = findings.need(Response)
-    columns = head("Order of the reference | Frequency over the range [Hz] | < Sources")
+def _lines(findings: Findings, response: Response) -> Table:
     rows = []
-    for index, line in enumerate(response.lines):
-        low, high = float(response.frequency[:, index].min()), float(response.frequency[:, index].max())
+    for line, frequency in zip(response.lines, response.frequency.T, strict=True):
+        low, high = float(frequency.min()), float(frequency.max())
         span = number(low) if math.isclose(low, high) else f"{number(low)}–{number(high)}"
         rows.append((order(line.order), span, ", ".join(dict.fromkeys(line.sources))))
-    per_revolution = f"orders per revolution of {reference(findings)}"
-    caption = f"Harmonic components of the response, {per_revolution}; contributions of one order are added as phasors"
-    return Table(columns, tuple(rows), caption)
+    return table(
+        "Order of the reference | Frequency over the range [Hz] | < Sources",
+        rows,
+        f"Harmonic components of the response, orders per revolution of {reference(findings)}; contributions of one "
+        "order are added as phasors",
+    )

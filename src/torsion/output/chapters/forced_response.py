@@ -1,20 +1,24 @@
-"""Chapter: the response over the speed range: peaks, torque of each order and all together, angles."""
+"""Chapters: the response over speed (torque of every order and of all together, peaks, angles) and over frequency."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.response.over_speed import requested_orders
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
-from torsion.output.chapters.resonance_peaks import peaks
-from torsion.output.elastic_elements import Element, elements
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, scale
 from torsion.output.reported_values import (
+    UNDAMPED,
     amplitude,
     barred_rpm,
     joint_model,
-    judged,
     orders_together,
     rated_rpm,
     reference,
@@ -25,29 +29,47 @@ from torsion.output.reported_values import (
     without,
     worth_a_figure,
 )
-from torsion.output.selection import NO_VALUE, highest, largest, strongest, torques
+from torsion.output.selection import NO_VALUE, Element, elements, highest, largest, strongest, torques
+from torsion.rules import needed
 
 MOST_LINES = 8  # orders in one figure
+MOST_CURVES = 10  # in a figure over frequency
 MOST_FIGURES = 12
+SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
+MOST_PEAKS = 40
+SAME = 0.03  # relative distance of a peak from its natural frequency, or twice the damping ratio (half-power width)
+DEGREES = Scale("deg", 180.0 / np.pi)
 
 
-def chapter(findings: Findings) -> list[Block]:
+@dataclass(frozen=True)
+class Peak:
+    """A local maximum of one line in one element."""
+
+    element: Element
+    line: int
+    at: int  # position of the speed
+    torque: float  # N m
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing without a response over speed."""
     response = findings.get(Response)
     if response is None or not response.lines:
-        return []
+        return
     found = [e for e in elements(findings.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
     unit = torques(amplitude(findings, e.spans) for e in found)
-    title = Heading("Response over the speed range")
-    blocks: list[Block] = [title, _introduction(findings, response), _status(findings, response)]
+    yield Heading("Response over the speed range")
+    yield _introduction(findings, response)
+    yield _status(findings, response)
     if found:
-        blocks.extend([_summary(findings, found, unit), peaks(findings, found, unit), _angles(findings, response)])
+        yield _summary(findings, found, unit)
+        yield _peaks(findings, found, unit)
+        yield _angles(findings, response)
     drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, MOST_FIGURES)
-    blocks += [_figure(findings, element) for element in drawn]
+    yield from (_figure(findings, element) for element in drawn)
     if len(drawn) < len(found):
         rest = ", ".join(e.name for e in found if e not in drawn)
-        blocks.append(Paragraph(f"Without a figure, as they follow the others or carry less: {rest}."))
-    return blocks
+        yield Paragraph(f"Without a figure, as they follow the others or carry less: {rest}.")
 
 
 def _introduction(findings: Findings, response: Response) -> Paragraph:
@@ -61,9 +83,10 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
             if made.turns
             else " The components have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
         )
+    judged = " and where the rules judge" if "response" in needed(findings.study) else ""
     text = (
         f"{counted(len(response.lines), 'harmonic component')} at {counted(requested, 'speed')} as requested and "
-        f"{extra} more placed around the resonances{' and where the rules judge' if judged(findings) else ''}, so "
+        f"{extra} more placed around the resonances{judged}, so "
         "that no peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic "
         f"and damping part together, at the element's own speed.{cycle}"
     )
@@ -93,11 +116,6 @@ def _status(findings: Findings, response: Response) -> Paragraph:
 def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     response, made = findings.need(Response), findings.get(Synthesis)
     mean = scale("N m", np.abs(response.mean).max(axis=0).tolist())
-    columns = head(
-        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | At speed [rpm] -> at rpm | "
-        f"Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
-        f"Mean [{mean.unit}]"
-    )
     rows, nothing = [], rounding(findings)
     for element in found:
         here = nothing[list(element.spans)]
@@ -108,45 +126,111 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
             continue
         line = int(np.nanargmax(parts[at]))
         span = element.spans[int(np.argmax(made.half_range[at, list(element.spans)]))]
+        steady = mean.text(float(response.mean[at, span]))
         if half[at] == 0.0:
-            rows.append((element.name, "0", NONE, NONE, "0", "0", "0", mean.text(float(response.mean[at, span]))))
+            rows.append((element.name, "0", NONE, NONE, "0", "0", "0", steady))
             continue
+        both = (unit.text(float(values[at, span])) for values in (made.rms, made.bound))
         rows.append((
             element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _line(response, line),
-            unit.text(float(parts[at, line])), unit.text(float(made.rms[at, span])),
-            unit.text(float(made.bound[at, span])), mean.text(float(response.mean[at, span])),
+            unit.text(float(parts[at, line])), *both, steady,
         ))  # fmt: skip
     together = orders_together(findings)
-    caption = f"Largest vibratory torque of every element over the speed range, {together}"
-    return Table(columns, tuple(rows), caption, short=f"Largest vibratory torque, {together}")
+    return table(
+        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | At speed [rpm] -> at rpm | "
+        f"Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
+        f"Mean [{mean.unit}]",
+        rows,
+        f"Largest vibratory torque of every element over the speed range, {together}",
+        short=f"Largest vibratory torque, {together}",
+    )
 
 
-def _line(response: Response, index: int) -> str:
+def _line(response: Response, index: int, word: str = "") -> str:
+    """'2' of an order, behind a word where one is given, or '40 Hz'."""
     line = response.lines[index]
-    return order(line.order) if line.order is not None else f"{number(line.frequency)} Hz"
+    return f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
+
+
+def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Table:
+    """The peaks as a table; where there are too many, the largest referred to one speed."""
+    response, peaks = findings.need(Response), found_peaks(findings, found)
+    size = [-peak.torque * peak.element.ratio for peak in peaks]
+    kept = sorted(sorted(range(len(peaks)), key=size.__getitem__)[:MOST_PEAKS])
+    rows = []
+    for peak in (peaks[place] for place in kept):
+        line, frequency = response.lines[peak.line], float(response.frequency[peak.at, peak.line])
+        rows.append((
+            peak.element.name, "fixed" if line.order is None else f"order {order(line.order)}", unit.text(peak.torque),
+            rpm(float(response.speed[peak.at])), frequency, _mode(findings, frequency),
+            ", ".join(dict.fromkeys(line.sources)),
+        ))  # fmt: skip
+    rest = f"; the {len(kept)} largest of {len(peaks)}" if len(kept) < len(peaks) else ""
+    return table(
+        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | < Sources", rows,
+        f"Resonance peaks in the speed range (inner maxima of one line; below {100 * SMALLEST:g} % left out{rest})",
+    )  # fmt: skip
+
+
+def found_peaks(findings: Findings, elements: list[Element]) -> list[Peak]:
+    """All peaks worth listing, by element, the largest first."""
+    found: list[Peak] = []
+    for element in elements:
+        parts = amplitude(findings, element.spans)
+        top = highest(parts)
+        mine = [
+            Peak(element, line, at, float(parts[at, line]))
+            for line in range(parts.shape[1])
+            for at in local_maxima(parts[:, line])
+            if parts[at, line] >= SMALLEST * top
+        ]
+        found.extend(sorted(mine, key=lambda peak: -peak.torque))
+    return found
+
+
+def local_maxima(values: FloatArray) -> list[int]:
+    """Inner places where the values are larger than on both sides; a place without a value is no neighbour."""
+    filled = np.where(np.isfinite(values), values, np.inf)
+    inner = (filled[1:-1] > filled[:-2]) & (filled[1:-1] >= filled[2:]) & np.isfinite(values[1:-1])
+    return (np.flatnonzero(inner) + 1).tolist()
+
+
+def _mode(findings: Findings, frequency: float) -> str:
+    """The mode whose frequency is nearest, if it is near."""
+    damped, undamped = findings.get(DampedModes), findings.get(Modes)
+    source = undamped if damped is None else damped
+    if source is None or len(source.frequency) == 0:
+        return NONE
+    distance = np.abs(source.frequency / frequency - 1.0)
+    nearest = int(np.argmin(distance))
+    ratio = 0.0 if damped is None else float(damped.damping_ratio[nearest])
+    return str(nearest + 1) if distance[nearest] <= max(SAME, 2.0 * ratio) else NONE
 
 
 def _angles(findings: Findings, response: Response) -> Table:
-    columns = head(
-        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | Speed amplitude [rpm]"
-    )
     rows = []
-    for index, station in enumerate(findings.study.train.stations):
-        if station.is_ground:
-            continue
+    for index, name in _moving(findings):
         size = np.where(response.status == Status.OK, np.abs(response.angle[:, :, index]), np.nan)
         at = largest(size.ravel())
         if at is None:
-            rows.append((station.name, NO_VALUE, *[NONE] * 4))
+            rows.append((name, NO_VALUE, *[NONE] * 4))
             continue
         speed, line = divmod(at, size.shape[1])
         angle = float(size[speed, line])
-        amplitude = angle * float(response.frequency[speed, line]) * 60.0
         rows.append((
-            station.name, degrees(angle), number(angle), _line(response, line), rpm(float(response.speed[speed])),
-            number(amplitude),
+            name, degrees(angle), number(angle), _line(response, line), rpm(float(response.speed[speed])),
+            number(angle * float(response.frequency[speed, line]) * 60.0),
         ))  # fmt: skip
-    return Table(columns, tuple(rows), "Largest angular amplitude of any one order, each at its own speed of rotation")
+    return table(
+        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | Speed amplitude [rpm]",
+        rows,
+        "Largest angular amplitude of any one order, each at its own speed of rotation",
+    )
+
+
+def _moving(findings: Findings) -> list[tuple[int, str]]:
+    """Positions and names of the stations that are not the ground."""
+    return [(k, station.name) for k, station in enumerate(findings.study.train.stations) if not station.is_ground]
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
@@ -155,8 +239,7 @@ def _figure(findings: Findings, element: Element) -> Figure:
     ratings = findings.study.train.parts[element.part].ratings
     limit = None if ratings is None else ratings.vibratory_torque
     unit = torques([parts])
-    lines = [(f"order {_line(response, k)}" if response.lines[k].order is not None else _line(response, k),
-              parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]  # fmt: skip
+    lines = [(_line(response, k, "order "), parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]
     values = {
         "speed": response.speed * RPM, "lines": lines, "bad": unreliable(findings), "unit": unit.unit,
         "synthesis": half * unit.factor if len(response.lines) > 1 and len(half) else None,
@@ -168,3 +251,54 @@ def _figure(findings: Findings, element: Element) -> Figure:
     )
     name = f"torque-{element.part}-{element.spans[0]}"
     return Figure(name, f"Vibratory torque in {element.name}, {element.kind}{rest}", "torque", values)
+
+
+def over_frequency(findings: Findings) -> Iterator[Block]:
+    """Nothing where no frequencies were requested."""
+    sweep = findings.get(FrequencyResponse)
+    if sweep is None:
+        return
+    bad = sweep.status != Status.OK
+    yield Heading("Response over the frequency range")
+    text = "The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."
+    yield Paragraph(text)
+    if bad.any():
+        at = ", ".join(dict.fromkeys(number(f, 5) for f in sweep.frequency[bad].tolist()))
+        yield Paragraph(f"At {at} Hz {UNDAMPED}", "note")
+    torque = {e.name: np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in elements(findings.system)}
+    if torque:
+        unit = torques(torque.values())
+        titles = f"< Element | Amplitude [{unit.unit}] | At frequency [Hz]"
+        yield _largest(titles, sweep, torque, (unit.text,), "torque amplitude")
+        yield _curves(findings, "sweep-torque", "torque amplitude", torque, unit)
+    angle = {name: np.where(bad, np.nan, np.abs(sweep.angle[:, k])) for k, name in _moving(findings)}
+    titles = "< Station | Amplitude [rad] | Amplitude [deg] | At frequency [Hz]"
+    yield _largest(titles, sweep, angle, (number, degrees), "angular amplitude")
+    yield _curves(findings, "sweep-angle", "angular amplitude", angle, DEGREES)
+
+
+def _largest(
+    titles: str,
+    sweep: FrequencyResponse,
+    curves: dict[str, FloatArray],
+    shown: Iterable[Callable[[float], str]],
+    what: str,
+) -> Table:
+    """The largest of every curve, in each of the units that are shown, and its frequency."""
+    rows = []
+    for name, values in curves.items():
+        at = largest(values)
+        cells = [NO_VALUE] if at is None else [*(one(float(values[at])) for one in shown), sweep.frequency[at]]
+        rows.append((name, *cells, *[NONE] * (titles.count("|") - len(cells))))
+    return table(titles, rows, f"Largest {what}")
+
+
+def _curves(findings: Findings, name: str, what: str, curves: dict[str, FloatArray], unit: Scale) -> Figure:
+    sweep, modes = findings.need(FrequencyResponse), findings.get(Modes)
+    values, names = np.array(list(curves.values())).reshape(len(curves), -1), list(curves)
+    drawn = {
+        "frequency": sweep.frequency, "bad": sweep.status != Status.OK,
+        "natural": [] if modes is None else modes.frequency.tolist(), "quantity": f"{what}, {unit.unit}",
+        "lines": [(names[k], values[k] * unit.factor) for k in strongest(values.T, MOST_CURVES)],
+    }  # fmt: skip
+    return Figure(name, f"{what.capitalize()} over the frequency", "frequency", drawn)

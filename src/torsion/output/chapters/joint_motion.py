@@ -1,22 +1,26 @@
 """Chapter: universal joints: angles, planes and phases, what they do together, their couples and how they excite."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from torsion.analyses.joints.joint_results import Joints
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound, OptimumFound
 from torsion.analyses.response.amplitudes import Response
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, head
-from torsion.output.chapters import joint_figures, joint_tables, verdict
-from torsion.output.numbers import NONE, Scale, number, order
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, table
+from torsion.output.chapters import joint_tables, verdict
+from torsion.output.chapters.joint_tables import STILL, names
+from torsion.output.numbers import NONE, RPM, number, order, scale
 from torsion.output.reported_values import amplitude, joint_model
 from torsion.output.selection import largest, worst
 from torsion.rules.verdict_line import Checks
 
-if TYPE_CHECKING:
-    from torsion.analyses.joints.joint_results import JointFound, Joints
-
-NEWTON_METRE = Scale("N m", 1.0)
+MOST_POINTS = 3000  # of a curve that is drawn
+RAD = 180.0 / np.pi
+Curves = list[tuple[str, FloatArray]]  # label; (angles drawn,)
 AXES = (
     "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "
     "normal n of the joint's plane, and about the axis in that plane that is square to the shaft."
@@ -28,84 +32,155 @@ MODEL = (
 )
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing without joints; on the terminal the lines alone."""
-    return [
-        replace(block, short="") if isinstance(block, Table) and block.short != joint_tables.LINES
-        else replace(block, brief=False) if isinstance(block, Paragraph | Points) else block
-        for block in alone(findings)
-    ]  # fmt: skip
+    for block in alone(findings):
+        if isinstance(block, Table) and block.short != joint_tables.LINES:
+            yield replace(block, short="")
+        else:
+            yield replace(block, brief=False) if isinstance(block, Paragraph | Points) else block
 
 
-def alone(findings: Findings) -> list[Block]:
+def alone(findings: Findings) -> Iterator[Block]:
     """The same, on the terminal with every table."""
     found = findings.get(Joints)
     if found is None or not found.joints:
-        return []
-    blocks: list[Block] = [Heading("Universal joints"), joint_tables.geometry(found), joint_tables.alone(found)]
-    blocks += [*_together(found), *_couples(found), *_best(found), *_response(findings, found)]
+        return
+    yield Heading("Universal joints")
+    yield joint_tables.geometry(found)
+    yield joint_tables.alone(found)
+    yield Heading("Joints together", 2)
+    yield joint_tables.lines(found)
+    yield from joint_tables.at_speed(found)
+    yield from (_motion(found, k, line) for k, line in enumerate(found.lines))
+    if any(joint.couples for joint in found.joints):
+        yield Heading("Secondary couples", 2)
+        yield Paragraph(AXES)
+        yield joint_tables.couples(found)
+        yield from (_couples(found, k) for k, joint in enumerate(found.joints) if any(c.order for c in joint.couples))
+    if any(line.optimum is not None for line in found.lines):
+        yield Heading("The best choice", 2)
+        for k, line in enumerate(found.lines):
+            yield from joint_tables.optimum(found, line)
+            if line.optimum is not None and line.optimum.over.size:
+                yield _index(found, k, line, line.optimum)
+    yield from _response(findings, found)
     if found.remarks:
-        blocks += [Heading("What could not be said of the joints", 2), Points(found.remarks, brief=True)]
-    return blocks
+        yield Heading("What could not be said of the joints", 2)
+        yield Points(found.remarks, brief=True)
 
 
-def summary(findings: Findings) -> list[Block]:
+def summary(findings: Findings) -> Iterator[Block]:
     """The joints in short, for a report of them alone: each line as one, what is gained, and the verdict."""
     found = findings.get(Joints)
-    if found is None:
-        return []
-    items = [sentence for line in found.lines for sentence in joint_tables.in_short(found, line)]
-    judged = verdict.conclusion(findings) if findings.need(Checks).lines else []
-    return [Heading("Summary"), Points(tuple(items)), *judged]
+    if found is not None:
+        yield Heading("Summary")
+        yield Points(tuple(sentence for line in found.lines for sentence in joint_tables.in_short(found, line)))
+        if findings.need(Checks).lines:
+            yield from verdict.conclusion(findings)
 
 
-def _together(found: "Joints") -> list[Block]:
-    """The lines as one, their speeds and accelerations, and the motion over the revolution."""
-    blocks: list[Block] = [Heading("Joints together", 2), joint_tables.lines(found)]
-    moving = joint_tables.at_speed(found)
-    if moving is not None:
-        blocks.append(moving)
-    return [*blocks, *(joint_figures.motion(found, k) for k in range(len(found.lines)))]
-
-
-def _couples(found: "Joints") -> list[Block]:
-    """Nothing where no torque is known."""
-    table = joint_tables.couples(found)
-    if table is None:
-        return []
-    drawn: list[Figure | None] = [joint_figures.couples(found, k) for k in range(len(found.joints))]
-    return [Heading("Secondary couples", 2), Paragraph(AXES), table, *(figure for figure in drawn if figure)]
-
-
-def _best(found: "Joints") -> list[Block]:
-    """Nothing where no best choice was requested."""
-    blocks: list[Block] = []
-    for k, line in enumerate(found.lines):
-        figure = joint_figures.index(found, k)
-        blocks += [*joint_tables.optimum(found, line), *([figure] if figure else [])]
-    return [Heading("The best choice", 2), *blocks] if blocks else []
-
-
-def _response(findings: Findings, found: "Joints") -> list[Block]:
+def _response(findings: Findings, found: Joints) -> Iterator[Block]:
     """How the train answers to each joint's order; nothing without a response or without a joint that excites."""
+    response = findings.get(Response)
     exciting = [joint for joint in found.joints if joint.order and joint.amplitude]
-    if findings.get(Response) is None or not findings.need(Response).lines or not exciting:
-        return []
-    columns = head(
-        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | Estimated model error there [%]"
+    if response is None or not response.lines or not exciting:
+        return
+    rows = []
+    for joint in exciting:
+        wanted = joint.order * joint.ratio
+        size = amplitude(findings, [k for k, span in enumerate(findings.system.spans) if span.part == joint.part])
+        for place in (k for k, line in enumerate(response.lines) if line.order == wanted):
+            at = largest(size[:, place])
+            error = NONE if at is None else number(100 * float(response.joint_error[at, place]), 2)
+            torque = worst(size[:, place], response.speed)
+            rows.append((joint.name, f"order {order(wanted)}", *torque, error))
+    yield Heading("Excitation of the train", 2)
+    yield table(
+        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | Estimated model error there [%]",
+        rows,
+        "The order of each joint's shaft: response of the train",
     )
-    rows = [row for joint in exciting for row in _answers(findings, joint)]
-    table = Table(columns, tuple(rows), "The order of each joint's shaft: response of the train")
-    return [Heading("Excitation of the train", 2), table, Paragraph(f"{MODEL} {joint_model(findings)}".strip())]
+    yield Paragraph(f"{MODEL} {joint_model(findings)}".strip())
 
 
-def _answers(findings: Findings, joint: "JointFound") -> list[tuple[str, ...]]:
-    """The largest torque in the joint's spans at every line of its order."""
-    response, wanted = findings.need(Response), joint.order * joint.ratio
-    size = amplitude(findings, [k for k, span in enumerate(findings.system.spans) if span.part == joint.part])
-    rows: list[tuple[str, ...]] = []
-    for place in (k for k, line in enumerate(response.lines) if line.order == wanted):
-        at = largest(size[:, place])
-        error = NONE if at is None else number(100 * float(response.joint_error[at, place]), 2)
-        rows.append((joint.name, f"order {order(wanted)}", *worst(size[:, place], response.speed, NEWTON_METRE), error))
-    return rows
+def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
+    """Angle error, speed, acceleration and torque ratio behind every joint of one line."""
+    found = [joints.joints[k] for k in line.joints]
+    speed, pick = found[0].speed, _every(joints.angle)
+    rate, square = (1.0, 1.0) if speed is None else (speed * RPM, speed**2)
+    curves = [
+        ("angle error, deg", RAD, [joint.error * RAD for joint in found]),
+        ("speed ratio" if speed is None else "speed, rpm", rate, [joint.speed_ratio * rate for joint in found]),
+        ("acceleration /\nspeed², 1/rad" if speed is None else "acceleration,\nrad/s²", square,
+         [joint.acceleration * square for joint in found]),
+        ("torque behind /\nbefore the joint", 1.0, [joint.torque_ratio for joint in found]),
+    ]  # fmt: skip
+    labels = [f"behind {joint.name}" for joint in found]
+    panels = [
+        (title, size, [(label, values[pick]) for label, values in zip(labels, every, strict=True)])
+        for title, size, every in curves
+    ]
+    turning = "which turns evenly" if speed is None else f"which turns evenly at {speed * RPM:.6g} rpm"
+    caption = f"Motion behind {names(joints, line)} over the angle of the first shaft, {turning}"
+    return _turn(f"joint-motion-{place + 1}", caption, joints, found[0], panels)
+
+
+def _couples(joints: Joints, place: int) -> Figure:
+    """Secondary couples on both shafts of one joint."""
+    joint, pick = joints.joints[place], _every(joints.angle)
+    unit = scale("N m", [couple.largest for couple in joint.couples])
+    size = unit.factor * max(abs(joint.torque or 0.0), *(couple.largest for couple in joint.couples))
+    panels = [
+        (f"on the {couple.shaft}\nshaft, {unit.unit}", size,
+         [(label, unit.factor * values[pick]) for label, values in _couple_curves(couple)])
+        for couple in joint.couples
+    ]  # fmt: skip
+    first = next(joints.joints[line.joints[0]] for line in joints.lines if place in line.joints)
+    return _turn(f"joint-couples-{place + 1}", f"Secondary couples of {joint.name}", joints, first, panels)
+
+
+def _couple_curves(couple: CoupleFound) -> Iterator[tuple[str, FloatArray]]:
+    """About the normal, in the plane, their resultant and, where it is known, the couple in the turning yoke."""
+    yield "about the normal", couple.normal
+    yield "in the plane", couple.inplane
+    yield "resultant", np.hypot(couple.normal, couple.inplane)
+    if couple.yoke is not None:
+        yield "in the turning yoke", couple.yoke
+
+
+def _turn(
+    name: str, caption: str, joints: Joints, first: JointFound, panels: list[tuple[str, float, Curves]]
+) -> Figure:
+    """Curves over the angle of the shaft before the first joint of a line."""
+    quantity = f"angle of the shaft before {first.name}, deg"
+    values = {"angle": joints.angle[_every(joints.angle)] * RAD, "panels": panels, "quantity": quantity}
+    return Figure(name, caption, "joint turn", values)
+
+
+def _every(angle: FloatArray) -> NDArray[np.int64]:
+    """Positions of as many of the angles as can be seen, the first and the last among them."""
+    return np.round(np.linspace(0, angle.size - 1, min(angle.size, MOST_POINTS))).astype(np.int64)
+
+
+def _index(joints: Joints, place: int, line: LineFound, found: OptimumFound) -> Figure:
+    """The index of fluctuation of a line against the first free joint's variable."""
+    first, last = float(found.over[0]), float(found.over[-1])
+
+    def point(at: float, index: float) -> tuple[float, float]:
+        """In the range that is drawn: phases and planes come back after a revolution."""
+        is_drawn = found.variable == "angle" or first <= at <= last
+        return RAD * (at if is_drawn else first + (at - first) % (2.0 * np.pi)), 100.0 * index if index > STILL else 0.0
+
+    values = {
+        "values": found.over * RAD, "index": 100.0 * found.index_over,
+        "quantity": f"{found.variable} of {found.names[0]}, deg",
+        "present": point(float(found.before[0]), found.index_before),
+        "best": point(float(found.best[0]), found.index_best),
+    }  # fmt: skip
+    rest = ", the other joints as they are" if len(line.joints) > 2 else ""
+    moved = "; the best point moves all free joints" if len(found.names) > 1 else ""
+    caption = (
+        f"Index of fluctuation of {names(joints, line)} over the {found.variable} of {found.names[0]}{rest}{moved}"
+    )
+    return Figure(f"joint-index-{place + 1}", caption, "joint index", values)

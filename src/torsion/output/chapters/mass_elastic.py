@@ -1,42 +1,39 @@
 """Chapter: the mass-elastic system, with the source of every figure."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, head
-from torsion.output.elastic_elements import Element, elements
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, exact, given, number, scale
-from torsion.primitives import Bar, SectionMesh
+from torsion.output.selection import elements
+from torsion.primitives import SectionMesh
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Inertias, elastic elements, dimensions of shafts."""
-    blocks: list[Block] = [
-        Heading("Mass-elastic system"),
-        Paragraph(
-            "Own: at the component's own speed. Referred: to the speed of the reference component, that is J i² and "
-            f"k i² with i the speed ratio of the table. {_distributed(findings)}"
-        ),
-        *([_inertias(findings), *_water(findings)] if has_inertia(findings.system) else []),
-        _springs(findings),
-    ]
-    if findings.study.train.bars:
-        blocks.append(_shafts(findings))
-    return blocks
-
-
-def _distributed(findings: Findings) -> str:
-    """Where the tables put the inertia of the shafts, in a sentence."""
-    if findings.system.bars is None:
-        return "A shaft's distributed inertia is lumped at the ends of its segments."
-    return (
-        "A shaft's inertia is distributed along it; of each of its pieces these tables show half at either end, and "
-        "the static flexibility."
+    where = (
+        "A shaft's distributed inertia is lumped at the ends of its segments."
+        if findings.system.bars is None
+        else "A shaft's inertia is distributed along it; of each of its pieces these tables show half at either end, "
+        "and the static flexibility."
     )
+    yield Heading("Mass-elastic system")
+    yield Paragraph(
+        "Own: at the component's own speed. Referred: to the speed of the reference component, that is J i² and "
+        f"k i² with i the speed ratio of the table. {where}"
+    )
+    if has_inertia(findings.system):
+        yield _inertias(findings)
+        if water := " ".join(_water(findings)):
+            yield Paragraph(water)
+    yield _springs(findings)
+    if findings.study.train.bars:
+        yield _shafts(findings)
 
 
 def _source(findings: Findings, part: int) -> str:
@@ -53,23 +50,22 @@ def _inertias(findings: Findings) -> Table:
         station, inertia = system.stations[index], float(system.inertia[index])
         if station.is_ground or (inertia == 0 and not concentrated[index]):
             continue
-        held = math.isinf(inertia)
-        ratio = float(station.ratio)
-        rows.append((
-            str(len(rows) + 1), station.name, "held" if held else given(float(concentrated[index]), 6),
-            "held" if held else number(inertia, 6), exact(station.ratio),
-            "held" if held else number(inertia * ratio**2, 6), _source(findings, station.part),
-        ))  # fmt: skip
-    columns = head(
+        own, whole, referred = ["held"] * 3
+        if math.isfinite(inertia):
+            own, whole = given(float(concentrated[index]), 6), number(inertia, 6)
+            referred = number(inertia * float(station.ratio) ** 2, 6)
+        source = _source(findings, station.part)
+        rows.append((str(len(rows) + 1), station.name, own, whole, exact(station.ratio), referred, source))
+    return table(
         "No. | < Station | J given, own [kg m²] | J with shaft share, own [kg m²] | Speed ratio i | "
-        "J referred [kg m²] | < Source"
+        "J referred [kg m²] | < Source",
+        rows,
+        "Inertias",
     )
-    return Table(columns, tuple(rows), "Inertias")
 
 
-def _water(findings: Findings) -> list[Block]:
+def _water(findings: Findings) -> Iterator[str]:
     """What entrained water adds to the propellers, in a sentence each."""
-    stated = []
     for part in findings.study.train.parts:
         if part.propeller is None:
             continue
@@ -77,71 +73,55 @@ def _water(findings: Findings) -> list[Block]:
         water = entrained or 0.0
         share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
         sum_ = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
-        stated.append(f"{part.name}: J {sum_ if entrained is not None else 'dry, no entrained water is given'}.")
-    return [Paragraph(" ".join(stated))] if stated else []
+        yield f"{part.name}: J {sum_ if entrained is not None else 'dry, no entrained water is given'}."
 
 
 def _springs(findings: Findings) -> Table:
     system = findings.system
-    found = elements(system)
-    flexibility = [float(system.flexibility[list(element.spans)].sum()) for element in found]
-    unit = scale("N m/rad", [1 / h for h in flexibility if 0 < h < math.inf])
+    found = [(element, float(system.flexibility[list(element.spans)].sum())) for element in elements(system)]
+    unit = scale("N m/rad", [1 / h for _, h in found if 0 < h < math.inf])
     rows = []
-    for element, h in zip(found, flexibility, strict=True):
-        own = "rigid" if h == 0 else NONE if math.isinf(h) else unit.text(1 / h, 6)
-        referred = "rigid" if h == 0 else NONE if math.isinf(h) else unit.text(element.ratio**2 / h, 6)
-        ratio = system.stations[system.spans[element.spans[0]].driving].ratio
+    for element, h in found:
+        first, last = system.spans[element.spans[0]], system.spans[element.spans[-1]]
+        own = referred = "rigid" if h == 0 else NONE
+        if 0 < h < math.inf:
+            own, referred = unit.text(1 / h, 6), unit.text(element.ratio**2 / h, 6)
+        losses = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
         rows.append((
-            element.name, element.kind, _between(findings, element), own, "0" if h == 0 else number(h, 6), exact(ratio),
-            referred, *_losses(findings, element), _source(findings, element.part),
+            element.name, element.kind, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
+            own, number(h, 6), system.stations[first.driving].ratio, referred,
+            *(given(value) if value else NONE for value in losses), _source(findings, element.part),
         ))  # fmt: skip
-    columns = head(
+    return table(
         f"< Element | < Kind | < Between | k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
-        f"k referred [{unit.unit}] | Loss factor | Viscous [N m s/rad] | < Source"
+        f"k referred [{unit.unit}] | Loss factor | Viscous [N m s/rad] | < Source",
+        rows,
+        "Elastic elements",
     )
-    return Table(columns, tuple(rows), "Elastic elements")
-
-
-def _between(findings: Findings, element: Element) -> str:
-    system = findings.system
-    first, last = system.spans[element.spans[0]], system.spans[element.spans[-1]]
-    return f"{system.stations[first.driving].name} – {system.stations[last.driven].name}"
-
-
-def _losses(findings: Findings, element: Element) -> tuple[str, str]:
-    system, first = findings.system, element.spans[0]
-    return tuple(given(float(v[first])) if v[first] else NONE for v in (system.loss_factor, system.viscous))  # type: ignore[return-value]
 
 
 def _shafts(findings: Findings) -> Table:
+    from torsion.assembly.shafts import bar_segments
+
     rows = []
     for requested, bar in zip(findings.study.train.bars, findings.system.train.bars, strict=True):
-        material = findings.study.train.shaft(requested).material
+        material, pieces = findings.study.train.shaft(requested).material, findings.system.segments.get(bar.name, 1)
+        inertia = float(bar_segments(bar, pieces)[1].sum())  # kg m2, from the lumps of its segments
         modulus, is_round = stress_modulus(bar) * 1e9, requested.section is None
         rows.append((
             bar.name, requested.section.file if isinstance(requested.section, SectionMesh) else _diameters(bar.outer),
-            _diameters(bar.bore) if is_round else NONE, given(bar.length * 1e3), number(modulus),
-            number(_inertia(findings, bar), 6), material, given(requested.shear_modulus / 1e9),
-            given(bar.density), str(findings.system.segments.get(bar.name, 1)), _source(findings, bar.part),
+            _diameters(bar.bore) if is_round else NONE, given(bar.length * 1e3), number(modulus), number(inertia, 6),
+            material, given(requested.shear_modulus / 1e9), given(bar.density), str(pieces),
+            _source(findings, bar.part),
         ))  # fmt: skip
-    columns = head(
+    divided = {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")
+    return table(
         "< Shaft | d [mm] | d_{i} [mm] | Length [mm] | W_{p} [mm³] | J of the shaft [kg m²] | < Material | G [GPa] | "
-        f"ρ [kg/m³] | {_pieces(findings)} | < Source"
+        f"ρ [kg/m³] | {divided} | < Source",
+        rows,
+        "Dimensions of the shafts (of a cone, the smallest W_{p})",
     )
-    return Table(columns, tuple(rows), "Dimensions of the shafts (of a cone, the smallest W_{p})")
-
-
-def _pieces(findings: Findings) -> str:
-    return {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")
 
 
 def _diameters(ends: tuple[float, float]) -> str:
-    words = [given(1e3 * end) for end in ends]
-    return words[0] if ends[0] == ends[1] else "–".join(words)
-
-
-def _inertia(findings: Findings, bar: Bar) -> float:
-    """kg m2, from the lumps of its segments."""
-    from torsion.assembly.shafts import bar_segments
-
-    return float(bar_segments(bar, findings.system.segments.get(bar.name, 1))[1].sum())
+    return "–".join(dict.fromkeys(given(1e3 * end) for end in ends))

@@ -1,49 +1,48 @@
 """Chapter: the mean torque of every element."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
-from torsion.output.elastic_elements import Element, elements
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
 from torsion.output.numbers import RPM, number, rpm, scale
 from torsion.output.reported_values import rated, rated_rpm
+from torsion.output.selection import Element, elements
 
 MOST_LINES = 10  # in the figure: the largest
 SAME = 1e-9  # of the largest torque: neighbours that differ by less are one line
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing without a mean torque."""
-    steady = findings.get(Steady)
+    steady, speed = findings.get(Steady), rated(findings)
     if steady is None or not np.any(steady.torque):
-        return []
+        return
     found = elements(findings.system)
-    torque = [element.largest(np.abs(steady.torque).T) for element in found]
-    unit = scale("N m", [float(row.max()) for row in torque])
-    speed = rated(findings)
+    most = [float(element.largest(np.abs(steady.torque).T).max()) for element in found]
+    unit = scale("N m", most)
     at = int(np.argmin(np.abs(steady.speed - speed))) if speed is not None else len(steady.speed) - 1
-    columns = head(
-        f"< Element | Own speed [rpm] | Mean torque [{unit.unit}] | Power [kW] | Largest over the range [{unit.unit}]"
-    )
     rows = []
-    for element, values in zip(found, torque, strict=True):
-        own = float(steady.speed[at]) * element.ratio
-        signed = float(steady.torque[element.spans[0], at])
-        rows.append(
-            (element.name, rpm(own), unit.text(signed), number(signed * own / 1e3), unit.text(float(values.max())))
-        )
-    table = Table(columns, tuple(rows), f"Mean torque at {rpm(float(steady.speed[at]))} rpm, each at its own speed")
-    blocks: list[Block] = [Heading("Mean torque"), Paragraph(steady.sharing), table]
+    for element, largest in zip(found, most, strict=True):
+        own, signed = float(steady.speed[at]) * element.ratio, float(steady.torque[element.spans[0], at])
+        rows.append((element.name, rpm(own), unit.text(signed), number(signed * own / 1e3), unit.text(largest)))
+    yield Heading("Mean torque")
+    yield Paragraph(steady.sharing)
+    yield table(
+        f"< Element | Own speed [rpm] | Mean torque [{unit.unit}] | Power [kW] | Largest over the range [{unit.unit}]",
+        rows,
+        f"Mean torque at {rpm(float(steady.speed[at]))} rpm, each at its own speed",
+    )
     if len(steady.speed) > 1:
         together = _together(found, [steady.torque[element.spans[0]] * unit.factor for element in found])
         ranked = sorted(range(len(together)), key=lambda k: -float(np.abs(together[k][1]).max()))[:MOST_LINES]
         lines = [together[k] for k in sorted(ranked)]
         drawn = {"speed": steady.speed * RPM, "lines": lines, "unit": unit.unit, "rated": rated_rpm(findings)}
         rest = "" if len(together) <= MOST_LINES else f" (the {MOST_LINES} largest of {len(together)})"
-        blocks.append(Figure("steady", f"Mean torque over the speed{rest}", "steady", drawn))
-    return blocks
+        yield Figure("steady", f"Mean torque over the speed{rest}", "steady", drawn)
 
 
 def _together(found: tuple[Element, ...], torque: list[FloatArray]) -> list[tuple[str, FloatArray]]:

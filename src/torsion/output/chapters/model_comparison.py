@@ -1,37 +1,53 @@
 """Chapter: the models of the shafts side by side, the error of each against the exact one, and the verdict."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.compare.side_by_side import Compared
+from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Points, Table, on_terminal, texts
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, on_terminal, table
 from torsion.output.numbers import NONE, RPM, given, number, order, rpm
-
-if TYPE_CHECKING:
-    from torsion.analyses.compare.side_by_side import ModelCompared
 
 MOST_MODES = 40  # of which a table is printed
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where it was not requested."""
     found = findings.get(Compared)
     if found is None:
-        return []
-    blocks: list[Block] = [Heading("Comparison of the models")]
+        return
+    yield Heading("Comparison of the models")
     if found.exact is None:
-        return [*blocks, Paragraph(found.same, "note", brief=True)]
-    blocks += [_introduction(found), *on_terminal([conclusion(found)]), summary(found), Points(_divisions(found))]
-    blocks += [*on_terminal([counts(found)]), Heading("Frequencies and shapes", 2), modes(found), _modes_figure(found)]
-    shown, all_of_them = min(MOST_MODES, len(found.exact.frequency)), len(found.exact.frequency)
-    if shown < all_of_them:
-        blocks.append(Paragraph(f"Modes {shown + 1} to {all_of_them} are left out of the table; see the JSON file."))
-    return [*blocks, Heading("Response torques", 2), *_torques(found)]
+        yield Paragraph(found.same, "note", brief=True)
+        return
+    yield Paragraph(
+        "The same train with its shafts as lumped segments, as finite elements and as continua, each discretised "
+        "as in a calculation with that model alone. The continuum has no discretisation error: every error is "
+        f"relative to it, and none may exceed {given(100 * found.tolerance)} %."
+    )
+    yield from on_terminal([conclusion(found)])
+    yield _summary(found)
+    counted = [(f"{model.model}: {model.division}", model.certified) for model in _all(found)]
+    yield Points(tuple(text if certified else f"{text}; not certified by counts" for text, certified in counted))
+    yield from on_terminal([_counts(found)])
+    yield Heading("Frequencies and shapes", 2)
+    yield _modes(found)
+    values = {
+        "frequency": [(model.model, np.abs(model.frequency_error)) for model in found.models],
+        "shape": [(model.model, model.shape_error) for model in found.models],
+        "tolerance": found.tolerance,
+    }
+    caption = "Relative errors against the exact model, mode by mode; what is below 10⁻¹⁶ is drawn there"
+    yield Figure("check-modes", caption, "check modes", values)
+    if len(found.exact.frequency) > MOST_MODES:
+        left_out = f"{MOST_MODES + 1} to {len(found.exact.frequency)}"
+        yield Paragraph(f"Modes {left_out} are left out of the table; see the JSON file.")
+    yield Heading("Response torques", 2)
+    yield from _torques(found)
 
 
-def conclusion(found: "Compared") -> Paragraph:
+def conclusion(found: Compared) -> Paragraph:
     """The verdict in a sentence."""
     if found.exact is None:
         return Paragraph(found.same, "note")
@@ -44,31 +60,25 @@ def conclusion(found: "Compared") -> Paragraph:
     return Paragraph(f"The {verb[0]} {' and '.join(good)} {verb[1]} within {limit}.", "pass")
 
 
-def summary(found: "Compared") -> Table:
+def _summary(found: Compared) -> Table:
     """The largest errors of every model and its verdict."""
-    columns = (
-        texts("Model", "model"), Column("Frequency", "%", short="frequency, %"),
-        Column("1 − MAC", "%", short="1 − MAC, %"), Column("Torques", "%", short="torques, %"),
-        Column("Modes", short="modes"), Column("Time", "ms", short="ms"), texts("Verdict", "verdict"),
-    )  # fmt: skip
-    rows = []
-    for model in _all(found):
-        errors, verdict = tuple(_percent(error) for error in model.largest), "PASS"
-        if model is found.exact:
-            errors, verdict = (NONE, NONE, NONE), NONE
-        elif model.model in found.failed:
-            verdict = "FAIL"
+    rows, marks = [], ["", *("fail" if model.model in found.failed else "pass" for model in found.models)]
+    for model, mark in zip(_all(found), marks, strict=True):
+        errors = [_percent(error) if mark else NONE for error in model.largest]
         times = " + ".join(number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds))
-        rows.append((model.model, *errors, str(model.below), times, verdict))
-    marks = ("", *("fail" if model.model in found.failed else "pass" for model in found.models))
-    caption = (
+        rows.append((model.model, *errors, model.below, times, mark.upper() or NONE))
+    return table(
+        "< Model -> | Frequency [%] -> frequency, % | 1 − MAC [%] -> 1 − MAC, % | Torques [%] -> torques, % | "
+        "Modes -> | Time [ms] -> ms | < Verdict ->",
+        rows,
         f"Largest errors against the exact model, of {len(_all(found)[0].frequency)} modes; modes below "
-        f"{number(found.highest)} Hz; times of one run of the modes and of the torques"
+        f"{number(found.highest)} Hz; times of one run of the modes and of the torques",
+        marks=marks,
+        short="Largest errors against the exact model",
     )
-    return Table(columns, tuple(rows), caption, marks, "Largest errors against the exact model")
 
 
-def counts(found: "Compared") -> Paragraph:
+def _counts(found: Compared) -> Paragraph:
     """Whether all models have as many modes as the exact one."""
     exact, *others = _all(found)
     at = f"below {number(found.highest)} Hz"
@@ -81,26 +91,18 @@ def counts(found: "Compared") -> Paragraph:
     return Paragraph(f"The exact model has {exact.below} elastic modes {at}, and so {has} {names}, {how} in each.")
 
 
-def worst(model: "ModelCompared", found: "Compared") -> str:
+def _worst(model: ModelCompared, found: Compared) -> str:
     """Where the torques of a model are farthest from the exact ones; empty where none were compared."""
     torques = model.torques
-    if torques is None or torques.line is None or found.speed is None:
+    if torques is None or torques.worst_speed is None or found.speed is None:
         return ""
-    line = torques.line
-    what = f"order {order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
-    at = rpm(float(found.speed[torques.speed]))
+    fixed = f"{number(torques.worst_frequency)} Hz"
+    what = fixed if torques.worst_order is None else f"order {order(torques.worst_order)}"
+    at = rpm(float(found.speed[torques.worst_speed]))
     return f"{model.model}: {_percent(torques.largest)} % at {at} rpm, {what}, largest in {torques.component}"
 
 
-def _introduction(found: "Compared") -> Paragraph:
-    return Paragraph(
-        "The same train with its shafts as lumped segments, as finite elements and as continua, each discretised "
-        "as in a calculation with that model alone. The continuum has no discretisation error: every error is "
-        f"relative to it, and none may exceed {given(100 * found.tolerance)} %."
-    )
-
-
-def _all(found: "Compared") -> "tuple[ModelCompared, ...]":
+def _all(found: Compared) -> tuple[ModelCompared, ...]:
     return found.models if found.exact is None else (found.exact, *found.models)
 
 
@@ -108,68 +110,46 @@ def _percent(error: float) -> str:
     return number(100.0 * error, 3)
 
 
-def _divisions(found: "Compared") -> tuple[str, ...]:
-    return tuple(
-        f"{model.model}: {model.division}" + ("" if model.certified else "; not certified by counts")
-        for model in _all(found)
-    )
-
-
-def modes(found: "Compared") -> Table:
+def _modes(found: Compared) -> Table:
     """Frequencies of all models, of every model but the exact one also the errors."""
     exact, *others = _all(found)
-    columns = [Column("Mode", short="mode"), Column("exact", "Hz", short="exact, Hz")]
-    for model in others:
-        columns += [
-            Column(model.model, "Hz"),
-            Column(f"{model.model} error", "%", short=f"{model.model} error, %"),
-            Column("1 − MAC"),
-        ]
+    titles = "Mode -> | exact [Hz] -> exact, Hz"
+    titles += "".join(
+        f" | {one.model} [Hz] | {one.model} error [%] -> {one.model} error, % | 1 − MAC" for one in others
+    )
     rows = []
     for mode in range(min(MOST_MODES, len(exact.frequency))):
         row = [str(mode + 1), number(float(exact.frequency[mode]), 9)]
         for model in others:
             row += [number(float(model.frequency[mode]), 9), _percent(float(model.frequency_error[mode])),
                     number(float(model.shape_error[mode]), 2)]  # fmt: skip
-        rows.append(tuple(row))
-    caption = (
+        rows.append(row)
+    return table(
+        titles,
+        rows,
         "Natural frequencies of the models, mode by mode; MAC: agreement of shapes at the stations of the train, "
-        "weighted by inertia"
+        "weighted by inertia",
+        short="Natural frequencies of the models",
     )
-    return Table(tuple(columns), tuple(rows), caption, short="Natural frequencies of the models")
 
 
-def _modes_figure(found: "Compared") -> Figure:
-    values = {
-        "frequency": [(model.model, np.abs(model.frequency_error)) for model in found.models],
-        "shape": [(model.model, model.shape_error) for model in found.models],
-        "tolerance": found.tolerance,
-    }
-    caption = "Relative errors against the exact model, mode by mode; what is below 10⁻¹⁶ is drawn there"
-    return Figure("check-modes", caption, "check modes", values)
-
-
-def _torques(found: "Compared") -> list[Block]:
+def _torques(found: Compared) -> Iterator[Block]:
     if found.speed is None:
-        return [Paragraph(f"No torques are compared: {found.no_torques}.", "note", brief=True)]
-    blocks: list[Block] = [
-        Paragraph(
-            "Complex torques at the driving end of every component, at every requested speed and order; a "
-            "difference counts relative to the largest of these torques at that speed and order, all referred to one "
-            "speed. Near a resonance an error of its frequency is magnified."
-        )
-    ]
-    if places := tuple(text for model in found.models if (text := worst(model, found))):
-        blocks += [Points(places, brief=True), _torques_figure(found, found.speed)]
-    left_out = max(model.torques.left_out for model in found.models if model.torques is not None)
+        yield Paragraph(f"No torques are compared: {found.no_torques}.", "note", brief=True)
+        return
+    yield Paragraph(
+        "Complex torques at the driving end of every component, at every requested speed and order; a "
+        "difference counts relative to the largest of these torques at that speed and order, all referred to one "
+        "speed. Near a resonance an error of its frequency is magnified."
+    )
+    compared = [(model.model, model.torques) for model in found.models if model.torques is not None]
+    if places := tuple(text for model in found.models if (text := _worst(model, found))):
+        lines = [(name, torques.error) for name, torques in compared]
+        values = {"speed": found.speed * RPM, "lines": lines, "tolerance": found.tolerance}
+        caption = "Relative error of the torques over the speed, the largest of all orders and components"
+        yield Points(places, brief=True)
+        yield Figure("check-torques", caption, "check torques", values)
+    left_out = max(torques.left_out for _, torques in compared)
     if left_out:
         words = f"{left_out} answers that cannot be trusted (exactly in resonance without damping) are left out."
-        blocks.append(Paragraph(words, "note"))
-    return blocks
-
-
-def _torques_figure(found: "Compared", speed: np.ndarray) -> Figure:
-    lines = [(model.model, model.torques.error) for model in found.models if model.torques is not None]
-    values = {"speed": speed * RPM, "lines": lines, "tolerance": found.tolerance}
-    caption = "Relative error of the torques over the speed, the largest of all orders and components"
-    return Figure("check-torques", caption, "check torques", values)
+        yield Paragraph(words, "note")

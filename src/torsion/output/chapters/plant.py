@@ -1,50 +1,37 @@
 """Chapter: the plant, as a sketch and as a list of its components."""
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from torsion.components.lowering import Part
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
-from torsion.output.numbers import below_right, degrees, exact, given_rpm
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
+from torsion.output.numbers import below_right, degrees, given_rpm
 from torsion.output.reported_values import rated, reference
-from torsion.output.station_layout import Layout, layout
-
-MOST_NAMES = 14  # components up to which the sketch bears their names, not their numbers alone
+from torsion.output.station_layout import Layout, label, layout
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Sketch and components."""
-    figure = Figure(
-        "plant",
-        "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)",
-        "sketch",
-        {"points": _points(findings), "links": _links(findings)},
-    )  # fmt: skip
-    speed = rated(findings)
-    parts = findings.study.train.parts
+    speed, parts = rated(findings), findings.study.train.parts
     noted = any(part.note for part in parts)
-    columns = (
-        *head("No. | < Component | < Kind | Speed ratio"),
-        *([Column("Rated speed", "rpm")] if speed is not None else []),
-        *head("< Source of the figures"),
-        *([texts("Note")] if noted else []),
-    )  # fmt: skip
     rows = []
     for position, part in enumerate(parts, 1):
         own = [given_rpm(speed * float(part.ratio))] if speed is not None else []
         words = [part.source or "as in the input", *([part.note or ""] if noted else [])]
-        rows.append((str(position), part.name, part.kind, exact(part.ratio), *own, *words))
-    text = f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel."
-    table = Table(columns, tuple(rows), "Components")
-    return [Heading("The plant"), figure, Paragraph(text), table]
-
-
-def _label(findings: Findings, position: int, part: Part) -> str:
-    parts = findings.study.train.parts
-    return f"{position + 1} {part.name}" if len(parts) <= MOST_NAMES else str(position + 1)
+        rows.append((position, part.name, part.kind, part.ratio, *own, *words))
+    caption = (
+        "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)"
+    )
+    yield Heading("The plant")
+    yield Figure("plant", caption, "sketch", {"points": _points(findings), "links": _links(findings)})
+    yield Paragraph(f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel.")
+    speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
+    titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the figures{notes}"
+    yield table(titles, rows, "Components")
 
 
 def _points(findings: Findings) -> list[dict[str, Any]]:
@@ -52,7 +39,8 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
     system, place = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
     extent = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
-    rings = _rings(findings)
+    carried = (s for s in reversed(system.own_spans) if not system.stations[s.driven].is_ground)
+    rings = {(s.part, s.driving): s.driven for s in carried}  # by the damper and the station of its housing
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
     found = []
     for position, part in enumerate(system.train.parts):
@@ -63,7 +51,7 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
         ring = rings.get((position, here))
         found.append({
             "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, extent),
-            "label": _label(findings, position, part), "kind": part.kind,
+            "label": label(system.train.parts, position), "kind": part.kind,
             "is_held": math.isinf(inertia), "is_grounded": here in grounds,
             "ring": 0.0 if ring is None else max(_size(float(system.inertia[ring]), extent), 0.1),
         })  # fmt: skip
@@ -77,15 +65,6 @@ def _size(inertia: float, extent: tuple[float, float]) -> float:
     top = math.log10(extent[1])
     low = max(math.log10(extent[0]), top - 3.0)
     return 0.5 if top == low else min(max((math.log10(inertia) - low) / (top - low), 0.0), 1.0)
-
-
-def _rings(findings: Findings) -> dict[tuple[int, int], int]:
-    """The station of the ring that a damper's housing carries, by the damper and the station of its housing."""
-    found: dict[tuple[int, int], int] = {}
-    for span in findings.system.own_spans:
-        if not findings.system.stations[span.driven].is_ground:
-            found.setdefault((span.part, span.driving), span.driven)
-    return found
 
 
 def _links(findings: Findings) -> list[dict[str, Any]]:
@@ -105,8 +84,10 @@ def _links(findings: Findings) -> list[dict[str, Any]]:
 def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[dict[str, Any]]:
     """A link, with the lines down to its row where it begins a branch or closes a loop."""
     kind, more = _drawing(findings, position, part)
-    label = _link_label(findings, position, part)
-    drawn = _between(place, part.stations[0], part.stations[-1], kind, label=label, **more)
+    name = label(findings.system.train.parts, position)
+    if part.joint is not None:
+        name += f" ({degrees(part.joint.angle, below_right(part.joint.angle, 3))}°)"
+    drawn = _between(place, part.stations[0], part.stations[-1], kind, label=name, **more)
     (x0, row0), (x1, row1) = drawn["start"], drawn["end"]
     if part.path[0] == "links":
         level = max(row0, row1) + 0.5
@@ -115,11 +96,6 @@ def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[
     if row0 != row1 and kind != "gear":
         return [{"kind": "tie", "start": (x0, row0), "end": (x0, row1)}, {**drawn, "start": (x0, row1)}]
     return [drawn]
-
-
-def _link_label(findings: Findings, position: int, part: Part) -> str:
-    label = _label(findings, position, part)
-    return label if (joint := part.joint) is None else f"{label} ({degrees(joint.angle, below_right(joint.angle, 3))}°)"
 
 
 def _drawing(findings: Findings, position: int, part: Part) -> tuple[str, dict[str, Any]]:

@@ -1,15 +1,23 @@
-"""Chapter: stability of a train with joints: growth of small deviations, unstable ranges, and the map."""
+"""Chapter: where small deviations of a train with joints grow: ranges of speed, the map, the tilt of driven shafts."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.analyses.motion.stability_map import StabilityMap
 from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.motion.unstable_ranges import UnstableRange
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Column, Figure, Heading, Paragraph, Table, head, texts
-from torsion.output.chapters.unstable_ranges import ABOVE, BELOW, beyond, end, fastest, legend
-from torsion.output.numbers import NONE, RPM, counted, distinct_texts, number, rpm
-from torsion.output.reported_values import rated_rpm, reference
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.numbers import NONE, RPM, counted, distinct_texts, given_rpm, number, rpm
+from torsion.output.reported_values import rated_rpm, reference, widened
 from torsion.rules.verdict_line import Checks
+
+if TYPE_CHECKING:
+    from torsion.analyses.lateral.shaft_bending import ShaftFound
+    from torsion.analyses.lateral.tilt_stability import Tilting
 
 MODEL = (
     "A joint makes the stiffness of the train vary with the angle. About the periodic motion that the joints and the "
@@ -22,27 +30,43 @@ OVER = {
 }  # fmt: skip
 MOST_ROWS = 30
 MOST_VALUES = 13  # of a map, in the table
+MOST_NAMED = 6  # modes whose frequency is stated
 SMALL = 1e-5  # 1/s: less is the error of few modes and of rounding
+BELOW, ABOVE = 0, 1  # the ends of a range
+GOES_ON, UNKNOWN = "+", "?"  # beside an end that is no boundary
+LEGEND = {GOES_ON: "goes on beyond the speeds requested", UNKNOWN: "nothing is known beyond"}
+TILT = (
+    "The secondary couple of a joint follows the tilt of the shaft that it drives and so makes its stiffness vary at "
+    "twice the speed of the driving shaft: small tilting motions can grow by themselves. The shaft is taken for rigid, "
+    "turning about the centre of its joint (Zhu and Wang), the driving shaft for evenly turning with the mean torque."
+)
+TILT_ZONES = {"mean couple": "the mean part of the couple feeds the motion", "several": "several resonances together"}
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where stability was not requested."""
     found, mapped = findings.get(Stability), findings.get(StabilityMap)
-    if found is None:
-        return [] if mapped is None else [Heading("Stability"), *_map(findings, mapped)]
-    blocks: list[Block] = [Heading("Stability"), _introduction(findings, found), _verdict(findings, found)]
-    if found.ranges:
-        blocks.append(_ranges(findings, found))
-    if found.unsolved.size:
-        blocks.append(_unsolved(found))
-    blocks.append(_figure(findings, found))
+    if found is None and mapped is None:
+        return
+    yield Heading("Stability")
+    if found is not None:
+        yield _introduction(findings, found)
+        yield _verdict(findings)
+        if found.ranges:
+            yield _ranges(findings, found)
+        if found.unsolved.size:
+            yield _unsolved(found)
+        values = {
+            "speed": found.speed * RPM, "growth": found.growth, "rated": rated_rpm(findings),
+            "unstable": [(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
+        }  # fmt: skip
+        yield Figure("stability-growth", "Growth rate of small deviations over the speed", "stability", values)
     if mapped is not None:
-        blocks += _map(findings, mapped)
-    return blocks
+        yield from _map(findings, mapped)
 
 
-def _introduction(findings: Findings, found: "Stability") -> Paragraph:
-    modes = ", ".join(f"w{k} = {number(w)}" for k, w in enumerate(found.modes[:6].tolist(), start=1))
+def _introduction(findings: Findings, found: Stability) -> Paragraph:
+    modes = ", ".join(f"w{k} = {number(w)}" for k, w in enumerate(found.modes[:MOST_NAMED].tolist(), start=1))
     checked = (
         f" Where both were used, monodromy and Hill's matrix differ by at most {number(found.check, 2)} 1/s."
         if np.isfinite(found.check)
@@ -56,15 +80,14 @@ def _introduction(findings: Findings, found: "Stability") -> Paragraph:
             f"rates change by at most {number(found.left_out, 2)} 1/s where that was tried."
         )
     damps = "" if found.loses else " Nothing in the train damps: a growth of 0 is the best there is."
-    text = (
+    return Paragraph(
         f"{MODEL} {counted(int(found.requested.sum()), 'speed')} of {reference(findings)} as requested, "
-        f"{int((~found.requested).sum())} more in and around zones.{checked}{damps} "
-        f"Elastic modes with straight joints: {modes} rad/s{' and higher' if found.modes.size > 6 else ''}."
+        f"{int((~found.requested).sum())} more in and around zones.{checked}{damps} Elastic modes with straight "
+        f"joints: {modes} rad/s{' and higher' if found.modes.size > MOST_NAMED else ''}."
     )
-    return Paragraph(text)
 
 
-def _verdict(findings: Findings, found: "Stability") -> Paragraph:
+def _verdict(findings: Findings) -> Paragraph:
     check = next(check for check in findings.need(Checks).lines if check.clause == "stability")
     where = "the operation" if findings.study.operation.speeds is not None else "the speeds requested"
     if check.verdict == "pass":
@@ -73,54 +96,95 @@ def _verdict(findings: Findings, found: "Stability") -> Paragraph:
         return Paragraph(f"Stability cannot be stated at every speed of {where}: {check.note}.", "fail")
     if check.value <= 0:
         return Paragraph(f"No unstable range was found, but the answer for {where} is not whole: {check.note}.", "fail")
-    return Paragraph(
-        f"The train is unstable within {where}: the fastest growth "
-        f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm.", "fail"
-    )  # fmt: skip
+    fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
+    return Paragraph(f"The train is unstable within {where}: the fastest growth {fastest}.", "fail")
 
 
-def _ranges(findings: Findings, found: "Stability") -> Table:
-    speeds = findings.study.operation.speeds
-    columns: tuple[Column, ...] = head(
+def _ranges(findings: Findings, found: Stability) -> Table:
+    speeds, shown = findings.study.operation.speeds, found.ranges[:MOST_ROWS]
+    titles = (
         "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | Largest growth [1/s] -> growth, 1/s | "
         "At speed [rpm] -> at rpm | Factor per revolution | < Within the operation -> operation"
     )
-    shown = found.ranges[:MOST_ROWS]
-    further = any(beyond(one) for one in shown)
-    if further:
-        columns += (texts("Beyond its ends"),)
-    rows, marks = [], []
+    further = any(_beyond(one) for one in shown)
+    rows, present = [], set[str]()
     for one in shown:
+        marks = [_mark(one, side) for side in (BELOW, ABOVE)]
+        present.update(marks)
         inside = speeds is None or one.meets(speeds.first, speeds.last)
         factor = float(np.exp(min(one.growth * 2.0 * np.pi / one.at, 700.0)))
         rows.append((
-            end(one, BELOW, 9), end(one, ABOVE, 9), one.zone.name, number(one.growth), fastest(one),
-            number(factor, 4), "UNSTABLE" if inside else "outside", *(["; ".join(beyond(one))] if further else []),
+            rpm(one.first, 9) + marks[BELOW], rpm(one.last, 9) + marks[ABOVE], one.name, number(one.growth),
+            distinct_texts([one.first * RPM, one.at * RPM, one.last * RPM])[1], number(factor, 4),
+            "UNSTABLE" if inside else "outside", *(["; ".join(_beyond(one))] if further else []),
         ))  # fmt: skip
-        marks.append("fail" if inside else "note")
+    legend = "; ".join(f"{sign} {text}" for sign, text in LEGEND.items() if sign in present)
+    title = f"Unstable ranges of speed{f' ({legend})' if legend else ''}"
     rest = f"; {MOST_ROWS} of {len(found.ranges)}" if len(found.ranges) > MOST_ROWS else ""
-    title = f"Unstable ranges of speed{legend(shown)}"
-    return Table(columns, tuple(rows), title + rest, tuple(marks), title)
+    titles += " | < Beyond its ends" if further else ""
+    verdicts = ["fail" if "UNSTABLE" in row else "note" for row in rows]
+    return table(titles, rows, title + rest, marks=verdicts, short=title)
 
 
-def _unsolved(found: "Stability") -> Table:
-    speeds = found.unsolved[:MOST_ROWS].tolist()
+def _mark(one: UnstableRange, side: int) -> str:
+    """'+' where the range goes on beyond the speeds requested, '?' where nothing is known beyond; '' of a boundary."""
+    if one.unknown[side] is not None:
+        return UNKNOWN
+    return GOES_ON if one.is_open[side] else ""
+
+
+def _beyond(one: UnstableRange) -> list[str]:
+    """What is said of the ends that are no boundaries, in sentences without their stop."""
+    said, ends = [], ((one.first, "below"), (one.last, "above"))
+    for (end, way), unknown, is_open in zip(ends, one.unknown, one.is_open, strict=True):
+        if unknown is not None:
+            low, high = sorted((end, unknown))
+            said.append(f"from {given_rpm(low)} to {given_rpm(high)} rpm nothing is known")
+        elif is_open:
+            said.append(f"it goes on {way} {given_rpm(end)} rpm, where stability was not requested")
+    return said
+
+
+def restrictions(findings: Findings, found: Stability) -> list[str]:
+    """Of the speed: the unstable ranges in words, and where it could not be said whether there is one."""
+    requested = float(found.speed[0]), float(found.speed[-1])
+    stated = [f"Unstable range: {words(one, requested)}. Not for operation." for one in found.ranges]
+    nothing = [check for check in findings.need(Checks).lines if check.clause == "stability" and np.isinf(check.value)]
+    if nothing:
+        return stated + [f"No answer on the stability of the {check.where}: {check.note}." for check in nothing]
+    beside = [one.first for one in found.ranges if one.unknown[BELOW] is not None]
+    beside += [one.last for one in found.ranges if one.unknown[ABOVE] is not None]
+    return stated + [
+        f"No periodic motion was found from {given_rpm(low)} to {given_rpm(high)} rpm: nothing is known there."
+        for low, high in found.unknown
+        if not any(low <= end <= high for end in beside)
+    ]
+
+
+def words(one: UnstableRange, requested: tuple[float, float]) -> str:
+    """The range for a restriction of speed: '772.3 to at least 780 rpm, principal of mode 1; from there ...'.
+
+    Boundaries are rounded so that the range grows, but not beyond the speeds requested (rad/s).
+    """
+    stated = list(widened((one.first * RPM, one.last * RPM), (requested[0] * RPM, requested[1] * RPM)))
+    for side, (speed, limit) in enumerate(((one.first, "at most"), (one.last, "at least"))):
+        if one.grows_at_end[side]:
+            stated[side] = given_rpm(speed)
+        if one.unknown[side] is not None:
+            stated[side] = f"{limit} {stated[side]}"
+    band = f"at {given_rpm(one.first)} rpm" if one.last <= one.first else f"{stated[BELOW]} to {stated[ABOVE]} rpm"
+    return "; ".join([f"{band}, {one.name}", *_beyond(one)])
+
+
+def _unsolved(found: Stability) -> Table:
+    stated = distinct_texts((found.unsolved[:MOST_ROWS] * RPM).tolist())
     rest = f"; {MOST_ROWS} of {found.unsolved.size}" if found.unsolved.size > MOST_ROWS else ""
-    stated = distinct_texts([speed * RPM for speed in speeds])
-    rows = tuple((speed, "no periodic motion was found: nothing can be said of its stability") for speed in stated)
-    columns = head("Speed [rpm] | < Remark")
-    return Table(columns, rows, f"Speeds without an answer{rest}", ("fail",) * len(rows))
+    rows = [(speed, "no periodic motion was found: nothing can be said of its stability") for speed in stated]
+    caption = f"Speeds without an answer{rest}"
+    return table("Speed [rpm] | < Remark", rows, caption, marks=["fail"] * len(rows))
 
 
-def _figure(findings: Findings, found: "Stability") -> Figure:
-    values = {
-        "speed": found.speed * RPM, "growth": found.growth, "rated": rated_rpm(findings),
-        "unstable": [(one.first * RPM, one.last * RPM, one.zone.name) for one in found.ranges],
-    }  # fmt: skip
-    return Figure("stability-growth", "Growth rate of small deviations over the speed", "stability", values)
-
-
-def _map(findings: Findings, found: "StabilityMap") -> list[Block]:
+def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     what, unit = OVER[found.over]
     missing = int(np.isnan(found.growth).sum())
     text = (
@@ -137,14 +201,13 @@ def _map(findings: Findings, found: "StabilityMap") -> list[Block]:
         "speed": found.speed * RPM, "value": value, "growth": found.growth,
         "quantity": f"{what}, {unit}" if unit else what, "rated": rated_rpm(findings),
     }  # fmt: skip
-    return [
-        Heading(f"Map over speed and {what}", 2), Paragraph(text, "note" if missing else "plain"),
-        _values(found, what, unit, value),
-        Figure("stability-map", f"Growth rate over speed and {what}; the line: growth 0", "stability map", drawn),
-    ]  # fmt: skip
+    yield Heading(f"Map over speed and {what}", 2)
+    yield Paragraph(text, "note" if missing else "plain")
+    yield _values(found, f"{what.capitalize()} [{unit}]", value)
+    yield Figure("stability-map", f"Growth rate over speed and {what}; the line: growth 0", "stability map", drawn)
 
 
-def _missed(findings: Findings, found: "StabilityMap") -> str:
+def _missed(findings: Findings, found: StabilityMap) -> str:
     """That unstable ranges lie between the speeds of the map."""
     ranges = () if findings.get(Stability) is None else findings.need(Stability).ranges
     missed = sum(not np.any((found.speed >= one.first) & (found.speed <= one.last)) for one in ranges)
@@ -158,12 +221,8 @@ def _missed(findings: Findings, found: "StabilityMap") -> str:
     )
 
 
-def _values(found: "StabilityMap", what: str, unit: str, value: np.ndarray) -> Table:
+def _values(found: StabilityMap, title: str, value: FloatArray) -> Table:
     """The fastest growth at values spread over the map."""
-    columns = head(
-        f"{what.capitalize()} [{unit}] | Largest growth [1/s] | At speed [rpm] | Speeds unstable [%] | "
-        "Without an answer [%] | < "
-    )
     rows, marks = [], []
     for k in np.unique(np.linspace(0, len(value) - 1, MOST_VALUES).round().astype(int)).tolist():
         growth = found.growth[:, k]
@@ -173,11 +232,67 @@ def _values(found: "StabilityMap", what: str, unit: str, value: np.ndarray) -> T
             rows.append((number(float(value[k])), NONE, NONE, NONE, number(unknown, 3), "no periodic motion"))
             marks.append("fail")
             continue
-        at = int(np.argmax(np.where(known, growth, -np.inf)))
+        at = int(np.nanargmax(growth))
         grows = growth[known] > SMALL
         where = f"{known.sum()} of {known.size} speeds" if unknown else f"the {counted(known.size, 'speed')} of the map"
-        words = ("UNSTABLE" if grows.any() else f"stable at {where}") + (", in part unknown" if unknown else "")
+        verdict = ("UNSTABLE" if grows.any() else f"stable at {where}") + (", in part unknown" if unknown else "")
         rows.append((number(float(value[k]), 4), number(float(growth[at]), 4), rpm(float(found.speed[at])),
-                     number(100.0 * float(grows.mean()), 3), number(unknown, 3), words))  # fmt: skip
+                     number(100.0 * float(grows.mean()), 3), number(unknown, 3), verdict))  # fmt: skip
         marks.append("fail" if grows.any() or unknown else "")
-    return Table(columns, tuple(rows), "Fastest growth of the map, by value", tuple(marks))
+    columns = "| Largest growth [1/s] | At speed [rpm] | Speeds unstable [%] | Without an answer [%] | < "
+    return table(f"{title} {columns}", rows, "Fastest growth of the map, by value", marks=marks)
+
+
+def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterator[Block]:
+    """Parametric stability of the tilt of driven shafts on bearings; nothing where none tilts on supports."""
+    stated = [(shaft.name, shaft.tilting) for shaft in shafts if shaft.tilting is not None]
+    if not stated:
+        return
+    yield Heading("Parametric stability of the tilt", 2)
+    yield Paragraph(TILT)
+    yield table(
+        "< Shaft | < Driven by | Transverse inertia [kg m²] | Polar inertia [kg m²] | Frequency of the tilt, y [Hz] | "
+        "z [Hz] | Decay rate, y [1/s] | z [1/s]",
+        [
+            (name, tilting.joint, tilting.shaft.inertia, tilting.shaft.polar * tilting.shaft.inertia,
+             *tilting.frequency.values(), *(rate / 2.0 for rate in tilting.shaft.decay[::-1]))
+            for name, tilting in stated
+        ],
+        "Shafts that tilt as rigid bodies about the centre of their joint; at rest, without torque",
+    )  # fmt: skip
+    for check in findings.need(Checks).lines:
+        if check.clause == "tilting":
+            note = f" ({check.note})" if check.note else ""
+            at = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
+            if check.value > 0:
+                yield Paragraph(f"{check.where} is unstable: its tilt grows by up to {at}{note}.", "fail")
+            else:
+                text = f"No tilting motion of {check.where} grows at the speeds that were looked at{note}."
+                yield Paragraph(text, "fail" if check.fails else "pass")
+    if any(tilting.zones for _, tilting in stated):
+        yield _tilt_zones(findings, stated)
+    for count, (name, tilting) in enumerate(stated, start=1):
+        caption = f"{name}: growth rate of its tilt by the couple of {tilting.joint}"
+        values = {
+            "speed": tilting.speed * RPM, "growth": np.asarray(tilting.growth), "rated": rated_rpm(findings),
+            "unstable": [(zone.lower * RPM, zone.upper * RPM, zone.kind) for zone in tilting.zones],
+        }  # fmt: skip
+        yield Figure(f"tilting-{count}", caption, "stability", values)
+
+
+def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Table:
+    speeds, rows = findings.study.operation.speeds, []
+    for name, tilting in stated:
+        for zone in tilting.zones:
+            low, worst, up = zone.lower, zone.worst, zone.upper
+            inside = speeds is None or (low < speeds.last and up > speeds.first)
+            ends = [rpm(w, 9) + (" (open)" if open_ else "") for w, open_ in zip((low, up), zone.is_open, strict=True)]
+            kind = TILT_ZONES.get(zone.kind, zone.kind)
+            rows.append((name, *ends, kind, number(zone.rate), rpm(worst), "UNSTABLE" if inside else "outside"))
+    return table(
+        "< Shaft | From [rpm] | To [rpm] | < Type | Largest growth [1/s] | At speed [rpm] | < Within the operation",
+        rows,
+        "Unstable ranges of the tilt (open: the range goes on beyond the speeds looked at); 1 and 2 ascend in "
+        "frequency",
+        marks=["fail" if "UNSTABLE" in row else "note" for row in rows],
+    )

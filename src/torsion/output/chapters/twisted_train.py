@@ -1,46 +1,45 @@
 """Chapter, printed when `--vtu` requests it: the train twisted by each of its modes."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph
 from torsion.output.numbers import number
+from torsion.output.station_layout import label
 from torsion.output.surface.axes import Axis, axes
 from torsion.output.surface.surface import TWIST, Rings, angles, rings, shapes, turned
 from torsion.output.surface.vtu import NAME
 
 MOST_MODES = 6  # of which a picture is printed
 MOST_BODIES = 300  # in a picture
-MOST_NAMES = 14  # components up to which the picture bears their names, not their numbers alone
 ENLARGED = 2.0  # times the angle in the file: what a small picture needs
 NEAR = 0.04  # of the length of the train: what is so near stands in the way of a label
 TALL, TALLEST = 0.2, 0.42  # of the length of the train: the widest body, and all axes together, as drawn
 STEPS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # and ten, a hundred, ... times as much
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """A picture of every mode."""
     modes, placed = shapes(findings), axes(findings.system)
     found = rings(findings.system, placed)
-    larger = _larger(found)
-    blocks: list[Block] = [Heading("The twisted train"), Paragraph(_introduction(found, larger))]
-    if int(found.body[-1]) >= MOST_BODIES:
-        return [*blocks, Paragraph(f"A train of so many components is not pictured here; see {NAME}.")]
-    shown = min(modes.frequency.size, MOST_MODES)
-    blocks += [_figure(findings, modes, mode, (found, placed, larger)) for mode in range(shown)]
-    if shown < modes.frequency.size:
-        blocks.append(Paragraph(f"Modes {shown + 1} to {modes.frequency.size} are in {NAME} alone."))
-    return blocks
-
-
-def _introduction(found: Rings, larger: float) -> str:
-    return (
+    larger, count = _larger(found), modes.frequency.size
+    yield Heading("The twisted train")
+    yield Paragraph(
         f"{_scale(found, larger)} Axes are drawn straight, also through joints, and parallel behind gears, branches "
         "and links. The stripes run along the axis while the train is at rest; the largest angle of each mode is drawn "
         f"as {ENLARGED * TWIST:g} rad, in the sense in which each shaft turns. The same surface, with displacement, "
         f"angle, torque and shear stress of every mode, is in {NAME}."
     )
+    if int(found.body[-1]) >= MOST_BODIES:
+        yield Paragraph(f"A train of so many components is not pictured here; see {NAME}.")
+        return
+    for mode in range(min(count, MOST_MODES)):
+        yield _figure(findings, modes, mode, (found, placed, larger))
+    if count > MOST_MODES:
+        yield Paragraph(f"Modes {MOST_MODES + 1} to {count} are in {NAME} alone.")
 
 
 def _scale(found: Rings, larger: float) -> str:
@@ -82,7 +81,6 @@ def _figure(findings: Findings, modes: Modes, mode: int, drawn: tuple[Rings, lis
 
 def _labels(findings: Findings, placed: list[Axis], larger: float) -> list[tuple[tuple[float, ...], float, str]]:
     """Number and name of every component at its first body: above what is there, or below on axes that lie below."""
-    parts = findings.study.train.parts
     every = [(axis.place[1], body) for axis in placed for body in axis.bodies]
     tops = np.array([(body.x[0], body.x[-1], z + body.widest, z - body.widest) for z, body in every])
     near = NEAR * float(tops[:, 1].max() - tops[:, 0].min())
@@ -93,7 +91,7 @@ def _labels(findings: Findings, placed: list[Axis], larger: float) -> list[tuple
             x = float(body.x[0] + body.x[-1]) / 2
             beside = tops[(tops[:, 0] <= x + near) & (tops[:, 1] >= x - near)]
             end = float(beside[:, 3].min() if z < 0 else beside[:, 2].max())
-            text = f"{body.part + 1} {parts[body.part].name}" if len(parts) <= MOST_NAMES else str(body.part + 1)
+            text = label(findings.study.train.parts, body.part)
             found.setdefault(body.part, ((x, larger * y, larger * z), larger * (end - z), text))
     return sorted(found.values(), key=lambda label: label[0][0])
 

@@ -1,64 +1,138 @@
-"""Chapter: the verdict of every rule in one table, the conclusion and the restrictions of speed."""
+"""Chapters: the verdict of every rule in one table, barred ranges, the conclusion with the restrictions of speed."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
 from torsion.analyses.compare.side_by_side import Compared
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, head, on_terminal
+from torsion.output.blocks import Block, Heading, Paragraph, Points, on_terminal, table
 from torsion.output.chapters.model_comparison import conclusion as compared_models
-from torsion.output.numbers import RPM, given, number, order, rpm
-from torsion.output.reported_values import band_words, barred_rpm, failed, unreliable
+from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order, rpm
+from torsion.output.reported_values import (
+    UNDAMPED,
+    amplitude,
+    band_words,
+    barred,
+    barred_rpm,
+    failed,
+    rated,
+    reference,
+    unreliable,
+)
+from torsion.output.selection import elements, highest
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
-if TYPE_CHECKING:
-    from torsion.analyses.motion.stability_over_speed import Stability
-
-COLUMNS = head(
-    "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | < Unit -> | "
-    "At speed [rpm] -> at rpm | Order | < Limit from -> | < Verdict ->"
-)
+MOST_LISTED = 8  # orders to be measured, ranges of speed without a reliable value
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """The verdict comes first in every report."""
-    blocks: list[Block] = [Heading("Verdict", at_end=True)]
+    yield Heading("Verdict", at_end=True)
     checks = findings.need(Checks).lines
     if checks:
-        caption = "Checks against the rules, each at its worst point; without an order: all orders together, or none"
-        rows, marks = tuple(_row(check) for check in checks), tuple(check.verdict for check in checks)
-        blocks.append(Table(COLUMNS, rows, caption, marks, "Checks, each at its worst point"))
-    blocks.extend(on_terminal(conclusion(findings)))
-    notes = _notes(findings)
-    if notes:
-        blocks.extend([Heading("Remarks on the checks", 2), Points(notes)])
-    return blocks
+        yield table(
+            "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | < Unit -> | "
+            "At speed [rpm] -> at rpm | Order | < Limit from -> | < Verdict ->",
+            map(_row, checks),
+            "Checks against the rules, each at its worst point; without an order: all orders together, or none",
+            marks=[check.verdict for check in checks],
+            short="Checks, each at its worst point",
+        )
+    yield from on_terminal(conclusion(findings))
+    about: dict[str, list[str]] = {}  # remarks, each once, with the components that it is about
+    for check in checks:
+        if check.note:
+            about.setdefault(f"{check.what}: {check.note}", []).append(check.where)
+    if about:
+        yield Heading("Remarks on the checks", 2)
+        yield Points(tuple(f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items()))
 
 
-def judged(findings: Findings) -> list[Block]:
+def judged(findings: Findings) -> Iterator[Block]:
     """The same; nothing where no rule judged."""
-    return chapter(findings) if findings.need(Checks).lines else []
+    if findings.need(Checks).lines:
+        yield from chapter(findings)
 
 
-def conclusion(findings: Findings) -> list[Block]:
+def barred_ranges(findings: Findings) -> Iterator[Block]:
+    """Nothing where no range is barred."""
+    found, speed = barred(findings), rated(findings)
+    if not found:
+        return
+    yield Heading("Barred speed ranges")
+    yield Paragraph(
+        f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. The range is to be "
+        "passed rapidly, to be marked on the tachometer and to be shown on a notice at every control station. Lower "
+        "limit 16 n_{c}/(18 − λ_{c}), upper limit (18 − λ_{c}) n_{c}/16, extended to every speed at which the stress "
+        "exceeds τ_{C} (IACS UR M68); n_{c} is the critical speed."
+    )
+    yield table(
+        "< Shaft | Critical speed [rpm] | λ = n/n_{rated} | From [rpm] | To [rpm]",
+        [
+            (b.shaft, rpm(b.critical), number(b.critical / speed, 4) if speed else NONE, rpm(b.lower), rpm(b.upper))
+            for b in found
+        ],
+        f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
+    )
+
+
+def closing(findings: Findings) -> Iterator[Block]:
+    """The conclusion, and the measurements that would confirm it; only where something was judged or excited."""
+    response = findings.get(Response)
+    if not findings.need(Checks).lines and response is None:
+        return
+    yield Heading("Conclusion and proposed measurements")
+    yield from conclusion(findings)
+    if response is not None and response.lines:
+        yield Paragraph("Measurements on the plant that would confirm the calculation:")
+        yield Points(tuple(_measurements(findings, response)))
+
+
+def _measurements(findings: Findings, response: Response) -> Iterator[str]:
+    """What to measure: orders over speed, torque of the most loaded shaft, angle where mode 1 moves most."""
+    speeds = findings.study.operation.speeds
+    ends = (
+        "over the speed range" if speeds is None else f"from {given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
+    )
+    orders = ", ".join(order(line.order) for line in response.lines[:MOST_LISTED] if line.order is not None)
+    yield (
+        f"Run up and down slowly {ends} (speed of {reference(findings)}) and at steps of constant speed, with an "
+        f"analysis by orders{f' ({orders})' if orders else ''} and of the frequencies below."
+    )
+    shafts = [(amplitude(findings, e.spans), e) for e in elements(findings.system) if e.kind == "shaft"]
+    values, shaft = max(shafts, key=lambda pair: highest(pair[0]) * pair[1].ratio, default=(np.zeros(0), None))
+    if shaft is not None and highest(values) > 0:
+        at = int(np.argmax(np.nan_to_num(values, nan=0.0).max(axis=1)))
+        where = f"the largest amplitude is expected at {rpm(float(response.speed[at]))} rpm"
+        yield f"Torque by strain gauges with telemetry on {shaft.name}; {where}."
+    modes, own = findings.get(Modes), findings.study.train.stations
+    if modes is None or len(modes.frequency) == 0:
+        return
+    size = np.abs(modes.shape[: len(own), 0] / findings.system.speed_ratio[: len(own)])
+    name = own[int(np.argmax(size))].name
+    yield f"Angular vibration by encoder or laser at {name}, where mode 1 has its largest amplitude."
+    lowest = ", ".join(number(f, 4) for f in modes.frequency[:3].tolist())
+    yield f"Compare the measured natural frequencies with {lowest} Hz; a difference above 5 % calls for new data."
+
+
+def conclusion(findings: Findings) -> Iterator[Block]:
     """The conclusion, that of the comparison of models, and the restrictions of speed, in plain sentences."""
-    blocks: list[Block] = [_overall(findings)]
+    yield _overall(findings)
     for one in findings.plan.unanswered:
-        blocks.append(Paragraph(f"No answer: {one.what}, because {one.words}.", "fail"))
+        yield Paragraph(f"No answer: {one.what}, because {one.words}.", "fail")
     compared = findings.get(Compared)
     if compared is not None:
-        blocks.append(compared_models(compared))
+        yield compared_models(compared)
     if findings.results.get("periodic") is not None:
-        from torsion.output.first_order_and_exact import first_order_judged
+        from torsion.output.chapters.exact_response import first_order_judged
 
-        text = first_order_judged(findings)
-        blocks += [Paragraph(text, "note")] if text else []
-    restrictions = _restrictions(findings)
-    if restrictions:
-        blocks.append(Points(restrictions))
-    return blocks
+        if text := first_order_judged(findings):
+            yield Paragraph(text, "note")
+    if restrictions := _restrictions(findings):
+        yield Points(restrictions)
 
 
 def _row(check: Check) -> tuple[str, ...]:
@@ -66,26 +140,31 @@ def _row(check: Check) -> tuple[str, ...]:
     limit = "none" if np.isnan(check.limit) else sign + given(check.limit)
     nothing = "no answer" if check.clause == "stability" else "no finite value"
     value = nothing if np.isinf(check.value) else number(check.value)
-    what = f"{check.what} ({check.rule})"
-    unit = check.unit.replace("mm2", "mm²").replace("s2", "s²")
-    at = rpm(check.speed), order(check.order)
-    return what, check.where, check.clause, value, limit, unit, *at, check.standing, check.verdict.upper()
+    return (
+        f"{check.what} ({check.rule})", check.where, check.clause, value, limit,
+        check.unit.replace("mm2", "mm²").replace("s2", "s²"), rpm(check.speed), order(check.order),
+        check.standing, check.verdict.upper(),
+    )  # fmt: skip
 
 
 def _overall(findings: Findings) -> Paragraph:
-    checks, bad, doubt = findings.need(Checks).lines, failed(findings), _to_be_verified(findings.need(Checks).lines)
+    checks, bad = findings.need(Checks).lines, failed(findings)
     if not checks:
         text = "No rule was requested, or none applies to this train: the report gives results without a verdict."
         return Paragraph(text, "note")
+    doubt = _to_be_verified(checks)
+    requested = "the rules requested" if findings.study.rules else "the demand of stability; no rule was requested"
     if bad:
         where = ", ".join(dict.fromkeys(check.where for check in bad))
-        text = f"{_bad(checks)} ({where}). The train does not satisfy {_requested(findings)}.{doubt}"
-        return Paragraph(text, "fail")
+        return Paragraph(f"{_bad(checks)} ({where}). The train does not satisfy {requested}.{doubt}", "fail")
     if any(check.verdict != "pass" for check in checks):
-        return Paragraph(f"No check failed: {_count(checks)}.{doubt}", "note")
+        words = {"pass": "passed", "outside": "outside the range for which the rule has a limit"}
+        number_of = {text: sum(check.verdict == key for check in checks) for key, text in words.items()}
+        counts = ", ".join(f"{n} {text}" for text, n in number_of.items() if n)
+        return Paragraph(f"No check failed: {counts}.{doubt}", "note")
     restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
     passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
-    return Paragraph(f"{passed} passed: the train satisfies {_requested(findings)}{restricted}.{doubt}", "pass")
+    return Paragraph(f"{passed} passed: the train satisfies {requested}{restricted}.{doubt}", "pass")
 
 
 def _bad(checks: tuple[Check, ...]) -> str:
@@ -100,16 +179,6 @@ def _bad(checks: tuple[Check, ...]) -> str:
     return f"{failed} of {len(checks)} checks failed{more}"
 
 
-def _requested(findings: Findings) -> str:
-    return "the rules requested" if findings.study.rules else "the demand of stability; no rule was requested"
-
-
-def _count(checks: tuple[Check, ...]) -> str:
-    """How many checks that did not fail stand how, in words."""
-    words = {"pass": "passed", "outside": "outside the range for which the rule has a limit"}
-    return ", ".join(f"{n} {text}" for key, text in words.items() if (n := sum(c.verdict == key for c in checks)))
-
-
 def _to_be_verified(checks: tuple[Check, ...]) -> str:
     """How many limits are, and which of those are not kept, as a sentence; empty where none is."""
     number_of = sum(check.standing == TO_BE_VERIFIED for check in checks)
@@ -122,55 +191,26 @@ def _to_be_verified(checks: tuple[Check, ...]) -> str:
 
 
 def _restrictions(findings: Findings) -> tuple[str, ...]:
+    """Barred and unstable ranges, speeds without an answer, else that nothing restricts the speed."""
+    response, bad, stable = findings.get(Response), unreliable(findings), findings.results.get("stability")
     found = [
         f"Barred range: {band_words(band)}. Not for continuous operation; to be passed rapidly."
         for band in barred_rpm(findings)
     ]
-    found += _unstable(findings)
-    bad = unreliable(findings)
-    response = findings.get(Response)
+    if stable is not None:
+        from torsion.output.chapters.stability_ranges import restrictions
+
+        found += restrictions(findings, stable)
     if response is not None and np.any(bad):
-        speeds = response.speed[bad] * RPM
-        found.append(
-            f"At {_listed(speeds)} the response has no reliable finite value (undamped resonance). "
-            "No amplitude is stated there, nor a largest one of the range; give the damping of the train."
-        )
+        found.append(f"At {_listed(response.speed[bad] * RPM)} {UNDAMPED}")
     if not found and response is not None and findings.need(Checks).lines and not failed(findings):
         found.append("No restriction of speed follows from the checks requested.")
     return tuple(found)
 
 
-def _unstable(findings: Findings) -> list[str]:
-    """The unstable ranges, and where it could not be said whether there is one."""
-    stable: Stability | None = findings.results.get("stability")
-    if stable is None:
-        return []
-    from torsion.output.chapters.unstable_ranges import unanswered, words
-
-    ends = float(stable.speed[0]), float(stable.speed[-1])
-    found = [f"Unstable range: {words(one, ends)}. Not for operation." for one in stable.ranges]
-    nothing = [check for check in findings.need(Checks).lines if check.clause == "stability" and np.isinf(check.value)]
-    if nothing:
-        return found + [f"No answer on the stability of the {check.where}: {check.note}." for check in nothing]
-    return found + [f"No periodic motion was found {where}: nothing is known there." for where in unanswered(stable)]
-
-
 def _listed(speeds: np.ndarray) -> str:
-    groups: list[list[float]] = []
-    for speed in speeds.tolist():
-        if groups and speed - groups[-1][-1] <= 0.01 * speed:
-            groups[-1].append(speed)
-        else:
-            groups.append([speed])
-    words = ["–".join(dict.fromkeys((number(group[0], 5), number(group[-1], 5)))) for group in groups]
-    more = f" and {len(words) - 8} further ranges" if len(words) > 8 else ""
-    return f"{', '.join(words[:8])} rpm{more}"
-
-
-def _notes(findings: Findings) -> tuple[str, ...]:
-    """Remarks, each once, with the components that it is about."""
-    about: dict[str, list[str]] = {}
-    for check in findings.need(Checks).lines:
-        if check.note:
-            about.setdefault(f"{check.what}: {check.note}", []).append(check.where)
-    return tuple(f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items())
+    """Speeds in rpm as ranges of neighbours, the first of them."""
+    groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
+    words = ["–".join(dict.fromkeys((number(float(one[0])), number(float(one[-1]))))) for one in groups]
+    more = f" and {len(words) - MOST_LISTED} further ranges" if len(words) > MOST_LISTED else ""
+    return f"{', '.join(words[:MOST_LISTED])} rpm{more}"

@@ -1,92 +1,100 @@
-"""Torques, stresses and amplitudes as curves over the speed, or over the frequency."""
+"""Torques, stresses, bending and growth rates as curves over the speed, or over the frequency."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from torsion.output.figures import style
-from torsion.output.figures.style import BAD, COLOURS, GREY, INK, MOST_LINES, hatch, pens
+from torsion.arrays import BoolArray, FloatArray
+from torsion.output.figures.style import (
+    BAD,
+    COLOURS,
+    GREY,
+    INK,
+    MOST_LINES,
+    amplitude_axis,
+    hatch,
+    pens,
+    plots,
+    ranges,
+    rated_line,
+)
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Bands = tuple[tuple[float, float], ...]
-Lines = Sequence[tuple[str, Array]]
+Lines = Sequence[tuple[str, FloatArray]]
 SPEED = "speed of the reference component, rpm"
 FIRST = ("--", ":", "-.")  # dashes of the first order
 LIMIT: dict[str, Any] = {"color": BAD, "linewidth": 1.0, "linestyle": (0, (5, 2))}
+STANDING = "nearly singular: next to a resonance that nothing damps"
+NO_ANSWER = "singular: no answer"
+NO_MOTION = "no periodic motion found"
+GROWTH_COLOURS = "RdBu_r"
+HEAD = 0.25  # of the height: room above the growth rate for the names of the ranges
+SHARE = 0.98  # of the points lie within the colours of a map; the others have the last one
 
 
 @contextmanager
 def over(
-    name: str, height: float, x: Array, y: str, *, quantity: str = SPEED, rated: float | None = None,
-    bands: Sequence[tuple[Bands, str]] = (), amplitudes: list[Array] | None = None,
-) -> Iterator[style.Page]:  # fmt: skip
-    """A sheet with ranges of speed behind its curves; `amplitudes`, which the caller fills, set the vertical axis."""
-    with style.page(name, height) as sheet:
-        axes = sheet.axes[0]
-        for ranges, label in bands:
-            style.ranges(axes, ranges, label)
-        yield sheet
-        style.rated_line(axes, rated)
-        axes.set_xlim(float(x.min()), float(x.max()))
-        if amplitudes is not None:
-            style.amplitude_axis(axes, amplitudes)
-        axes.set_xlabel(quantity)
-        axes.set_ylabel(y)
-        style.legend_below(sheet)
+    sheet: Figure, height: float, x: FloatArray, y: str, *, quantity: str = SPEED, rated: float | None = None,
+    barred: Bands = (), unstable: Bands = (),
+) -> Iterator[Axes]:  # fmt: skip
+    """One plot over x, with ranges of speed behind its curves."""
+    (axes,) = plots(sheet, height)
+    ranges(axes, barred)
+    ranges(axes, unstable, "unstable range")
+    yield axes
+    rated_line(axes, rated)
+    axes.set_xlim(float(x.min()), float(x.max()))
+    axes.set_xlabel(quantity)
+    axes.set_ylabel(y)
 
 
 def torque(
-    name: str, *, speed: Array, lines: Lines, synthesis: Array | None, bad: Flags, unit: str,
+    sheet: Figure, *, speed: FloatArray, lines: Lines, synthesis: FloatArray | None, bad: BoolArray, unit: str,
     limits: Sequence[tuple[str, float]] = (), rated: float | None = None, barred: Bands = (), unstable: Bands = (),
-) -> str:  # fmt: skip
+) -> None:  # fmt: skip
     """speed, bad: (speeds,) rpm; lines: (label, (speeds,)) and synthesis in `unit`, NaN where there is no answer."""
-    bands, drawn = [(barred, "barred range"), (unstable, "unstable range")], list[Array]()
-    with over(name, 2.75, speed, f"torque amplitude, {unit}", rated=rated, bands=bands, amplitudes=drawn) as sheet:
-        axes = sheet.axes[0]
+    y = f"torque amplitude, {unit}"
+    with over(sheet, 2.75, speed, y, rated=rated, barred=barred, unstable=unstable) as axes:
         hidden = hatch(axes, speed, bad)
-        good = [np.where(hidden, np.nan, values) for _, values in lines]
-        for (label, _), values, pen in zip(lines, good, pens(len(lines)), strict=True):
+        drawn = [np.where(hidden, np.nan, values) for _, values in lines]
+        for (label, _), values, pen in zip(lines, drawn, pens(len(lines)), strict=True):
             axes.plot(speed, values, label=label, linewidth=1.0, **pen)
-        drawn += good if synthesis is None else [np.where(hidden, np.nan, synthesis)]
         if synthesis is not None:
+            drawn = [np.where(hidden, np.nan, synthesis)]
             axes.plot(speed, drawn[0], color=INK, linewidth=1.7, label="synthesis (half range)")
         for label, limit in limits:
             if limit <= 4.0 * axes.get_ylim()[1]:
                 axes.axhline(limit, label=label, **LIMIT)
-    return sheet.svg
+        amplitude_axis(axes, drawn)
 
 
 def stress(
-    name: str, *, speed: Array, synthesis: Array, bad: Flags, continuous: Array | None = None,
-    transient: Array | None = None, rated: float | None = None, barred: Bands = (),
-) -> str:  # fmt: skip
+    sheet: Figure, *, speed: FloatArray, synthesis: FloatArray, bad: BoolArray, continuous: FloatArray | None = None,
+    transient: FloatArray | None = None, rated: float | None = None, barred: Bands = (),
+) -> None:  # fmt: skip
     """Shear stress of one shaft; speed: (speeds,) rpm; stresses (speeds,) N/mm2, NaN where there is no limit."""
-    bands, drawn = [(barred, "barred range")], list[Array]()
-    with over(name, 2.75, speed, "shear stress amplitude, N/mm²", rated=rated, bands=bands, amplitudes=drawn) as sheet:
-        axes = sheet.axes[0]
-        drawn.append(np.where(hatch(axes, speed, bad), np.nan, synthesis))
-        axes.plot(speed, drawn[0], color=INK, linewidth=1.6, label="stress (synthesis)")
+    with over(sheet, 2.75, speed, "shear stress amplitude, N/mm²", rated=rated, barred=barred) as axes:
+        good = np.where(hatch(axes, speed, bad), np.nan, synthesis)
+        axes.plot(speed, good, color=INK, linewidth=1.6, label="stress (synthesis)")
         if continuous is not None:
             axes.plot(speed, continuous, color=BAD, label="limit τ_C, continuous")
         if transient is not None and np.any(np.isfinite(transient)):
             axes.plot(speed, transient, color=COLOURS[1], linestyle="--", label="limit τ_T, passing rapidly")
-    return sheet.svg
+        amplitude_axis(axes, [good])
 
 
 def gear(
-    name: str, *, speed: Array, vibratory: Array, mean: Array | None, bad: Flags, unit: str,
+    sheet: Figure, *, speed: FloatArray, vibratory: FloatArray, mean: FloatArray | None, bad: BoolArray, unit: str,
     limit: float | None = None, rated: float | None = None, barred: Bands = (),
-) -> str:  # fmt: skip
+) -> None:  # fmt: skip
     """Vibratory against mean torque in one gear mesh; speed: (speeds,) rpm; torques (speeds,) in `unit`."""
-    bands, drawn = [(barred, "barred range")], list[Array]()
-    with over(name, 2.75, speed, f"mesh torque, {unit}", rated=rated, bands=bands, amplitudes=drawn) as sheet:
-        axes = sheet.axes[0]
+    with over(sheet, 2.75, speed, f"mesh torque, {unit}", rated=rated, barred=barred) as axes:
         good = np.where(hatch(axes, speed, bad), np.nan, vibratory)
-        drawn.append(good)
         axes.plot(speed, good, color=INK, linewidth=1.6, label="vibratory torque (synthesis)")
         if mean is not None:
             axes.plot(speed, mean, color=COLOURS[0], label="mean torque")
@@ -94,48 +102,44 @@ def gear(
             axes.fill_between(speed, mean, good, where=good > mean, **reverses)
         if limit is not None:
             axes.axhline(limit, label="limit of the vibratory torque", **LIMIT)
-    return sheet.svg
+        amplitude_axis(axes, [good])
 
 
-def steady(name: str, *, speed: Array, lines: Lines, unit: str, rated: float | None = None) -> str:
+def steady(sheet: Figure, *, speed: FloatArray, lines: Lines, unit: str, rated: float | None = None) -> None:
     """Mean torque of the elements; speed: (speeds,) rpm; lines: (label, (speeds,)) in `unit`."""
-    with over(name, 2.6, speed, f"mean torque, {unit}", rated=rated) as sheet:
-        for (label, values), pen in zip(lines[:MOST_LINES], pens(len(lines[:MOST_LINES])), strict=True):
-            sheet.axes[0].plot(speed, values, label=label, **pen)
-    return sheet.svg
+    with over(sheet, 2.6, speed, f"mean torque, {unit}", rated=rated) as axes:
+        for (label, values), pen in zip(lines[:MOST_LINES], pens(MOST_LINES), strict=False):
+            axes.plot(speed, values, label=label, **pen)
 
 
 def frequency(
-    name: str, *, frequency: Array, lines: Lines, bad: Flags, quantity: str, natural: Sequence[float] = ()
-) -> str:
+    sheet: Figure, *, frequency: FloatArray, lines: Lines, bad: BoolArray, quantity: str, natural: Sequence[float] = ()
+) -> None:
     """frequency: (frequencies,) Hz; lines: (label, (frequencies,)); quantity: what the axis says, with its unit."""
-    drawn = list[Array]()
-    with over(name, 3.0, frequency, quantity, quantity="frequency, Hz", amplitudes=drawn) as sheet:
-        axes = sheet.axes[0]
+    with over(sheet, 3.0, frequency, quantity, quantity="frequency, Hz") as axes:
         hidden = hatch(axes, frequency, bad)
         for at in natural:
             if frequency[0] <= at <= frequency[-1]:
                 axes.axvline(at, color=GREY, linewidth=0.5, linestyle=":", label="natural frequencies")
-        drawn += [np.where(hidden, np.nan, values) for _, values in lines]
-        for (label, _), values, pen in zip(lines[:MOST_LINES], drawn, pens(len(lines[:MOST_LINES])), strict=False):
+        drawn = [np.where(hidden, np.nan, values) for _, values in lines]
+        for (label, _), values, pen in zip(lines[:MOST_LINES], drawn, pens(MOST_LINES), strict=False):
             axes.plot(frequency, np.where(values <= 0, np.nan, values), label=label, linewidth=1.0, **pen)
-    return sheet.svg
+        amplitude_axis(axes, drawn)
 
 
 def periodic(
-    name: str, *, first_speed: Array, speed: Array, lines: Sequence[tuple[str, Array | None, Array]], unit: str,
-    none: Flags, coarse: Flags, grows: Flags, unstable: Bands = (), rated: float | None = None,
-) -> str:  # fmt: skip
+    sheet: Figure, *, first_speed: FloatArray, speed: FloatArray,
+    lines: Sequence[tuple[str, FloatArray | None, FloatArray]], unit: str, none: BoolArray, coarse: BoolArray,
+    grows: BoolArray, unstable: Bands = (), rated: float | None = None,
+) -> None:  # fmt: skip
     """Speeds in rpm; lines: (label, (first speeds,) or None, (speeds,)) in `unit`, NaN where there is no answer.
 
     none, coarse, grows: (speeds,) no periodic motion, not resolved, unstable.
     """
-    bands, both = [(unstable, "unstable range")], np.append(first_speed, speed)
-    drawn = [value for _, first, exact in lines for value in (first, exact) if value is not None] or [np.zeros(1)]
-    with over(name, 2.9, both, f"torque amplitude, {unit}", rated=rated, bands=bands, amplitudes=drawn) as sheet:
-        axes = sheet.axes[0]
+    both = np.append(first_speed, speed)
+    with over(sheet, 2.9, both, f"torque amplitude, {unit}", rated=rated, unstable=unstable) as axes:
         if np.any(none):
-            hatch(axes, speed, none, "no periodic motion found")
+            hatch(axes, speed, none, NO_MOTION)
         for k, ((label, first, exact), pen) in enumerate(zip(lines, pens(len(lines)), strict=True)):
             axes.plot(speed, exact, color=pen["color"], linewidth=2.2, alpha=0.45, label=f"{label}, exact")
             axes.plot(speed, exact, ".", color=pen["color"], markersize=3, label="speeds solved")
@@ -146,4 +150,79 @@ def periodic(
                 if np.any(flags):
                     flag: dict[str, Any] = {"fillstyle": "none", "linestyle": "none", "label": words, "zorder": 5}
                     axes.plot(speed[flags], exact[flags], marker, color=BAD, **flag)
-    return sheet.svg
+        amplitude_axis(axes, [value for _, first, exact in lines for value in (first, exact) if value is not None])
+
+
+def bending(
+    sheet: Figure, *, speed: Sequence[FloatArray], orders: Sequence[str],
+    panels: Sequence[tuple[str, Sequence[FloatArray]]], near: Sequence[BoolArray], singular: Sequence[BoolArray],
+    rated: float | None, crossings: Sequence[float],
+) -> None:  # fmt: skip
+    """Curves of every order over its own speeds, rpm; panels: (quantity with its unit, a curve for each order).
+
+    near, singular: of every order (speeds,), its lines that are not to be trusted. crossings: rpm of critical speeds.
+    """
+    every = plots(sheet, 1.2 + 1.45 * len(panels), len(panels), sharex=True)
+    for axes, (quantity, curves) in zip(every, panels, strict=True):
+        for at in crossings:
+            axes.axvline(at, color=GREY, linewidth=0.5, linestyle=":", label="critical speeds of these orders")
+        for k, (label, pen) in enumerate(zip(orders, pens(len(orders)), strict=True)):
+            sound = ~(near[k] | singular[k])
+            axes.plot(speed[k], np.where(sound, curves[k], np.nan), label=label, **pen)
+            axes.plot(speed[k][near[k]], curves[k][near[k]], "x", color=BAD, linestyle="none",
+                      label=STANDING if near[k].any() else "_")  # fmt: skip
+            if singular[k].any():
+                axes.plot(speed[k][singular[k]], np.ones(int(singular[k].sum())), "v", color=BAD, linestyle="none",
+                          transform=axes.get_xaxis_transform(), clip_on=False, label=NO_ANSWER)  # fmt: skip
+        rated_line(axes, rated)
+        amplitude_axis(axes, curves)
+        if axes.get_yscale() == "linear":
+            axes.yaxis.set_major_locator(MaxNLocator(4))
+        axes.set_ylabel(quantity)
+    every[-1].set_xlim(min(float(one[0]) for one in speed), max(float(one[-1]) for one in speed))
+    every[-1].set_xlabel(SPEED)
+
+
+def stability(
+    sheet: Figure, *, speed: FloatArray, growth: FloatArray, unstable: Sequence[tuple[float, float, str]],
+    rated: float | None = None,
+) -> None:  # fmt: skip
+    """speed: (speeds,) rpm; growth: (speeds,) 1/s, NaN where there is no periodic motion; unstable: rpm and name."""
+    missing, bands = ~np.isfinite(growth), tuple((low, high) for low, high, _ in unstable)
+    with over(sheet, 3.0, speed, "growth rate, 1/s", rated=rated, unstable=bands) as axes:
+        if np.any(missing):
+            hatch(axes, speed, missing, NO_MOTION)
+        axes.axhline(0.0, color=GREY, linewidth=0.9)
+        axes.plot(speed, growth, color=INK, linewidth=1.1, marker=".", markersize=3, label="growth rate")
+        inside = np.array([any(low <= n <= high for low, high in bands) for n in speed.tolist()], dtype=bool)
+        grows = inside & (growth > 0)
+        if np.any(grows):
+            axes.plot(speed[grows], growth[grows], ".", color=BAD, markersize=4, label="unstable")
+        low_end, top = axes.get_ylim()
+        if unstable:
+            top += HEAD * (top - low_end)
+            axes.set_ylim(low_end, top)
+        for k, (low, high, words) in enumerate(unstable):
+            axes.annotate(words, ((low + high) / 2.0, top), xytext=(0, -2 - 10 * (k % 3)), textcoords="offset points",
+                          fontsize=7.5, ha="center", va="top", color=BAD)  # fmt: skip
+
+
+def stability_map(
+    sheet: Figure, *, speed: FloatArray, value: FloatArray, growth: FloatArray, quantity: str,
+    rated: float | None = None,
+) -> None:  # fmt: skip
+    """speed: (speeds,) rpm; value: (values,); growth: (speeds, values) 1/s, NaN where there is no periodic motion."""
+    shown = np.ma.masked_invalid(growth.T)
+    known = shown.compressed()
+    limit = float(np.quantile(np.abs(known), SHARE)) if known.size else 1.0
+    (axes,) = plots(sheet, 3.6)
+    axes.patch.set(facecolor="white", edgecolor=BAD, hatch="////")  # seen where there is no value
+    axes.grid(visible=False)
+    colours: dict[str, Any] = {"cmap": GROWTH_COLOURS, "vmin": -limit, "vmax": limit}
+    drawn = axes.pcolormesh(speed, value, shown, shading="nearest", rasterized=True, **colours)
+    if known.size and known.min() < 0 < known.max():
+        axes.contour(speed, value, shown, levels=[0.0], colors=INK, linewidths=1.1)
+    rated_line(axes, rated)
+    axes.set_xlabel(SPEED)
+    axes.set_ylabel(quantity)
+    sheet.colorbar(drawn, ax=axes, extend="both").set_label("growth rate, 1/s (red: unstable)")

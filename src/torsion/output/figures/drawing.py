@@ -1,26 +1,26 @@
 """The plots that a figure can name, drawn when a renderer requests the first of them."""
 
-from importlib import import_module
+from pkgutil import resolve_name
 
 from torsion.output.blocks import Figure
 
 PLOTS = {
     "sketch": "torsion.output.figures.sketch:sketch",
     "mode": "torsion.output.figures.mode_shape:mode",
-    "campbell": "torsion.output.figures.campbell:campbell",
+    "campbell": "torsion.output.figures.frequencies_over_speed:campbell",
     "steady": "torsion.output.figures.curves_over_speed:steady",
     "torque": "torsion.output.figures.curves_over_speed:torque",
     "periodic": "torsion.output.figures.curves_over_speed:periodic",
-    "stability": "torsion.output.figures.growth_rate:stability",
-    "stability map": "torsion.output.figures.growth_rate:stability_map",
+    "stability": "torsion.output.figures.curves_over_speed:stability",
+    "stability map": "torsion.output.figures.curves_over_speed:stability_map",
     "over time": "torsion.output.figures.curves_over_time:over_time",
     "stress": "torsion.output.figures.curves_over_speed:stress",
     "gear": "torsion.output.figures.curves_over_speed:gear",
     "frequency": "torsion.output.figures.curves_over_speed:frequency",
-    "joint turn": "torsion.output.figures.joint_revolution:joint_turn",
-    "joint index": "torsion.output.figures.fluctuation_index:joint_index",
-    "whirl": "torsion.output.figures.whirl_and_bending:whirl",
-    "bending": "torsion.output.figures.whirl_and_bending:bending",
+    "joint turn": "torsion.output.figures.joint_curves:joint_turn",
+    "joint index": "torsion.output.figures.joint_curves:joint_index",
+    "whirl": "torsion.output.figures.frequencies_over_speed:whirl",
+    "bending": "torsion.output.figures.curves_over_speed:bending",
     "check modes": "torsion.output.figures.error_curves:modes",
     "check torques": "torsion.output.figures.error_curves:torques",
     "study": "torsion.output.figures.error_curves:run_times",
@@ -30,6 +30,6 @@ PLOTS = {
 
 def svg(figure: Figure) -> str:
     """The figure as an SVG element; the same figure gives the same text. Raises KeyError for an unknown plot."""
-    module, name = PLOTS[figure.plot].split(":")
-    drawn: str = getattr(import_module(module), name)(figure.name, **figure.values)
-    return drawn
+    from torsion.output.figures.style import page
+
+    return page(figure.name, resolve_name(PLOTS[figure.plot]), **figure.values)

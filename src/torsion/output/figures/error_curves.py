@@ -6,15 +6,17 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
-from numpy.typing import NDArray
 
-from torsion.output.figures.style import BAD, COLOURS, GREY, INK, legend_below, page
+from torsion.arrays import FloatArray
+from torsion.output.figures.curves_over_speed import over
+from torsion.output.figures.style import BAD, COLOURS, GREY, INK, plots
 
-Array = NDArray[np.float64]
-Curve = tuple[str, str, int, Array, Array, Array, Array]  # label, family, degree; (points,) ms median, quartiles; error
+# label, family, degree; (points,) ms median, quartiles; error
+Curve = tuple[str, str, int, FloatArray, FloatArray, FloatArray, FloatArray]
+Errors = Sequence[tuple[str, FloatArray]]  # model, magnitudes of its relative errors
 LEAST = 1.2e-16  # an error below half the rounding unit is drawn there: it is rounding
-QUANTITIES = ("error of frequency", "1 − MAC")
 MARKERS = ("o", "s", "^", "D")
 DEGREES = 10  # of the shades of finite elements
 FAMILIES: dict[str, dict[str, Any]] = {
@@ -28,56 +30,40 @@ FAMILIES: dict[str, dict[str, Any]] = {
 }
 
 
-def modes(
-    name: str, *, frequency: Sequence[tuple[str, Array]], shape: Sequence[tuple[str, Array]], tolerance: float
-) -> str:
-    """frequency, shape: (model, (modes,)) magnitudes of the relative errors; shape is 1 - MAC."""
-    with page(name, 3.7, rows=2, sharex=True) as sheet:
-        for axes, errors, quantity in zip(sheet.axes, (frequency, shape), QUANTITIES, strict=True):
-            for k, (label, values) in enumerate(errors):
-                at = np.arange(1, len(values) + 1)
-                axes.plot(at, _drawn(values), label=label, linewidth=0.8, **_pen(k))
-            _around(axes, [values for _, values in errors], tolerance)
-            axes.set_ylabel(quantity)
-        axes = sheet.axes[-1]
-        axes.set_xlim(0.5, max(len(values) for _, values in frequency) + 0.5)
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.set_xlabel("mode")
-        legend_below(sheet)
-    return sheet.svg
+def modes(sheet: Figure, *, frequency: Errors, shape: Errors, tolerance: float) -> None:
+    """frequency, shape: of every mode; shape is 1 - MAC."""
+    upper, lower = plots(sheet, 3.7, rows=2, sharex=True)
+    for axes, errors, quantity in ((upper, frequency, "error of frequency"), (lower, shape, "1 − MAC")):
+        for k, (label, values) in enumerate(errors):
+            at = np.arange(1, len(values) + 1)
+            axes.plot(at, _drawn(values), label=label, linewidth=0.8, **_pen(k))
+        _around(axes, [values for _, values in errors], tolerance)
+        axes.set_ylabel(quantity)
+    lower.set_xlim(0.5, max(len(values) for _, values in frequency) + 0.5)
+    lower.xaxis.set_major_locator(MaxNLocator(integer=True))
+    lower.set_xlabel("mode")
 
 
-def torques(name: str, *, speed: Array, lines: Sequence[tuple[str, Array]], tolerance: float) -> str:
-    """speed: (speeds,) rpm; lines: (model, (speeds,)) relative errors, NaN where there is none."""
-    with page(name, 2.6) as sheet:
-        axes = sheet.axes[0]
+def torques(sheet: Figure, *, speed: FloatArray, lines: Errors, tolerance: float) -> None:
+    """speed: (speeds,) rpm; lines: (speeds,), NaN where there is none."""
+    with over(sheet, 2.6, speed, "error of torques") as axes:
         for k, (label, values) in enumerate(lines):
             axes.plot(speed, _drawn(values), label=label, **{**_pen(k), "marker": ""})
         _around(axes, [values for _, values in lines], tolerance)
-        axes.set_xlim(float(speed[0]), float(speed[-1]))
-        axes.set_xlabel("speed of the reference component, rpm")
-        axes.set_ylabel("error of torques")
-        legend_below(sheet)
-    return sheet.svg
 
 
 def run_times(
-    name: str, *, curves: Sequence[Curve], tolerance: float, bound: float, best: tuple[float, float] | None = None
-) -> str:
+    sheet: Figure, *, curves: Sequence[Curve], tolerance: float, bound: float, best: tuple[float, float] | None = None
+) -> None:
     """tolerance, bound (of the reference): relative errors; best: time (ms) and error of the recommended point."""
-    with page(name, 4.4) as sheet:
-        axes = sheet.axes[0]
-        error_over_time(axes, curves, bound)
-        axes.axhline(tolerance, color=GREY, linewidth=1.0, linestyle=(0, (5, 2)), label="tolerance")
-        if best is not None:
-            axes.plot(
-                [best[0]], [max(best[1], LEAST)], "o", color=COLOURS[2], markersize=13, fillstyle="none",
-                markeredgewidth=2.0, label="recommended", zorder=7,
-            )  # fmt: skip
-        axes.set_xlabel("run time, ms: median of assembly and solve together; ranges: the middle half of the runs")
-        axes.set_ylabel("relative error")
-        legend_below(sheet)
-    return sheet.svg
+    (axes,) = plots(sheet, 4.4)
+    error_over_time(axes, curves, bound)
+    axes.axhline(tolerance, color=GREY, linewidth=1.0, linestyle=(0, (5, 2)), label="tolerance")
+    if best is not None:
+        ring: dict[str, Any] = {"markersize": 13, "fillstyle": "none", "markeredgewidth": 2.0, "zorder": 7}
+        axes.plot([best[0]], [max(best[1], LEAST)], "o", color=COLOURS[2], label="recommended", **ring)
+    axes.set_xlabel("run time, ms: median of assembly and solve together; ranges: the middle half of the runs")
+    axes.set_ylabel("relative error")
 
 
 def error_over_time(axes: Axes, curves: Sequence[Curve], bound: float = 0.0) -> None:
@@ -106,7 +92,7 @@ def error_axis(axes: Axes, low: float, high: float) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _around(axes: Axes, errors: Sequence[Array], tolerance: float) -> None:
+def _around(axes: Axes, errors: Sequence[FloatArray], tolerance: float) -> None:
     """The axis from the smallest error, or from rounding, to beyond the tolerance, which is drawn."""
     known = np.concatenate([_drawn(values) for values in errors])
     known = known[np.isfinite(known)]
@@ -114,7 +100,7 @@ def _around(axes: Axes, errors: Sequence[Array], tolerance: float) -> None:
     error_axis(axes, 0.3 * known.min(initial=tolerance), 4.0 * known.max(initial=tolerance))
 
 
-def _drawn(values: Array) -> Array:
+def _drawn(values: FloatArray) -> FloatArray:
     """What is rounding, at its lowest place; what is no number or infinite, nowhere."""
     return np.where(np.isfinite(values), np.maximum(values, LEAST), np.nan)
 

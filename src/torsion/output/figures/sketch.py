@@ -6,10 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
-from torsion.output.figures.pen import Pen
-from torsion.output.figures.style import COLOURS, INK, page, thinned
+from torsion.output.figures.style import COLOURS, INK, plots, thinned
 
+Look = tuple[tuple[str, Any], ...]
+Points = list[tuple[float, float]]
 MANY = 60  # points and links from which lines are drawn thinner, and only some are labelled
 MOST_LABELS = 24  # of points, and of links, where there are many
 ROW = 2.9  # distance of the rows, in the unit of the places
@@ -43,29 +48,56 @@ class Link:
     ratio: float = 1.0  # of a gear: speed of the driven / speed of the driving wheel
 
 
-def sketch(name: str, *, points: Sequence[Mapping[str, Any]], links: Sequence[Mapping[str, Any]]) -> str:
+class Pen:
+    """Strokes and areas; those of one look become one element of the figure, in the order of the first of each."""
+
+    def __init__(self, axes: Axes, thickness: float = 1.0) -> None:
+        """thickness: by which all widths of lines are multiplied."""
+        self.axes, self.thickness = axes, thickness
+        self._strokes: dict[Look, list[Points]] = {}
+        self._areas: dict[Look, list[Points]] = {}
+
+    def stroke(self, x: Sequence[float], y: Sequence[float], **look: Any) -> None:
+        """A line through places."""
+        self._strokes.setdefault(tuple(look.items()), []).append(list(zip(x, y, strict=True)))
+
+    def area(self, corners: Points, **look: Any) -> None:
+        """A filled polygon."""
+        self._areas.setdefault(tuple(look.items()), []).append(corners)
+
+    def put(self) -> None:
+        """Draw everything."""
+        for look, lines in self._strokes.items():
+            points = np.array([point for line in lines for point in [*line, (np.nan, np.nan)]][:-1])
+            self.axes.plot(*points.T, **self._scaled(look))
+        for look, areas in self._areas.items():
+            outlines = [Path([*corners, corners[0]], closed=True) for corners in areas]
+            self.axes.add_patch(PathPatch(Path.make_compound_path(*outlines), **self._scaled(look)))
+
+    def _scaled(self, look: Look) -> dict[str, Any]:
+        return {key: value * self.thickness if key in ("lw", "markersize") else value for key, value in look}
+
+
+def sketch(sheet: Figure, *, points: Sequence[Mapping[str, Any]], links: Sequence[Mapping[str, Any]]) -> None:
     """The train from its driving end, branches on lower rows, not to scale: the fields of every Disc and Link."""
-    return _drawn(name, [Disc(**point) for point in points], [Link(**link) for link in links])
-
-
-def _drawn(name: str, discs: Sequence[Disc], links: Sequence[Link]) -> str:
-    rows = [0.0, *(disc.row for disc in discs), *(end[1] for link in links for end in (link.start, link.end))]
-    top, low = min(rows), max(rows)
-    with page(name, 0.55 + 1.45 * (1.0 + low - top)) as sheet:
-        axes = sheet.axes[0]
-        axes.axis("off")
-        number = len(discs) + len(links)
-        pen = Pen(axes, min(1.0, MANY / max(number, 1)) ** 0.5)
-        for link in links:
-            DRAWINGS[link.kind](pen, link)
-        for disc in discs:
-            _disc(pen, disc)
-        _labels(pen, discs, links, MOST_LABELS if number > MANY else number)
-        pen.put()
-        x = [d.x for d in discs] + [v for k in links for v in (k.start[0], k.end[0])]
-        axes.set_xlim(min(x, default=0.0) - 0.5, max(x, default=1.0) + 0.5)
-        axes.set_ylim(_y(low) - 1.55, _y(top) + 1.5)
-    return sheet.svg
+    discs, lines = [Disc(**point) for point in points], [Link(**link) for link in links]
+    places = [(disc.x, disc.row) for disc in discs] + [end for link in lines for end in (link.start, link.end)]
+    x, rows = [x for x, _ in places] or [0.0, 1.0], [0.0, *(row for _, row in places)]
+    top, low, number = min(rows), max(rows), len(discs) + len(lines)
+    (axes,) = plots(sheet, 0.55 + 1.45 * (1.0 + low - top))
+    axes.axis("off")
+    pen = Pen(axes, min(1.0, MANY / max(number, 1)) ** 0.5)
+    for link in lines:
+        DRAWINGS[link.kind](pen, link)
+    for disc in discs:
+        _disc(pen, disc)
+    most = MOST_LABELS if number > MANY else number
+    middles = [((line.start[0] + line.end[0]) / 2, line.end[1], line.label) for line in lines if line.label]
+    _labels(pen, [(disc.x, disc.row, disc.label) for disc in discs], most, 0.65, va="bottom", color=INK)
+    _labels(pen, middles, most, -0.55, va="top", color="#33506b")
+    pen.put()
+    axes.set_xlim(min(x) - 0.5, max(x) + 0.5)
+    axes.set_ylim(_y(low) - 1.55, _y(top) + 1.5)
 
 
 def _y(row: float) -> float:
@@ -87,13 +119,10 @@ def _disc(pen: Pen, disc: Disc) -> None:
 
 
 def _box(pen: Pen, x: float, y: float, width: float, half: float, fill: str, **look: Any) -> None:
-    pen.area(_rectangle(x, y, width, half), **{"facecolor": fill, "edgecolor": INK, "lw": 0.8, "zorder": 3, **look})
-
-
-def _rectangle(x: float, y: float, width: float, half: float) -> list[tuple[float, float]]:
-    """Corners of a rectangle around a place."""
-    side = width / 2
-    return [(x - side, y - half), (x + side, y - half), (x + side, y + half), (x - side, y + half)]
+    """A rectangle around a place."""
+    left, right = x - width / 2, x + width / 2
+    corners = [(left, y - half), (right, y - half), (right, y + half), (left, y + half)]
+    pen.area(corners, **{"facecolor": fill, "edgecolor": INK, "lw": 0.8, "zorder": 3, **look})
 
 
 def _ground(pen: Pen, x: float, y: float, half: float, *, vertical: bool) -> None:
@@ -169,26 +198,15 @@ def _line(pen: Pen, link: Link) -> None:
     pen.stroke([x0, x0, x1], [_y(row0), _y(row1), _y(row1)], color=INK, lw=1.1, ls=style)
 
 
-def _labels(pen: Pen, discs: Sequence[Disc], links: Sequence[Link], most: int) -> None:
-    """Points above, links below; neighbours on two heights so that names do not run into each other."""
-    above: Counter[float] = Counter()
-    for disc in thinned(discs, most):
-        level, top = above[disc.row] % 2, _y(disc.row) + 0.3
-        above[disc.row] += 1
-        _label(pen, disc.x, (top, top + 0.65 + 0.28 * level), disc.label, va="bottom", color=INK)
-    below: Counter[float] = Counter()
-    for link in thinned([link for link in links if link.label], most):
-        row = link.end[1]
-        level, top = below[row] % 2, _y(row) - 0.3
-        below[row] += 1
-        x = (link.start[0] + link.end[0]) / 2
-        _label(pen, x, (top, top - 0.55 - 0.28 * level), link.label, va="top", color="#33506b")
-
-
-def _label(pen: Pen, x: float, y: tuple[float, float], text: str, **look: Any) -> None:
-    """A text with the line that leads to it."""
-    pen.axes.text(x, y[1], text, ha="center", fontsize=7.5, **look)
-    pen.stroke([x, x], y, color="#bbbbbb", lw=0.4, zorder=0)
+def _labels(pen: Pen, places: Sequence[tuple[float, float, str]], most: int, room: float, **look: Any) -> None:
+    """Texts above their row, or below it where the room is negative, by turns on two heights: clear of neighbours."""
+    side, number = np.sign(room), Counter[float]()
+    for x, row, text in thinned(places, most):
+        foot = _y(row) + 0.3 * side
+        tip = foot + room + 0.28 * side * (number[row] % 2)
+        number[row] += 1
+        pen.axes.text(x, tip, text, ha="center", fontsize=7.5, **look)
+        pen.stroke([x, x], [foot, tip], color="#bbbbbb", lw=0.4, zorder=0)
 
 
 DRAWINGS = {"shaft": _shaft, "coupling": _coupling, "gear": _gear, "joint": _joint, "rigid": _line, "tie": _line}

@@ -2,9 +2,7 @@
 
 import io
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from itertools import cycle
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import matplotlib as mpl
@@ -21,6 +19,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#4
 DASHES = ("-", "--", "-.", ":")
 INK, GREY, PALE, BAD = "#222222", "#777777", "#e8eef4", "#b3261e"
 MOST_LINES = 12  # in one figure
+HATCHED: dict[str, Any] = {"facecolor": "#f6d9d6", "edgecolor": BAD, "hatch": "////", "linewidth": 0.3, "zorder": 0}
 LOGARITHMIC = 30.0  # times the median: a larger peak makes the axis logarithmic
 MOST_DECADES = 1e7  # from the lowest to the highest value of a logarithmic axis
 LEGEND_LETTERS = 130  # in one row of a legend, its samples included
@@ -54,35 +53,31 @@ SETTINGS: dict[Any, Any] = {
 }
 
 
-@contextmanager
-def page(name: str, height: float, rows: int = 1, **grid: Any) -> Iterator["Page"]:
-    """A figure of the page's width with `rows` plots above each other; its SVG is in `page.svg` afterwards."""
+def page(name: str, draw: Callable[..., None], **values: Any) -> str:
+    """What `draw(sheet, **values)` puts on a sheet of the page's width, with its legend, as an SVG element."""
     with mpl.rc_context({**SETTINGS, "svg.hashsalt": name}), warnings.catch_warnings():
         # text stays text, and who shows it has fonts of his own for what these have no sign for
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        canvas: Any = FigureCanvasSVG(figure)
-        axes = figure.subplots(rows, 1, squeeze=False, **grid)[:, 0]
-        sheet = Page(figure, list(axes))
-        yield sheet
+        sheet = Figure(layout="constrained")
+        canvas: Any = FigureCanvasSVG(sheet)
+        draw(sheet, **values)
+        _legend_below(sheet)
         buffer = io.StringIO()
         canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
     text = buffer.getvalue()
-    sheet.svg = text[text.index("<svg") :]
+    return text[text.index("<svg") :]
 
 
-class Page:
-    """The sheet that a plot is drawn on."""
+def plots(sheet: Figure, height: float, rows: int = 1, **grid: Any) -> list[Axes]:
+    """`rows` plots above each other, which fill a sheet of that height in inches."""
+    sheet.set_size_inches(WIDTH, height)
+    return list(sheet.subplots(rows, 1, squeeze=False, **grid)[:, 0])
 
-    def __init__(self, figure: Figure, axes: list[Axes]) -> None:
-        self.figure, self.axes, self.svg = figure, axes, ""
 
-
-def pens(count: int) -> Iterator[dict[str, Any]]:
+def pens(count: int) -> list[dict[str, Any]]:
     """Colour and dashes of `count` lines, all different up to MOST_LINES and beyond."""
-    colour = cycle(COLOURS)
-    for index in range(count):
-        yield {"color": next(colour), "linestyle": DASHES[index // len(COLOURS) % len(DASHES)]}
+    turns = (divmod(k, len(COLOURS)) for k in range(count))
+    return [{"color": COLOURS[colour], "linestyle": DASHES[turn % len(DASHES)]} for turn, colour in turns]
 
 
 def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
@@ -90,17 +85,15 @@ def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
     return items[:: max(1, -(-len(items) // most))] if most else items
 
 
-def legend_below(sheet: Page) -> None:
+def _legend_below(sheet: Figure) -> None:
     """One legend under the figure, where it covers no data, in as many columns as its words leave room for."""
-    handles, labels = [], []
+    samples: dict[str, Any] = {}
     for axes in sheet.axes:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            if label not in labels:
-                handles.append(handle)
-                labels.append(label)
-    if handles:
-        columns = max(1, min(len(labels), LEGEND_LETTERS // (max(len(label) for label in labels) + 7)))
-        sheet.figure.legend(handles, labels, loc="outside lower center", ncols=columns)
+        for sample, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            samples.setdefault(label, sample)
+    if samples:
+        columns = max(1, min(len(samples), LEGEND_LETTERS // (max(map(len, samples)) + 7)))
+        sheet.legend(list(samples.values()), list(samples), loc="outside lower center", ncols=columns)
 
 
 def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable answer here") -> np.ndarray:
@@ -108,22 +101,15 @@ def hatch(axes: Axes, x: np.ndarray, bad: np.ndarray, label: str = "no reliable 
     inside = np.array(bad, dtype=bool)
     low, high = float(x[0]), float(x[-1])
     least = (high - low) * 2e-3  # so that a single speed can still be seen
-    for start, stop in intervals(bad):
-        left, right = float(x[max(start - 1, 0)]), float(x[min(stop + 1, len(x) - 1)])
+    edges = np.diff(inside.astype(np.int8), prepend=0, append=0)  # 1 where a run of bad ones starts, -1 behind its end
+    for start, end in zip(*(np.flatnonzero(edges == sign).tolist() for sign in (1, -1)), strict=True):
+        left, right = float(x[max(start - 1, 0)]), float(x[min(end, len(x) - 1)])
         if right - left < least:
             middle = (left + right) / 2
             left, right = middle - least / 2, middle + least / 2
         inside |= (x > left) & (x < right)
-        axes.axvspan(
-            left, right, facecolor="#f6d9d6", edgecolor=BAD, hatch="////", linewidth=0.3, label=label, zorder=0
-        )
+        axes.axvspan(left, right, label=label, **HATCHED)
     return inside
-
-
-def intervals(where: np.ndarray) -> list[tuple[int, int]]:
-    """First and last index of every run of true values."""
-    edges = np.diff(np.concatenate([[0], np.asarray(where, dtype=np.int8), [0]]))
-    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
 
 
 def ranges(axes: Axes, bands: tuple[tuple[float, float], ...], label: str = "barred range") -> None:

@@ -8,13 +8,19 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
-from numpy.typing import NDArray
+from matplotlib.figure import Figure
 
-from torsion.output.figures.style import COLOURS, INK, WIDTH, page
+from torsion.arrays import FloatArray, IntArray
+from torsion.output.figures.style import COLOURS, INK, WIDTH, plots
 
-Array = NDArray[np.float64]
 Label = tuple[Sequence[float], float, str]
-ASIDE, ABOVE = np.radians(30.0), np.radians(14.0)  # from where the train is looked at
+(SIN_ASIDE, COS_ASIDE), (SIN_ABOVE, COS_ABOVE) = (  # from where the train is looked at
+    (np.sin(angle), np.cos(angle)) for angle in np.radians([30.0, 14.0])
+)
+SCREEN = np.array([  # what goes to the right and what goes up
+    [COS_ASIDE, SIN_ASIDE, 0.0], [-SIN_ASIDE * SIN_ABOVE, COS_ASIDE * SIN_ABOVE, COS_ABOVE],
+])  # fmt: skip
+EYE = np.cross(*SCREEN)  # the direction to who looks
 LIGHT = np.array([0.45, -0.5, 0.74])
 AROUND, STRIPE = 64, 8  # sides of every body; one side in so many is dark
 HIGHEST = 3.9  # inch: of the surface
@@ -24,72 +30,59 @@ SCALE = LinearSegmentedColormap.from_list("angle", [COLOURS[0], "#9fc6de", "#f2f
 
 
 def twisted_shaft(
-    name: str, *, x: Array, radius: Array, place: Array, turn: Array, angle: Array, strip: NDArray[np.int64],
-    body: NDArray[np.int64], labels: Sequence[Label],
+    sheet: Figure, *, x: FloatArray, radius: FloatArray, place: FloatArray, turn: FloatArray, angle: FloatArray,
+    strip: IntArray, body: IntArray, labels: Sequence[Label],
     ties: Sequence[tuple[Sequence[float], Sequence[float]]] = (),
-) -> str:  # fmt: skip
+) -> None:  # fmt: skip
     """x, radius, place (y, z), turn (rad about x), angle (-1..1): of every ring; first ring and body of every strip.
 
     labels: point on the axis, how far above it (or below) there is free room, text; ties: from point to point.
     """
     corners = _corners(x, radius, place, turn)
-    flat = corners @ _screen().T
+    flat = corners @ SCREEN.T
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
     metre = float(min(0.97 * WIDTH / (high - low)[0], HIGHEST / (high - low)[1]))  # inch
     words = _lines(labels, metre)
     bottom = min([float(low[1]), *(word.tip - LINE / metre for word in words)])
     top = max([float(high[1]), *(word.tip + LINE / metre for word in words)])
-    with page(name, (top - bottom) * metre + BAR) as sheet:
-        sheet.figure.set_dpi(DOTS)
-        axes = sheet.axes[0]
-        axes.axis("off")
-        axes.set_aspect("equal")
-        middle = float(low[0] + high[0]) / 2
-        axes.set_xlim(middle - WIDTH / metre / 2, middle + WIDTH / metre / 2)
-        axes.set_ylim(bottom, top)
-        for first, last in ties:
-            axes.plot(*(np.array([first, last]) @ _screen().T).T, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=0)
-        _draw(axes, corners, flat, _order(x, place, strip, body), strip, angle)
-        for word in words:
-            axes.plot([word.x, word.x], [word.foot, word.tip], color="#999999", lw=0.4, zorder=0)
-            up = "bottom" if word.tip > word.foot else "top"
-            axes.text(word.x, word.tip, word.text, ha="center", va=up, fontsize=7.5, color=INK)
-        bar = sheet.figure.colorbar(
-            ScalarMappable(Normalize(-1.0, 1.0), SCALE), ax=axes, orientation="horizontal", shrink=0.35, aspect=32,
-            pad=0.02, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0],
-        )  # fmt: skip
-        bar.set_label("angle / largest, each at its own speed", fontsize=7.5)
-        bar.ax.tick_params(labelsize=7.5, length=2)
-        bar.outline.set_linewidth(0.4)
-    return sheet.svg
+    sheet.set_dpi(DOTS)
+    (axes,) = plots(sheet, (top - bottom) * metre + BAR)
+    axes.axis("off")
+    axes.set_aspect("equal")
+    middle = float(low[0] + high[0]) / 2
+    axes.set_xlim(middle - WIDTH / metre / 2, middle + WIDTH / metre / 2)
+    axes.set_ylim(bottom, top)
+    for first, last in ties:
+        axes.plot(*(np.array([first, last]) @ SCREEN.T).T, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=0)
+    _draw(axes, corners, flat, _order(x, place, strip, body), strip, angle)
+    for word in words:
+        axes.plot([word.x, word.x], [word.foot, word.tip], color="#999999", lw=0.4, zorder=0)
+        up = "bottom" if word.tip > word.foot else "top"
+        axes.text(word.x, word.tip, word.text, ha="center", va=up, fontsize=7.5, color=INK)
+    bar = sheet.colorbar(
+        ScalarMappable(Normalize(-1.0, 1.0), SCALE), ax=axes, orientation="horizontal", shrink=0.35, aspect=32,
+        pad=0.02, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0],
+    )  # fmt: skip
+    bar.set_label("angle / largest, each at its own speed", fontsize=7.5)
+    bar.ax.tick_params(labelsize=7.5, length=2)
+    bar.outline.set_linewidth(0.4)
 
 
-def _screen() -> Array:
-    """(2, 3) what goes to the right and what goes up."""
-    (s, c), (t, d) = ((np.sin(a), np.cos(a)) for a in (ASIDE, ABOVE))
-    return np.array([[c, s, 0.0], [-s * t, c * t, d]])
-
-
-def _eye() -> Array:
-    """(3,) the direction to who looks."""
-    return np.cross(*_screen())
-
-
-def _corners(x: Array, radius: Array, place: Array, turn: Array) -> Array:
+def _corners(x: FloatArray, radius: FloatArray, place: FloatArray, turn: FloatArray) -> FloatArray:
     """(rings, AROUND, 3) points of the twisted surface."""
     at = turn[:, None] + 2.0 * np.pi / AROUND * np.arange(AROUND)
     y, z = (place[:, k, None] + radius[:, None] * f(at) for k, f in enumerate((np.cos, np.sin)))
     return np.stack([np.broadcast_to(x[:, None], y.shape), y, z], axis=2)
 
 
-def _order(x: Array, place: Array, strip: NDArray[np.int64], body: NDArray[np.int64]) -> NDArray[np.int64]:
+def _order(x: FloatArray, place: FloatArray, strip: IntArray, body: IntArray) -> IntArray:
     """The strips from the farthest to the nearest: of two bodies side by side the one whose axis is farther, of two
     one after another that towards the driving end; inside a body from its driving end."""
     count = int(body[-1]) + 1
     first = np.searchsorted(body, np.arange(count))
     last = np.append(first[1:], body.size) - 1
     start, end = x[strip[first]], x[strip[last] + 1]
-    depth = place[strip[first]] @ _eye()[1:]
+    depth = place[strip[first]] @ EYE[1:]
     reach = 1e-9 * float(np.ptp(x))
     rank = np.lexsort((start, depth))
     hidden = (end[:, None] <= start + reach) | (
@@ -107,13 +100,13 @@ def _order(x: Array, place: Array, strip: NDArray[np.int64], body: NDArray[np.in
 
 
 def _draw(
-    axes: Axes, corners: Array, flat: Array, order: NDArray[np.int64], strip: NDArray[np.int64], angle: Array
+    axes: Axes, corners: FloatArray, flat: FloatArray, order: IntArray, strip: IntArray, angle: FloatArray
 ) -> None:
     """The sides that can be seen, over each other in that order."""
     here = strip[order]
     along = np.roll(np.arange(AROUND), -1)
 
-    def sides(values: Array) -> Array:
+    def sides(values: FloatArray) -> FloatArray:
         a, b = values[here], values[here + 1]
         return np.stack([a, a[:, along], b[:, along], b], axis=2).reshape(-1, 4, values.shape[2])
 
@@ -145,11 +138,11 @@ class Word:
 
 def _lines(labels: Sequence[Label], metre: float) -> list[Word]:
     """Labels above the train (below it where their room is below), moved away until they are clear of each other."""
-    taken: list[tuple[Array, Array]] = []
+    taken: list[tuple[FloatArray, FloatArray]] = []
     found = []
     for point, room, text in labels:
-        foot = _screen() @ np.asarray(point)
-        tip = foot + room * _screen()[:, 2]
+        foot = SCREEN @ np.asarray(point)
+        tip = foot + room * SCREEN[:, 2]
         sign, half = np.sign(room), np.array([LETTER * len(text) + 0.08, LINE]) / metre / 2
         away = 0.2 * LINE / metre * sign
         while True:

@@ -4,17 +4,23 @@ The train goes on along x. A gear, a branch and a link that closes a loop begin 
 the wheels of a gear touch, their diameters in the ratio of its speeds.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from torsion.assembly.system import System
 from torsion.components.lowering import Part
 from torsion.errors import Path
 from torsion.output.surface import bodies
 from torsion.output.surface.bodies import Body, Sizes
-from torsion.output.surface.room import GROWTH, Box, Place, Room, sides
 from torsion.primitives import Bar
 
+Place = tuple[float, float]  # m, y and z of an axis along x
+Box = tuple[float, float, float]  # from x, to x, radius: m
+SIDES = tuple((math.cos(k * math.pi / 4), math.sin(k * math.pi / 4)) for k in (6, 2, 0, 4, 7, 5, 1, 3))  # below first
+GROWTH = 1.15  # of a distance, or of a wheel, until nothing overlaps
 TRIES = 40  # at larger and larger wheels
 CLEARANCE = 0.3  # between bodies of two axes, in the mean diameter of the shafts
 
@@ -61,6 +67,44 @@ class _Walk:
         return len(self.axes) - 1
 
 
+@dataclass(frozen=True)
+class Room:
+    """What is filled already; bodies of one axis never overlap."""
+
+    clearance: float  # m, between bodies
+    least: float  # m, distance of two axes
+    filled: list[tuple[float, ...]] = field(default_factory=list)  # of each body its axis, place and box
+
+    def fill(self, axis: int, place: Place, boxes: Sequence[Box]) -> None:
+        """Bodies of an axis now stand there."""
+        self.filled.extend((axis, *place, *box) for box in boxes)
+
+    def is_free(self, axis: int, place: Place, boxes: Sequence[Box]) -> bool:
+        """None of the bodies of an axis would overlap with what is there."""
+        if not self.filled or not boxes:
+            return True
+        own, y, z, first, last, radius = np.array(self.filled).T
+        start, end, size = np.array(boxes).T[:, :, None]
+        near = 1e-6 * self.clearance  # two that only touch are not beside each other
+        beside = (start < last - near) & (first < end - near)
+        apart = (np.hypot(y - place[0], z - place[1]) >= size + radius + self.clearance) | (own == axis)
+        return not np.any(beside & ~apart)
+
+    def free(self, axis: int, start: Place, boxes: Sequence[Box]) -> Place:
+        """The nearest place beside `start` where nothing overlaps."""
+        distance = self.least
+        while True:
+            for place in sides(start, distance):
+                if self.is_free(axis, place, boxes):
+                    return place
+            distance *= GROWTH
+
+
+def sides(start: Place, distance: float) -> Iterator[Place]:
+    """Places at a distance, below first."""
+    return ((start[0] + distance * y, start[1] + distance * z) for y, z in SIDES)
+
+
 def axes(system: System) -> list[Axis]:
     """The axes of a train with all their bodies, in place."""
     walk = _Walk(system, bodies.sizes(system))
@@ -93,9 +137,8 @@ def _made(walk: _Walk, index: int, spans: list[int], bar: Bar | None, x: float) 
         return bodies.point(walk.system, index, spans, x, walk.size)
     if bar is not None:
         return [bodies.shaft(walk.system, bar, spans, x)]
-    ends = part.stations[0], part.stations[-1]
-    drawn = bodies.joint if part.joint is not None else bodies.coupling
-    return [drawn(index, ends, spans[0], x, walk.size)]
+    kind = "coupling" if part.joint is None else "joint"
+    return [bodies.link(index, kind, (part.stations[0], part.stations[-1]), spans[0], x, walk.size)]
 
 
 def _arrived(walk: _Walk, part: Part) -> tuple[int, float]:
@@ -162,7 +205,7 @@ def _put_gear(walk: _Walk, room: Room, mesh: Mesh) -> None:
 
 def _around(walk: _Walk, room: Room, mesh: Mesh, end: float, radius: float) -> list[Place] | None:
     """Places of the driven axes around a driving wheel of that radius; None where there are none."""
-    start, taken = walk.axes[mesh.driving[0]].place, room.copy()
+    start, taken = walk.axes[mesh.driving[0]].place, replace(room, filled=list(room.filled))
     if not room.is_free(mesh.driving[0], start, [(mesh.x, end, radius)]):
         return None
     found = []

@@ -14,6 +14,17 @@ LENGTHS = {"coupling": 1.2, "joint": 1.0, "gear": 0.5, "motor": 1.3}  # of what 
 THIN = 0.5  # of any other point
 SHARE_OF_SHAFTS = 0.35  # everything without a length is drawn about this long, of the length of all shafts
 FEWEST_RINGS, MOST_RINGS = 16, 200  # along a shaft
+RING = np.array([(0.1, 1.05, 0.0), (0.1, 1.4, 0.0), (0.9, 1.4, 0.0), (0.9, 1.05, 0.0)])  # its radius in the damper's
+LINKS = {  # place, radius in the diameter of the shafts, share of the angle
+    "coupling": np.array([  # two flanges that keep their angle, and what is elastic between them
+        (0.0, 0.0, 0.0), (0.0, 0.85, 0.0), (0.25, 0.85, 0.0), *((0.25 + 0.5 * k / 8, 0.65, k / 8) for k in range(9)),
+        (0.75, 0.85, 1.0), (1.0, 0.85, 1.0), (1.0, 0.0, 1.0),
+    ]),
+    "joint": np.array([  # two yokes that meet in a waist
+        (0.0, 0.0, 0.0), (0.0, 0.8, 0.0), (0.3, 0.8, 0.0), (0.5, 0.25, 0.5), (0.7, 0.8, 1.0), (1.0, 0.8, 1.0),
+        (1.0, 0.0, 1.0),
+    ]),
+}  # fmt: skip
 DECADES = 3.0  # of inertia over which the discs of a train grow
 
 
@@ -35,7 +46,6 @@ class Body:
     """
 
     part: int
-    kind: str
     x: FloatArray  # (rings,) m along the axis
     radius: FloatArray  # (rings,) m; 0 is a point on the axis
     between: IntArray  # (rings, 2) stations
@@ -76,21 +86,26 @@ def shaft(system: System, bar: Bar, spans: list[int], start: float) -> Body:
     pieces = [k for k in spans if system.flexibility[k] > 0]
     number = len(pieces)
     if number >= MOST_RINGS:
-        at = np.unique(np.rint(np.linspace(0.0, number, MOST_RINGS)))
+        rings = np.unique(np.rint(np.linspace(0.0, number, MOST_RINGS)))
     else:
         times = -(-FEWEST_RINGS // number)
-        at = np.arange(number * times + 1) / times
+        rings = np.arange(number * times + 1) / times
+    at = np.pad(rings, 1, mode="edge")  # the first and the last are the inner edges of the ends
     piece = np.minimum(at.astype(np.int64), number - 1)
-    driving, driven = system.driving[pieces], system.driven[pieces]
-    outer, bore = (d[0] + (d[1] - d[0]) * at / number for d in (bar.outer, bar.bore))
-    body = Body(
-        bar.part, "shaft", start + bar.length * at / number, outer / 2, np.column_stack([driving, driven])[piece],
-        _share(bar, at, piece, number) if _is_conical(bar) else at - piece, np.array(pieces)[piece[:-1]],
-        _modulus(bar, outer, bore),
+    outer, bore = _diameters(bar, rings / number)
+    return Body(
+        bar.part, start + bar.length * at / number, np.concatenate([bore[:1], outer, bore[-1:]]) / 2,
+        np.column_stack([system.driving[pieces], system.driven[pieces]])[piece], _share(bar, at, piece, number),
+        np.array(pieces)[piece[:-1]], np.pad(_modulus(bar, outer, bore), 1, mode="edge"),
         0.0 if system.model == "lumped" else bar.length / number * math.sqrt(bar.density / bar.shear_modulus),
         to_scale=bar.section is None,
     )  # fmt: skip
-    return _closed(body, bar.bore[0] / 2, bar.bore[1] / 2)
+
+
+def _diameters(bar: Bar, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Outer diameter and bore, m, at shares of the length."""
+    outer, bore = (first + (last - first) * place for first, last in (bar.outer, bar.bore))
+    return outer, bore
 
 
 def _modulus(bar: Bar, outer: FloatArray, bore: FloatArray) -> FloatArray:
@@ -100,16 +115,11 @@ def _modulus(bar: Bar, outer: FloatArray, bore: FloatArray) -> FloatArray:
     return section_modulus(np.minimum(outer[:-1], outer[1:]), np.maximum(bore[:-1], bore[1:]))
 
 
-def _is_conical(bar: Bar) -> bool:
-    return bar.outer[0] != bar.outer[1] or bar.bore[0] != bar.bore[1]
-
-
 def _share(bar: Bar, at: FloatArray, piece: IntArray, number: int) -> FloatArray:
     """Share of each piece's flexibility up to its rings (Simpson's rule between two rings)."""
 
     def flexibility(place: FloatArray) -> FloatArray:
-        outer, bore = (d[0] + (d[1] - d[0]) * place / number for d in (bar.outer, bar.bore))
-        return 1.0 / polar_area_moment(outer, bore)
+        return 1.0 / polar_area_moment(*_diameters(bar, place / number))
 
     middle = (at[:-1] + at[1:]) / 2
     step = (flexibility(at[:-1]) + 4.0 * flexibility(middle) + flexibility(at[1:])) * np.diff(at)
@@ -118,86 +128,52 @@ def _share(bar: Bar, at: FloatArray, piece: IntArray, number: int) -> FloatArray
     return np.asarray((along - start[piece]) / (start[piece + 1] - start[piece]))
 
 
-def _closed(body: Body, first: float, last: float) -> Body:
-    """The body with a plane at either end, down to a radius (0: to the axis)."""
-
-    def ends(values: np.ndarray) -> np.ndarray:
-        return np.concatenate([values[:1], values, values[-1:]])
-
-    return Body(
-        body.part, body.kind, ends(body.x), np.concatenate([[first], body.radius, [last]]), ends(body.between),
-        ends(body.share), ends(body.span), ends(body.modulus), body.delay, body.to_scale,
-    )  # fmt: skip
-
-
 def _turned(
-    part: int, kind: str, start: float, length: float, profile: tuple[tuple[float, float, float], ...],
-    *, ends: tuple[int, int], span: int = -1, to_scale: bool = False,
+    part: int, start: float, length: float, profile: FloatArray, ends: tuple[int, int], *, span: int = -1,
+    to_scale: bool = False,
 ) -> Body:  # fmt: skip
     """A body by its profile: place (share of the length), radius (m), share of the angle, ring by ring."""
-    place, radius, share = np.array(profile).T
-    strips = len(profile) - 1
+    place, radius, share = profile.T
+    rings, strips = len(profile), len(profile) - 1
     return Body(
-        part, kind, start + length * place, radius, np.tile(np.array(ends, dtype=np.int64), (len(profile), 1)), share,
+        part, start + length * place, radius, np.tile(np.array(ends, dtype=np.int64), (rings, 1)), share,
         np.full(strips, span, dtype=np.int64), np.full(strips, np.nan), to_scale=to_scale,
     )  # fmt: skip
 
 
 def point(system: System, part: int, spans: list[int], start: float, size: Sizes) -> list[Body]:
-    """A point: a disc on a hub, larger by the logarithm of its inertia, or as large as the file says."""
+    """A point: a disc on a hub, larger by the logarithm of its inertia, or as large as the file says.
+
+    The ring of a damper lies around its housing.
+    """
     placed = system.train.parts[part]
     kind, station = placed.kind, placed.stations[0]
     length = length_of(kind, size)
     given = None if placed.propeller is None else placed.propeller.diameter
     radius = given / 2 if given else size.diameter * (0.9 + 1.1 * _grown(float(system.inertia[station]), size))
-    hub = min(0.6 * size.diameter, 0.8 * radius)
     rim = 0.12 if kind == "motor" else 0.25
-    profile = disc_profile(hub, radius, rim)
-    disc = _turned(part, kind, start, length, profile, ends=(station, station), to_scale=bool(given))
-    hanging = [system.driven[k] for k in spans if kind == "damper" and system.driving[k] == station]
-    rings = [_ring(part, int(ring), (start + rim * length, (1 - 2 * rim) * length), radius) for ring in hanging]
-    return [disc, *rings]
+    profile = _disc(min(0.6 * size.diameter, 0.8 * radius), radius, rim)
+    disc = _turned(part, start, length, profile, (station, station), to_scale=bool(given))
+    hanging = [int(system.driven[k]) for k in spans if kind == "damper" and system.driving[k] == station]
+    first, between = start + rim * length, (1 - 2 * rim) * length
+    return [disc, *(_turned(part, first, between, RING * (1.0, radius, 1.0), (ring, ring)) for ring in hanging)]
 
 
-def disc_profile(hub: float, radius: float, rim: float) -> tuple[tuple[float, float, float], ...]:
-    """A disc between two ends of its hub."""
-    return (
-        (0.0, 0.0, 0.0), (0.0, hub, 0.0), (rim, hub, 0.0), (rim, radius, 0.0), (1.0 - rim, radius, 0.0),
-        (1.0 - rim, hub, 0.0), (1.0, hub, 0.0), (1.0, 0.0, 0.0),
-    )  # fmt: skip
-
-
-def _ring(part: int, station: int, along: tuple[float, float], radius: float) -> Body:
-    """The ring of a damper, around its housing."""
-    profile = ((0.1, 1.05 * radius, 0.0), (0.1, 1.4 * radius, 0.0), (0.9, 1.4 * radius, 0.0), (0.9, 1.05 * radius, 0.0))
-    return _turned(part, "ring", *along, profile, ends=(station, station))
+def _disc(hub: float, radius: float, rim: float) -> FloatArray:
+    """The profile of a disc between two ends of its hub."""
+    place = [0.0, 0.0, rim, rim, 1.0 - rim, 1.0 - rim, 1.0, 1.0]
+    return np.column_stack([place, [0.0, hub, hub, radius, radius, hub, hub, 0.0], np.zeros(8)])
 
 
 def wheel(part: int, station: int, start: float, size: Sizes, radius: float) -> Body:
     """A gear wheel."""
-    profile = disc_profile(min(0.55 * size.diameter, 0.8 * radius), radius, 0.2)
-    return _turned(part, "wheel", start, length_of("gear", size), profile, ends=(station, station))
+    profile = _disc(min(0.55 * size.diameter, 0.8 * radius), radius, 0.2)
+    return _turned(part, start, length_of("gear", size), profile, (station, station))
 
 
-def coupling(part: int, ends: tuple[int, int], span: int, start: float, size: Sizes) -> Body:
-    """A coupling (or any massless spring): two flanges that keep their angle, and what is elastic between them."""
-    flange, waist = 0.85 * size.diameter, 0.65 * size.diameter
-    middle = tuple((0.25 + 0.5 * k / 8, waist, k / 8) for k in range(9))
-    profile = (
-        (0.0, 0.0, 0.0), (0.0, flange, 0.0), (0.25, flange, 0.0), *middle, (0.75, flange, 1.0), (1.0, flange, 1.0),
-        (1.0, 0.0, 1.0),
-    )  # fmt: skip
-    return _turned(part, "coupling", start, length_of("coupling", size), profile, ends=ends, span=span)
-
-
-def joint(part: int, ends: tuple[int, int], span: int, start: float, size: Sizes) -> Body:
-    """A universal joint, its two shafts in line: two yokes that meet in a waist."""
-    yoke, waist = 0.8 * size.diameter, 0.25 * size.diameter
-    profile = (
-        (0.0, 0.0, 0.0), (0.0, yoke, 0.0), (0.3, yoke, 0.0), (0.5, waist, 0.5), (0.7, yoke, 1.0), (1.0, yoke, 1.0),
-        (1.0, 0.0, 1.0),
-    )  # fmt: skip
-    return _turned(part, "joint", start, length_of("joint", size), profile, ends=ends, span=span)
+def link(part: int, kind: str, ends: tuple[int, int], span: int, start: float, size: Sizes) -> Body:
+    """A coupling (or any massless spring), or a universal joint with its two shafts in line."""
+    return _turned(part, start, length_of(kind, size), LINKS[kind] * (1.0, size.diameter, 1.0), ends, span=span)
 
 
 def length_of(kind: str, size: Sizes) -> float:

@@ -10,7 +10,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
-from torsion.output.surface.axes import Axis, axes
+from torsion.output.surface.axes import Axis
 
 TWIST = 0.5  # rad: the largest angle of a mode as it is drawn
 HALF_A_WAVE = 3.0  # rad between two stations; pi would leave the angle between them open
@@ -39,7 +39,6 @@ class Rings:
 class Surface:
     """The surface at rest."""
 
-    rings: Rings
     points: FloatArray  # (points, 3) m
     tangent: FloatArray  # (points, 3) m: the displacement for an angle of 1 rad about x
     ring: IntArray  # (points,)
@@ -99,12 +98,7 @@ def surface(found: Rings, around: int) -> Surface:
     end, before = start[there[is_end], None] + 0 * step, start[here[is_end], None]
     closing = np.stack([end, before + step, before + beside], axis=2).reshape(-1, 3)
     strips = [np.repeat(np.flatnonzero(which), around) for which in (is_round, is_tip, is_end)]
-    return Surface(found, points, tangent, ring, quads, np.concatenate([opening, closing]), np.concatenate(strips))
-
-
-def all_rings(system: System) -> Rings:
-    """The rings of a train in their places."""
-    return rings(system, axes(system))
+    return Surface(points, tangent, ring, quads, np.concatenate([opening, closing]), np.concatenate(strips))
 
 
 def angles(found: Rings, modes: Modes, mode: int) -> FloatArray:

@@ -1,0 +1,95 @@
+"""Nodes of mode shapes: the spans over which the angle changes its sign.
+
+A station that stands still takes the sign of its neighbour toward the root: a node at a station counts once. A grounded
+station has no sign: the shape starts there and does not cross it.
+
+An angle may be tiny and yet true: beside a light disc on a soft coupling a heavy one moves by the ratio of their
+inertias. A tiny angle is rounding only where the torques on its station cancel to rounding, where equilibrium does not
+give it, or where nothing but such stations drives it.
+"""
+
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.kernels.spanning_forest import connected
+from torsion.kernels.tree import Tree
+
+LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
+TINY = 1e-12  # of the largest amplitude (referred to one speed): an angle that may be rounding
+CANCELS = 1e-10  # of the torques on a station: a sum that is rounding of the angles around it
+UNBALANCED = 0.5  # of the torques on a station: a sum that shows the sign of its angle to be unknown
+
+
+def nodes(system: System, tree: Tree, chords: IntArray, shape: FloatArray, square: FloatArray) -> IntArray:
+    """(modes,) sign changes of the shape (stations, modes), rad at own speed, over the spans of the tree.
+
+    tree: the undamped one with its distributed shafts; chords: spans that close loops; square: (modes,) rad2/s2.
+    """
+    station = np.arange(tree.size)
+    rigid = (tree.parent >= 0) & (tree.flexibility == 0.0)
+    if tree.shafts is not None:
+        rigid[tree.shafts.node] = False
+    body = _followed(np.where(rigid, tree.parent, station))  # the first of the stations that are joined rigidly
+    own, held = np.flatnonzero((tree.parent >= 0) & ~rigid), tree.held[body]
+    above = station.copy()
+    above[own] = body[tree.parent[own]]
+    node = body[system.condensed.node]
+    of_chords = (system.span_ratio[chords] ** 2 / system.flexibility[chords])[:, None]
+    outer = np.append(own, node[system.driving[chords]])
+    inner = np.append(above[own], node[system.driven[chords]])
+    found = np.zeros(len(square), dtype=np.int64)
+    length = max(1, LARGEST_BLOCK // max(tree.size, 1))
+    for part in (slice(first, first + length) for first in range(0, len(square), length)):
+        angle = np.zeros((tree.size, len(square[part])))
+        angle[system.condensed.node] = shape[:, part] / system.speed_ratio[:, None]
+        angle[held] = 0.0
+        sign = np.sign(angle).astype(np.int8)
+        moves = np.abs(angle) > TINY * np.abs(angle).max(axis=0, initial=0.0)
+        if not moves[~held].all():
+            flexibility, inertia = tree.at(square[part])
+            stiffness = np.vstack([1.0 / flexibility[own], np.broadcast_to(of_chords, (len(chords), angle.shape[1]))])
+            kinetic = np.zeros_like(angle)
+            np.add.at(kinetic, body, np.where(tree.held[:, None], 0.0, inertia * square[part]))
+            still = _still((outer, inner), stiffness, kinetic, angle, (moves, ~moves & ~held[:, None]))
+            sign[still & (above == station)[:, None]] = 1
+            place = np.arange(sign.size).reshape(sign.shape)
+            sign = sign.ravel()[_followed(np.where(still, place[above], place).ravel())].reshape(sign.shape)
+        found[part] = np.count_nonzero(sign[own] * sign[above[own]] < 0, axis=0)
+    return found
+
+
+def _followed(way: IntArray) -> IntArray:
+    """(places,) where the way from each place ends: `way` names the next one, itself at an end."""
+    while not np.array_equal(beyond := way[way], way):
+        way = beyond
+    return way
+
+
+def _still(
+    ends: tuple[IntArray, IntArray], stiffness: FloatArray, kinetic: FloatArray, angle: FloatArray,
+    judged: tuple[BoolArray, BoolArray],
+) -> BoolArray:  # fmt: skip
+    """(stations, modes) which of the tiny angles are rounding alone.
+
+    ends: (spans,) stations; stiffness: (spans, modes); kinetic: (stations, modes) w^2 J; judged: angles that are larger
+    than tiny, and the tiny ones.
+    """
+    moves, tiny = judged
+    torque, elastic, torques, most = np.zeros((4, *angle.shape))  # sums over the spans of a station, and of magnitudes
+    for here, there in (ends, ends[::-1]):
+        np.add.at(torque, here, stiffness * angle[there])
+        np.add.at(elastic, here, stiffness)
+        np.add.at(torques, here, np.abs(stiffness * angle[there]))
+        np.add.at(most, here, np.abs(stiffness))
+    size = np.abs(angle)
+    cancels = size * np.maximum(most, np.abs(kinetic)) <= CANCELS * torques
+    lacks = np.abs(torque - (elastic - kinetic) * angle)
+    rest = tiny & ~cancels & ~(lacks > UNBALANCED * (torques + (most + np.abs(kinetic)) * size))
+    place = np.arange(angle.size).reshape(angle.shape)
+    both = rest[ends[0]] & rest[ends[1]]
+    group = connected(angle.size, place[ends[0]][both], place[ends[1]][both])
+    driven = np.zeros(angle.size, dtype=bool)
+    for here, there in (ends, ends[::-1]):
+        driven[group[place[here][rest[here] & moves[there]]]] = True
+    return np.asarray(tiny & ~(rest & driven[group].reshape(angle.shape)))

@@ -1,0 +1,285 @@
+"""Natural modes and forced response of a train with closed loops (power splits): a tree, and chords that close it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.kernels.factors import star_mesh_factor
+from torsion.kernels.lapack import jacobi_svd
+from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
+from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
+from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
+from torsion.kernels.spanning_forest import closing_no_loop, walk
+from torsion.kernels.tree import Rerooted, Tree
+from torsion.kernels.tree_response import TreeResponse, pose, residual_of, tree_response
+from torsion.kernels.two_sides import forced, two_sides
+
+Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+_ROUNDING = 2.0**-52
+_ROUNDING_PER_BODY = 4.0  # half width of the enclosure in rounding units a body; measured errors are below 4 in all
+_SHIFTS = 0.3 ** np.arange(1.0, 25.0)  # relative distances at which a response may be taken; far ones round the least
+_STEPS = 3  # of inverse iteration; the Jacobi shapes it starts from are right to rounding already
+
+
+@dataclass(frozen=True)
+class LoopedTrain(Rerooted):
+    """A train with loops, renumbered as a tree; its spans are those of the given tree, then the given chords."""
+
+    first: IntArray  # (chords,) new stations at both ends of each chord
+    second: IntArray
+    flexibility: FloatArray  # (chords,) rad/(N m)
+
+    def given(self, found: TreeModes) -> TreeModes:
+        """Modes with torques in stations and chords, at the given stations, spans and chords."""
+        torque, size = self.torques(found.torque), len(self.station)
+        angle, rigid_angle = self.angles(found.angle), self.angles(found.rigid_angle)
+        return replace(found, angle=angle, rigid_angle=rigid_angle, torque=torque[:size], loop_torque=torque[size:])
+
+
+@dataclass(frozen=True)
+class Chords:
+    """The spans that close loops in a tree: angle[end] = angle[begin] - compliance torque + twist.
+
+    The tree should hold the stiffest spans of every loop and these the softest; a tree of soft spans loses digits.
+    """
+
+    begin: IntArray  # (chords,) station
+    end: IntArray  # (chords,) station, on which the torque is counted
+    compliance: NDArray[Any]  # (chords,) or (chords, frequencies) rad/(N m)
+    twist: NDArray[Any]  # (chords,) or (chords, frequencies) rad
+
+
+def graph_modes(
+    tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray, count: int | None = None
+) -> TreeModes:
+    """The lowest `count` elastic modes, or all, of `tree` with chords from `first` to `second` (chords,).
+
+    `flexibility` (chords,) rad/(N m), positive. `loop_torque` is on the second station: (angle[first] - angle[second])
+    / flexibility. No count proves these frequencies: `lower`, `upper` hold the error bound of the method, 4 rounding
+    units a body (Jacobi's rotations of a star-mesh factor), and `certified` is False unless there is no loop but
+    through fixed stations.
+    """
+    if len(first) == 0:
+        return tree_modes(tree, count)
+    if not np.all(flexibility > 0.0):
+        raise ValueError("a chord needs a positive flexibility; put rigid spans into the tree")
+    train = stiffest_tree(tree, first, second, flexibility)
+    if not len(train.first):  # the loops go only through fixed stations
+        return train.given(tree_modes(train.tree, count))
+    known = rigidity(train.tree)
+    solved = cut(train.tree, known)
+    wanted = known.elastic if count is None else min(count, known.elastic)
+    if wanted == 0:
+        return replace(tree_modes(tree, 0), loop_torque=np.empty((len(first), 0)))
+    frequency, start = _jacobi_modes(train, known)
+    angle, torque = _shapes(solved, train, frequency, start)
+    sign = shape_sign(angle)
+    angle, torque = (angle * sign)[:, :wanted], (torque * sign)[:, :wanted]
+    torque = _with_all_reactions(train, solved, known, torque)
+    frequency = frequency[:wanted]
+    margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(known.elastic, 1))
+    return train.given(TreeModes(
+        frequency=frequency,
+        lower=frequency - margin,
+        upper=frequency + margin,
+        angle=angle,
+        torque=torque,
+        rigid=len(known.free_roots),
+        rigid_angle=rigid_shapes(train.tree, known),
+        certified=False,
+    ))  # fmt: skip
+
+
+def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, FloatArray]:
+    """All elastic frequencies, ascending, and the angles (stations, modes) of the stations with inertia."""
+    reduced = reduce_tree(train.tree, known, (train.first, train.second, train.flexibility))
+    factor = star_mesh_factor(reduced)[:, : known.elastic]
+    left, values, _ = jacobi_svd(factor, "U")
+    angle = np.zeros((train.tree.size, len(values)))
+    angle[reduced.head] = left[:, ::-1] / np.sqrt(reduced.inertia)[:, None]
+    return values[::-1], angle[known.body]
+
+
+def _shapes(tree: Tree, train: LoopedTrain, frequency: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Angles (stations, m), torques (stations + chords, m), mass-normalised, by inverse iteration from `start`."""
+    inertia = tree.moving_inertia[:, None]
+    root = np.sqrt(inertia)
+    groups = repeated_groups(frequency, np.ones(len(frequency), dtype=bool))
+    respond = _torn_response(tree, train, _beside(frequency))
+    angle, torque = start, np.empty(0)
+    for _ in range(_STEPS):
+        angle, torque = respond(inertia * angle)
+        for group in groups:
+            matrix = orthonormal(root * angle[:, group])
+            angle[:, group], torque[:, group] = angle[:, group] @ matrix, torque[:, group] @ matrix
+    orthogonalise(tree, frequency, Shapes.of_springs(angle, torque))
+    return angle, torque
+
+
+def _beside(frequency: FloatArray) -> FloatArray:
+    """For each of `frequency` (m,) one as far from it as can be, but no nearer to another one by more than half."""
+    candidates = frequency * np.concatenate([1.0 - _SHIFTS, 1.0 + _SHIFTS])[:, None]
+    own = np.abs(candidates - frequency)
+    nearest = np.min(np.abs(candidates[:, :, None] - frequency), axis=2)
+    allowed = np.where(nearest >= 0.5 * own, own, -1.0)
+    beside: FloatArray = candidates[np.argmax(allowed, axis=0), np.arange(len(frequency))]
+    return beside
+
+
+def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
+    """Response at `w` (m,) of the train with loops: that of the tree, and of torque pairs where the loops are torn.
+
+    The twist of a torn span is the sum of those along its path in the tree, never a difference of angles.
+    """
+    sides, ends = two_sides(tree, w), (train.first, train.second)
+    acting = np.where(tree.held, 0.0, pairs(tree.size, *ends))
+    units = [forced(tree, sides, np.repeat(row[:, None], len(w), axis=1)) for row in acting]
+    twist = around(tree, *ends) * tree.flexibility
+    system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(train.flexibility)
+
+    def respond(load: FloatArray) -> tuple[FloatArray, FloatArray]:
+        angle, torque = forced(tree, sides, load)
+        torn = np.linalg.solve(system, (twist @ torque).T[:, :, None])[:, :, 0].T
+        for row, unit in zip(torn, units, strict=True):
+            angle, torque = angle + row * unit[0], torque + row * unit[1]
+        return angle, np.vstack([torque, torn])
+
+    return respond
+
+
+def _with_all_reactions(train: LoopedTrain, solved: Tree, known: Rigidity, torque: FloatArray) -> FloatArray:
+    """Torques (stations + chords, m) with those of rigid spans between fixed stations."""
+    if solved is train.tree:
+        return torque
+    size = train.tree.size
+    load = pairs(size, train.first, train.second).T @ torque[size:]
+    return np.vstack([with_reactions(train.tree, known, torque[:size], load), torque[size:]])
+
+
+def looped_response(
+    tree: Tree,
+    chords: Chords,
+    w: FloatArray,
+    force: NDArray[Any],
+    *,
+    twist: NDArray[Any] | None = None,
+    ground_damping: FloatArray | None = None,
+    compliance: NDArray[Any] | None = None,
+) -> TreeResponse:
+    """Response of tree and chords; arguments as of `tree_response`, torques of chords in addition.
+
+    Loop torques follow from the twist around each loop, summed span by span, of the open train under the sources and
+    under a pair of unit torques in place of each chord. A frequency at which the open train is in
+    resonance is marked as singular. Raises ValueError if a chord joins parts that the tree does not join.
+    """
+    sign, pair = around(tree, chords.begin, chords.end), pairs(tree.size, chords.begin, chords.end)
+    given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance}
+    opened = [
+        tree_response(tree, w, force, twist=twist, **given),
+        *(tree_response(tree, w, row, **given) for row in pair),
+    ]
+    hc = _rows(tree.flexibility if compliance is None else compliance)
+    with np.errstate(all="ignore"):
+        torque, loss = _loop_torques(chords, sign, opened, hc, twist)
+        loss = loss * np.max([part.amplification for part in opened], axis=0)
+        angles, torques = opened[0].angle.copy(), opened[0].torque.copy()
+        for part, row in zip(opened[1:], torque, strict=True):
+            angles += part.angle * row
+            torques += part.torque * row
+        loss[~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0)) | np.isnan(loss)] = np.inf
+        result = TreeResponse(angles, torques, torques, np.empty_like(loss), loss, torque)
+        problem = pose(tree, w, _rows(force) + pair.T @ torque, twist=twist, **given)
+        result.residual[:] = np.fmax(residual_of(problem, result), _chord_residual(chords, result))
+    return result
+
+
+def _rows(values: NDArray[Any]) -> NDArray[Any]:
+    """Values with an axis for the frequencies."""
+    return np.asarray(values).reshape(len(values), -1)
+
+
+def _loop_torques(
+    chords: Chords, sign: FloatArray, opened: list[TreeResponse], hc: NDArray[Any], twist: NDArray[Any] | None
+) -> tuple[ComplexArray, FloatArray]:
+    """Torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve."""
+    own = np.broadcast_to(_rows(chords.compliance), (len(sign), opened[0].torque.shape[1]))
+    open_twist = _rows(chords.twist) + sign @ (hc * opened[0].torque)
+    if twist is not None:
+        open_twist = open_twist - sign @ _rows(twist)
+    matrix = np.stack([-(sign @ (hc * part.torque)).T for part in opened[1:]], axis=-1)  # (frequencies, chords, chords)
+    terms = sum(np.abs(sign) @ np.abs(hc * part.torque) for part in opened[1:]) + np.abs(own)
+    chord, one = np.arange(len(sign)), np.eye(len(sign))
+    matrix[:, chord, chord] += own.T
+    scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
+    lost = ~np.isfinite(scaled).all(axis=(1, 2))
+    scaled[lost] = one
+    least = np.linalg.svd(scaled, compute_uv=False)[:, -1]
+    lost |= least == 0
+    scaled[lost] = one
+    torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(np.complex128)
+    torque[:, lost] = np.nan
+    return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / least))
+
+
+def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
+    """Worst residual (frequencies,) of the equation of any chord, relative to the terms in it."""
+    wound, twist = _rows(chords.compliance) * answer.chord_torque, _rows(chords.twist)
+    begin, end = answer.angle[chords.begin], answer.angle[chords.end]
+    error = np.abs(end - begin + wound - twist) / (np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(twist))
+    worst: FloatArray = np.fmax.reduce(error, axis=0, initial=0.0)
+    return worst
+
+
+def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray) -> LoopedTrain:
+    """Tear every loop at its softest span (Kruskal 1956): what is torn is then a correction, not the main path.
+
+    The root of a part is a fixed station wherever there is one, so that angles are sums of twists from the ground.
+    Spans are those of `tree`, from parent to station, and (chords,) ones from `first` to `second`.
+    """
+    near, far = np.append(tree.parent, first), np.append(np.arange(tree.size), second)
+    soft = np.append(tree.flexibility, flexibility)
+    ranked = np.argsort(soft, kind="stable")
+    chosen = closing_no_loop(tree.size, near, far, ranked[near[ranked] >= 0])
+    way = walk(tree.size, near, far, chosen, np.flatnonzero(tree.held).tolist())
+    order, station = way.order, np.argsort(way.order)
+    span, above = way.above[order], way.parent[order]
+    parent = np.where(above >= 0, station[above], -1)
+    new = Tree(parent, np.where(span >= 0, soft[span], 0.0), tree.inertia[order], tree.held[order])
+    torn = np.flatnonzero(~chosen & (near >= 0))
+    source, sign = np.zeros(len(near), dtype=np.int64), np.zeros((len(near), 1))
+    inside = np.flatnonzero(span >= 0)
+    source[span[inside]] = inside
+    sign[span[inside], 0] = np.where(station[far[span[inside]]] == inside, 1.0, -1.0)
+    source[torn], sign[torn] = tree.size + np.arange(len(torn)), 1.0
+    return LoopedTrain(new, station, source, sign, station[near[torn]], station[far[torn]], soft[torn])
+
+
+def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
+    """+1 and -1 (chords, stations) for the spans whose twists add up to angle[first] - angle[second]; else 0.
+
+    Raises ValueError for a chord between parts that nothing else joins.
+    """
+    sign = np.zeros((len(first), tree.size))
+    for chord, ends in enumerate(zip(second.tolist(), first.tolist(), strict=True)):
+        here = list(ends)
+        for side, direction in ((0, 1.0), (1, -1.0)):
+            while tree.parents[here[side]] >= 0:
+                sign[chord, here[side]] += direction
+                here[side] = tree.parents[here[side]]
+        if here[0] != here[1] and not tree.held[here].all():
+            raise ValueError(f"chord {chord} joins two parts that nothing else joins; expected it in the tree")
+    return sign
+
+
+def pairs(stations: int, first: IntArray, second: IntArray) -> FloatArray:
+    """Torques (chords, stations) with which a unit torque in each chord acts on the tree."""
+    pair, chord = np.zeros((len(first), stations)), np.arange(len(first))
+    np.add.at(pair, (chord, second), 1.0)
+    np.add.at(pair, (chord, first), -1.0)
+    return pair

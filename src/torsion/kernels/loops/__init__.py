@@ -1,1 +1,0 @@
-"""Trains with closed loops: a spanning tree of the stiffest spans, and chords."""

@@ -1,0 +1,207 @@
+"""Chapters: what the response over speed means for shafts (stress), gear meshes and couplings (torque, heat)."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.steady import Steady
+from torsion.arrays import FloatArray
+from torsion.assembly.section.solved_sections import stress_modulus
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.numbers import NONE, RPM, number, rpm
+from torsion.output.reported_values import (
+    barred,
+    barred_rpm,
+    orders_together,
+    rated_rpm,
+    responds,
+    synthesis,
+    unreliable,
+)
+from torsion.output.selection import Element, damps, elements, highest, largest, torques, worst
+from torsion.primitives import Bar
+from torsion.rules.verdict_line import Checks
+
+PA = 1e-6  # N/mm2 of 1 Pa
+MOST_FIGURES = 12  # of shafts
+LIMITS = "| τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]"
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Stress and limits of one shaft over the speed, N/mm2."""
+
+    speed: FloatArray  # (speeds,) rad/s
+    stress: FloatArray  # (speeds,) NaN where the response has no reliable value
+    continuous: FloatArray | None = None  # (speeds,)
+    transient: FloatArray | None = None
+
+
+def shafts(findings: Findings) -> Iterator[Block]:
+    """Shear stress, with the limits of the class rule where a shaft has a role; nothing without shafts or response."""
+    if not responds(findings) or not findings.study.train.bars:
+        return
+    of = f"half range of the synthesis of {orders_together(findings)}"
+    text = f"Nominal shear stress on the plain section, τ = torque / W_{{p}}, {of}."
+    curves = {bar.name: _curves(findings, bar) for bar in findings.study.train.bars}
+    if any(curve.continuous is not None for curve in curves.values()):
+        text += " τ_{C} limits continuous operation, τ_{T} the stress while a barred range is passed (IACS UR M68)."
+    yield Heading("Stress of the shafts")
+    yield Paragraph(text)
+    yield _stresses(findings, curves)
+    drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
+    for name, curve in curves.items():
+        if name in drawn:
+            values = {
+                "speed": curve.speed * RPM, "synthesis": curve.stress, "bad": unreliable(findings),
+                "continuous": curve.continuous, "transient": curve.transient, "rated": rated_rpm(findings),
+                "barred": tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
+            }  # fmt: skip
+            position = findings.study.train.parts.index(findings.study.train.part(name))
+            yield Figure(f"stress-{position}", f"Vibratory shear stress of {name}", "stress", values)
+    if len(drawn) < len(curves):
+        yield Paragraph(f"The {len(drawn)} most stressed of {len(curves)} shafts have a figure.")
+
+
+def _curves(findings: Findings, bar: Bar) -> Curves:
+    """With the rule's own limits, where the rule is named and the shaft has a role."""
+    bad = unreliable(findings)
+    if any(rule == "iacs-m68" for rule, _ in findings.study.rules):
+        from torsion.rules.m68 import limits
+
+        try:
+            speed, continuous, transient, stress = limits(findings, bar.name)
+            return Curves(speed, np.where(bad, np.nan, stress), continuous, transient)
+        except KeyError:
+            pass
+    spans = [k for k, span in enumerate(findings.system.spans) if span.part == bar.part]
+    modulus = next(stress_modulus(own) for own in findings.system.train.bars if own.part == bar.part)
+    stress = findings.need(Synthesis).half_range[:, spans].max(axis=1) / modulus * PA
+    return Curves(findings.need(Response).speed, np.where(bad, np.nan, stress))
+
+
+def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
+    limited = any(curve.continuous is not None for curve in curves.values())
+    rows = []
+    for name, curve in curves.items():
+        shaft = findings.study.train.part(name).shaft
+        at, limits = largest(curve.stress), [NONE] * 4
+        if at is not None and curve.continuous is not None and curve.transient is not None:
+            limits[:2] = number(float(curve.continuous[at])), number(float(curve.transient[at]))
+            share = np.where(np.isnan(curve.continuous), -np.inf, curve.stress / curve.continuous)
+            if (most := largest(share)) is not None:
+                limits[2:] = number(float(share[most]), 4), rpm(float(curve.speed[most]))
+        own = worst(curve.stress, curve.speed)
+        rows.append((name, None if shaft is None else shaft.role, *own, *(limits if limited else ())))
+    columns = "< Shaft | < Role | Largest stress [N/mm²] | At speed [rpm] " + (LIMITS if limited else "")
+    return table(columns, rows, "Largest stress amplitude of every shaft over the speed range")
+
+
+def gears(findings: Findings) -> Iterator[Block]:
+    """Vibratory against mean torque in every mesh; nothing without gears or without a response."""
+    meshes = [e for e in elements(findings.system) if e.kind == "gear"] if responds(findings) else []
+    if not meshes:
+        return
+    yield Heading("Gear meshes")
+    response, steady = findings.need(Response), findings.get(Steady)
+    if steady is None:
+        text = "The mean torque is not known, so it cannot be said whether the tooth load reverses."
+        yield Paragraph(text, "note")
+    torque = [synthesis(findings, mesh.spans) for mesh in meshes]
+    mean = [None if steady is None else np.abs(response.mean[:, mesh.spans[0]]) for mesh in meshes]
+    unit, rows = torques(torque), []
+    for mesh, values, own in zip(meshes, torque, mean, strict=True):
+        at = largest(values)
+        there = None if at is None or own is None else unit.text(float(own[at]))
+        reversal = (None, None, "not known") if at is None else _reversal(response.speed, values, own)
+        rows.append((mesh.name, *worst(values, response.speed, unit), there, *reversal))
+    yield table(
+        f"< Mesh | Largest vibratory torque [{unit.unit}] | At speed [rpm] | Mean torque there [{unit.unit}] | "
+        "Largest vibratory / mean | At speed [rpm] | < Load reverses",
+        rows,
+        f"Vibratory torque (half range of {orders_together(findings)}) and mean torque in the meshes",
+        marks=["fail" if row[-1].startswith("yes") else "" for row in rows],
+    )
+    for mesh, values, own in zip(meshes, torque, mean, strict=True):
+        yield _mesh(findings, mesh, values, own)
+
+
+def _reversal(speed: FloatArray, values: FloatArray, mean: FloatArray | None) -> tuple[str, str, str]:
+    """The largest vibratory / mean torque, its speed, and where the load reverses; a share is infinite without mean."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.full(len(values), np.nan) if mean is None else values / mean
+    share[(values == 0) & (mean == 0 if mean is not None else False)] = 0.0
+    known = ~np.isnan(share)
+    if not known.any():
+        return NONE, NONE, "not known"
+    worst, over = int(np.nanargmax(share)), np.flatnonzero(share > 1.0)
+    where = "no"
+    if len(over):
+        ends = rpm(float(speed[over[0]])), rpm(float(speed[over[-1]]))
+        where = "yes, everywhere" if len(over) == known.sum() else "yes, between {} and {} rpm".format(*ends)
+    return number(float(share[worst]), 4), NONE if np.isinf(share[worst]) else rpm(float(speed[worst])), where
+
+
+def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArray | None) -> Figure:
+    unit = torques([values] if mean is None else [values, mean])
+    limits = [
+        check.limit
+        for check in findings.need(Checks).lines
+        if (check.where, check.rule, check.unit) == (mesh.name, "gear-hammer", "N m") and np.isfinite(check.limit)
+    ]
+    drawn = {
+        "speed": findings.need(Response).speed * RPM, "vibratory": values * unit.factor,
+        "mean": None if mean is None else mean * unit.factor, "bad": unreliable(findings), "unit": unit.unit,
+        "limit": limits[0] * unit.factor if limits else None, "rated": rated_rpm(findings),
+        "barred": barred_rpm(findings),
+    }  # fmt: skip
+    return Figure(f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}", "gear", drawn)
+
+
+def couplings(findings: Findings) -> Iterator[Block]:
+    """Torque and heat of those with damping or limits of their maker; nothing without them or without a response."""
+    system, parts = findings.system, findings.study.train.parts
+    found = [
+        (element, ratings)
+        for element in (elements(system) if responds(findings) else ())
+        if (ratings := parts[element.part].ratings) is not None and (damps(system, element) or ratings.limit_anything)
+    ]
+    if not found:
+        return
+    torque = [synthesis(findings, element.spans) for element, _ in found]
+    unit, speed, steady = torques(torque), findings.need(Response).speed, findings.get(Steady)
+    rows = []
+    for (element, limits), values in zip(found, torque, strict=True):
+        spans = list(element.spans)
+        peak = np.where(unreliable(findings), np.nan, findings.need(Synthesis).peak[:, spans].max(axis=1))
+        mean = None if steady is None else unit.text(float(np.abs(steady.torque[spans]).max()))
+        rows.append((
+            element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,
+            unit.text(limits.rated_torque), worst(peak, speed, unit)[0], unit.text(limits.max_torque),
+            *worst(_heat(findings, spans), speed), number(limits.heat_limit),
+        ))  # fmt: skip
+    yield Heading("Couplings")
+    yield Paragraph(
+        "Heat is the mean power that the internal damping takes from the vibration, the sum over all harmonic "
+        f"components ({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic "
+        "torque T. Values stand at their own worst speed."
+    )
+    yield table(
+        f"< Coupling | Vibratory torque [{unit.unit}] | At speed [rpm] | T_{{KW}} [{unit.unit}] | "
+        f"Mean torque [{unit.unit}] | T_{{KN}} [{unit.unit}] | Peak torque [{unit.unit}] | T_{{Kmax}} [{unit.unit}] | "
+        "Heat [W] | At speed [rpm] | P_{KW} [W]",
+        rows,
+        "Torque and heat of the couplings (limits of the maker where given)",
+    )
+
+
+def _heat(findings: Findings, spans: list[int]) -> FloatArray:
+    """(speeds,) W; NaN where the response has no reliable value."""
+    from torsion.rules.coupling_maker import heat
+
+    with np.errstate(all="ignore"):
+        power = heat(findings.need(Response), findings.system, np.array(spans))
+    return np.where(unreliable(findings), np.nan, power)

@@ -1,0 +1,38 @@
+"""Chapters: what was computed, how and in what time, what was left out and why; and the input as read."""
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
+from torsion.output.numbers import number
+from torsion.output.scene import checksum
+from torsion.primitives import SectionMesh
+
+
+def steps(findings: Findings) -> Iterator[Block]:
+    """Always printed."""
+    plan = findings.plan
+    rows = [(line.what, line.method, line.size, number(1e3 * line.seconds, 3), line.why) for line in plan.done]
+    yield Heading("What was computed")
+    yield table("< Step | < Method | < Size | Time [ms] | < Why", rows, "Steps that were done")
+    if plan.left_out:
+        yield table("< Left out | < Why", plan.left_out, "Left out")
+    if plan.versions:
+        yield KeyValues(tuple(plan.versions.items()))
+
+
+def input_file(findings: Findings) -> Iterator[Block]:
+    """Appendix with the text and the checksums of the meshes; left out where the scene did not come from a file."""
+    text, bars = findings.study.text, findings.study.train.bars
+    if not text:
+        return
+    files = dict.fromkeys(bar.section.file for bar in bars if isinstance(bar.section, SectionMesh))
+    meshes = "".join(f"; {file}, SHA-256 {hashlib.sha256(Path(file).read_bytes()).hexdigest()}" for file in files)
+    also = f" and the meshes that it names{meshes}." if meshes else "."
+    study = findings.study
+    words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}. The whole report was computed from this text"
+    yield Heading("Appendix: the input as read")
+    yield Paragraph(words + also)
+    yield Verbatim(text)

@@ -1,1 +1,0 @@
-"""Stand-alone reports of the commands joint, check and study."""

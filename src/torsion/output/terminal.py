@@ -1,0 +1,87 @@
+"""A report on the terminal: its blocks that have a short form, narrow enough for 80 columns.
+
+Words of a table may be cut, numbers never.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import zip_longest
+from pathlib import Path
+
+from rich.box import SIMPLE
+from rich.console import Console, RenderableType
+from rich.markup import escape
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bar
+from rich.table import Table as Grid
+from rich.text import Text
+
+from torsion.findings import Progress
+from torsion.output.blocks import Heading, Paragraph, Points, Table
+from torsion.output.document import Document
+from torsion.output.renderers import OUTPUTS
+
+COLOURS = {"pass": "green", "fail": "bold red", "not kept": "bold red", "outside": "yellow", "note": "yellow"}
+MOST_ROWS = 12
+
+
+def show(document: Document, folder: Path | None = None, console: Console | None = None) -> None:
+    """Print the report, and where its page is."""
+    printed = console or Console()
+    for item in OUTPUTS["terminal"](document):
+        printed.print(item)
+    done = document.findings.plan.done
+    if done:
+        printed.print(Text(f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s"))
+    if folder is not None:
+        printed.print(Text(f"Report: {folder / document.report.stem}.html"))
+
+
+def screen(document: Document) -> list[RenderableType]:
+    """Everything that is printed; the verdict last, where the eye is."""
+    first: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
+    last: list[RenderableType] = []
+    chapter = first
+    for block in (item.block for item in document.body):
+        match block:
+            case Heading(level=1, at_end=at_end):
+                chapter = last if at_end else first
+            case Table(short=title) if title and block.rows:
+                chapter.append(_in_short(block))
+            case Paragraph(text=text, kind=kind, brief=True):
+                chapter.append(Text(_plain(text), style=COLOURS.get(kind, "")))
+            case Points(items=items, brief=True):
+                chapter.append(Text("\n".join(f"- {_plain(item)}" for item in items)))
+    return [*first, *last]
+
+
+def _in_short(table: Table) -> Grid:
+    """A table of the report in its short form; marks colour the last cell of their row."""
+    made = Grid(title=_plain(table.short), title_justify="left", title_style="italic", box=SIMPLE, pad_edge=False)
+    kept = [k for k, column in enumerate(table.columns) if column.short]
+    for column in (table.columns[k] for k in kept):
+        if column.align == "left":
+            made.add_column(column.short, overflow="ellipsis")
+        else:
+            made.add_column(column.short, justify="right", no_wrap=True, overflow="fold")
+    for row, mark in zip_longest(table.rows[:MOST_ROWS], table.marks[:MOST_ROWS], fillvalue=""):
+        *cells, last = (row[k] for k in kept)
+        made.add_row(*(Text(cell) for cell in cells), Text(last, style=COLOURS.get(mark, "")))
+    if len(table.rows) > MOST_ROWS:
+        made.caption = f"and {len(table.rows) - MOST_ROWS} more rows in the report"
+    return made
+
+
+def _plain(text: str) -> str:
+    """Subscripts as they are written on one line: tau_C."""
+    return text.replace("_{", "_").replace("}", "")
+
+
+@contextmanager
+def progress() -> Iterator[Progress]:
+    """A progress indicator on the error stream that shows what is being done; nothing where that is no terminal."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda what, share: bar.update(task, description=escape(what), completed=share)

@@ -1,1 +1,0 @@
-"""What is printed on the terminal: tables of 80 columns."""

@@ -1,0 +1,108 @@
+"""The formulas of M68 against the published check vectors, to every digit printed."""
+
+import math
+
+import numpy as np
+import pytest
+
+from torsion.components.shaft import Feature
+from torsion.rules import m68_shafts as m68
+
+VECTORS = [  # sigma_B, d, C_K, lambda, C_D, tau_C, tau_T
+    (600, 400, 1.0, 0.5, 0.63059, 66.56219, 113.15573),
+    (600, 400, 1.0, 0.8, 0.63059, 45.79479, 77.85114),
+    (600, 400, 1.0, 0.95, 0.63059, 36.74233, None),
+    (520, 102, 1.0, 1.0, 0.71878, 37.47220, None),
+    (520, 120, 0.55, 1.0, 0.70698, 20.27154, None),
+    (600, 500, 0.55, 0.4, 0.61834, 38.48287, 88.21349),
+    (560, 350, 0.45, 0.6, 0.63818, 26.19106, 66.37365),
+]
+
+
+@pytest.mark.parametrize(("strength", "diameter", "c_k", "ratio", "c_d", "tau_c", "tau_t"), VECTORS)
+def test_limits_agree_with_the_check_vectors(strength, diameter, c_k, ratio, c_d, tau_c, tau_t) -> None:
+    assert round(m68.size_factor(diameter), 5) == c_d
+    assert round(float(m68.tau_c(strength, diameter, c_k, ratio)), 5) == tau_c
+    passing = float(m68.tau_t(strength, diameter, c_k, ratio))
+    assert math.isnan(passing) if tau_t is None else round(passing, 5) == tau_t
+
+
+@pytest.mark.parametrize(
+    ("critical", "rated", "lower", "upper"), [(60, 100, 55.17241, 65.25), (45, 91, 41.12994, 49.23420)]
+)
+def test_barred_ranges_agree_with_the_check_vectors(critical, rated, lower, upper) -> None:
+    assert [round(end, 5) for end in m68.barred_range(critical, rated)] == [lower, upper]
+
+
+def test_least_diameter_agrees_with_the_check_vector() -> None:
+    assert round(m68.least_diameter(10000 / 100, 500, 100, 1), 2) == 439.42
+
+
+def test_slot_agrees_with_the_check_vector() -> None:
+    scf = m68.slot_concentration(1.0, 0.5, 0.7, 0.2)
+    assert round(scf, 5) == 3.66491
+    assert round(m68.slot_c_k(scf), 5) == 0.39564
+
+
+def test_slot_depends_on_shape_alone() -> None:
+    assert m68.slot_concentration(300, 150, 210, 60) == pytest.approx(
+        m68.slot_concentration(1, 0.5, 0.7, 0.2), rel=1e-14
+    )
+
+
+def test_limit_ends_at_1_05_and_has_no_step_at_0_9() -> None:
+    below, at, above = m68.tau_c(600, 400, 1, [0.9 - 1e-9, 0.9, 1.0])
+    assert below == pytest.approx(at, rel=1e-8)
+    assert at == above
+    last, beyond = m68.tau_c(600, 400, 1, [1575 / 1500, 1.0500001])
+    assert last == at
+    assert np.isnan(beyond)
+
+
+def test_speed_ratio_of_1_05_survives_the_rounding_of_units() -> None:
+    ratio = (1575 * 2 * math.pi / 60) / (1500 * 2 * math.pi / 60)
+    assert np.isfinite(m68.tau_c(600, 400, 1, np.nextafter(ratio, 2)))
+
+
+@pytest.mark.parametrize(
+    ("role", "alloy", "given", "used"),
+    [
+        ("intermediate", False, 900, 600), ("intermediate", True, 900, 800), ("thrust", False, 700, 600),
+        ("thrust", True, 700, 700), ("propeller", False, 700, 600), ("propeller", True, 700, 600),
+        ("propeller", True, 520, 520),
+    ],
+)  # fmt: skip
+def test_strength_is_capped_by_steel_and_role(role, alloy, given, used) -> None:
+    assert m68.used_strength(given, role, alloy=alloy) == used
+
+
+@pytest.mark.parametrize(
+    ("feature", "c_k"),
+    [
+        ("flange", 1.0), ("shrink fit", 1.0), ("taper keyway", 0.6), ("cylinder keyway", 0.45), ("radial hole", 0.5),
+        ("slot", 0.3), ("thrust collar", 0.85), ("roller bearing", 0.85), ("propeller flange", 0.55),
+        ("propeller keyless", 0.55), ("propeller keyed", 0.55), ("tube shaft", 0.8),
+    ],
+)  # fmt: skip
+def test_details_have_the_factors_of_the_table(feature, c_k) -> None:
+    assert m68.DETAILS[feature].c_k == c_k
+    assert m68.DETAILS[feature].c_k_mark == "rule text"
+    assert m68.DETAILS[feature].k_mark == "to be verified"
+
+
+def test_every_feature_of_a_shaft_is_in_the_table() -> None:
+    assert set(m68.DETAILS) == set(Feature.__args__)
+
+
+def test_bore_counts_from_0_4_of_the_diameter() -> None:
+    solid = m68.least_diameter(100, 500, 100, 1)
+    assert m68.least_diameter(100, 500, 100, 1, 0.4) == solid
+    assert m68.least_diameter(100, 500, 100, 1, 0.5) == pytest.approx(solid * (16 / 15) ** (1 / 3), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("role", "smooth", "factor"),
+    [("intermediate", True, 95), ("thrust", True, 100), ("intermediate", False, 100), ("propeller", True, 100)],
+)
+def test_drive_factor_favours_intermediate_shafts_of_smooth_drives_alone(role, smooth, factor) -> None:
+    assert m68.drive_factor(role, smooth=smooth) == factor
