@@ -128,6 +128,7 @@ _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that
     (_joint_faults, ("train", "analyses")),
     (_motion_faults, ("train", "links", "operation", "analyses")),
     (_growth_faults, ("train", "links", "operation", "analyses")),
+    (_transient_faults, ("train", "operation", "analyses")),
     (_lateral_faults, ("train", "materials", "operation", "analyses")),
     (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),
 )

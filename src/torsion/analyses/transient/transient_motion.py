@@ -13,7 +13,7 @@ from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.transient.events import Event, Length, Point
 from torsion.analyses.transient.peaks import Extremes
-from torsion.analyses.undamped_modes import Modes, is_elastic, modes_as_discretised
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
@@ -199,8 +199,7 @@ def _before(study: Study, system: System, settings: TransientSettings) -> _State
 
 def _modal_train(study: Study, system: System, found: Modes, shape: FloatArray, before: _State) -> ModalTrain:
     """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is."""
-    loss = np.where(is_elastic(system), system.loss_factor, 0.0)
-    ratio = 0.5 * (loss[:, None] * found.elastic).sum(axis=0) if loss.any() else np.zeros(len(found.frequency))
+    ratio = 0.5 * system.loss_factor @ found.elastic
     damping = np.zeros((shape.shape[1],) * 2)
     damped = np.flatnonzero(system.viscous > 0)
     if damped.size:
@@ -259,7 +258,7 @@ def _start(system: System, found: Modes, before: _State, shape: FloatArray) -> t
     rigid = shape.shape[1] - found.torque.shape[1]
     place, speed = np.zeros(shape.shape[1]), np.zeros(shape.shape[1])
     if before.twist.any():
-        flexibility = np.where(is_elastic(system), system.flexibility, 0.0)
+        flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
         place[rigid:] = found.torque.T @ (flexibility * before.twist) / (2.0 * math.pi * found.frequency) ** 2
     return place, speed
 

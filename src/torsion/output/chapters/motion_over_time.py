@@ -1,12 +1,14 @@
 """Chapter: the motion over time."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from torsion.analyses.transient.transient_motion import TransientMotion, TransientSettings
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, head
-from torsion.output.elastic_elements import Element, elements
+from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
+from torsion.output.selection import Element, elements
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 COLUMNS = 1000  # of the figures: each shows the least and the greatest value of its samples
@@ -16,23 +18,29 @@ METHOD = (
 )
 
 
-def chapter(findings: Findings) -> list[Block]:
+def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where no motion was requested."""
     found = findings.get(TransientMotion)
     settings = findings.study.analyses.get("transient")
     if found is None or not isinstance(settings, TransientSettings):
-        return []
+        return
     rows = _rows(findings, found)
     unit = scale("N m", [value for _, values, _ in rows for value in values[:4]])
-    blocks: list[Block] = [Heading("Motion over time"), Paragraph(_introduction(found, settings))]
-    blocks += [_events(settings), _peaks(rows, unit)]
+    yield Heading("Motion over time")
+    yield Paragraph(_introduction(found, settings))
+    yield table(
+        "< At | < Event | Begins at [s] | < Settings",
+        [(event.at, event.kind, event.time, event.words()) for event in settings.events],
+        "Events; torques at the point's own speed",
+    )
+    yield _peaks(rows, unit)
     if found.unresolved.any():
         text = (
             "Modes that have fewer than 4 samples in a period add at most what the last column says; verdicts add it "
             "to the peak. More `samples` resolve them."
         )
-        blocks.append(Paragraph(text, "note"))
-    return [*blocks, *_figures(findings, found, unit)]
+        yield Paragraph(text, "note")
+    yield from _figures(findings, found, unit)
 
 
 def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
@@ -42,11 +50,6 @@ def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
         f"{counted(found.modes, 'elastic mode')}. {METHOD} The balance of energy holds to {number(found.residual, 2)} "
         "of the largest energy."
     )
-
-
-def _events(settings: TransientSettings) -> Table:
-    rows = tuple((event.at, event.kind, number(event.time), event.words()) for event in settings.events)
-    return Table(head("< At | < Event | Begins at [s] | < Settings"), rows, "Events; torques at the point's own speed")
 
 
 def _rows(findings: Findings, found: TransientMotion) -> list[tuple[Element, tuple[float, ...], int]]:
@@ -69,30 +72,27 @@ def _peaks(rows: list[tuple[Element, tuple[float, ...], int]], unit: Scale) -> T
         f"| Least torque [{unit.unit}] -> least | at [s] | Before [{unit.unit}] "
         f"| Largest / before -> times | Reversals -> | Not sampled [{unit.unit}]"
     )
-    cells = []
-    for element, (high, low, before, missed, high_at, low_at), reversals in rows:
-        times = number(max(abs(high), abs(low)) / abs(before), 3) if before else NONE
-        cells.append(
-            (element.name, unit.text(high), number(high_at), unit.text(low), number(low_at),
-             unit.text(before), times, str(reversals), unit.text(missed))
-        )  # fmt: skip
-    return Table(head(titles), tuple(cells), "Torques of the motion, mean torque included", short="Motion over time")
+    cells = [
+        (element.name, unit.text(high), high_at, unit.text(low), low_at, unit.text(before),
+         number(max(abs(high), abs(low)) / abs(before), 3) if before else NONE, reversals, unit.text(missed))
+        for element, (high, low, before, missed, high_at, low_at), reversals in rows
+    ]  # fmt: skip
+    return table(titles, cells, "Torques of the motion, mean torque included", short="Motion over time")
 
 
-def _figures(findings: Findings, found: TransientMotion, unit: Scale) -> list[Block]:
+def _figures(findings: Findings, found: TransientMotion, unit: Scale) -> Iterator[Block]:
     every = sorted(elements(findings.system), key=lambda one: -float(found.peak[list(one.spans)].max()))[:MOST_CURVES]
     curves = [
         (one.name, found.torque[max(one.spans, key=lambda span: found.peak[span])] * unit.factor) for one in every
     ]
-    blocks: list[Block] = []
     for name, values in curves:
         drawn = {**envelope(found.time, [(name, values)]), "quantity": f"torque, {unit.unit}"}
-        blocks.append(Figure(f"motion {name}", f"Torque in {name} over time", "over time", drawn))
+        yield Figure(f"motion {name}", f"Torque in {name} over time", "over time", drawn)
     stations = [(k, s.name) for k, s in enumerate(findings.study.train.stations) if not s.is_ground]
     ends = [stations[0], stations[-1]] if len(stations) > 1 else stations
     speeds = [(name, found.speed[k] * RPM) for k, name in ends]
     drawn = {**envelope(found.time, speeds), "quantity": "own speed, rpm"}
-    return [*blocks, Figure("motion speeds", "Speed of both ends of the train over time", "over time", drawn)]
+    yield Figure("motion speeds", "Speed of both ends of the train over time", "over time", drawn)
 
 
 def envelope(time: np.ndarray, curves: list[tuple[str, np.ndarray]]) -> dict[str, object]:
