@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.spans import Row, Runs, SegmentGroups, Span
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
@@ -22,6 +21,7 @@ from torsion.primitives import Damper, Station
 from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
+    from torsion.assembly.distributed_spans import BarSpans
     from torsion.kernels.distributed.segment_chains import SegmentChains
     from torsion.kernels.distributed.span_laws import Shafts
 
@@ -64,7 +64,7 @@ class System:
     loss_factor: FloatArray  # (spans,)
     dampers: tuple[Damper, ...]
     segments: dict[str, int]  # of every shaft, by name: segments, elements or pieces
-    bars: BarSpans | None = None  # of the models `fem` and `exact`, where a shaft has inertia
+    bars: "BarSpans | None" = None  # of the models `fem` and `exact`, where a shaft has inertia
     rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
     requested: Discretisation = Discretisation()
     resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`

@@ -1,16 +1,19 @@
 """Stations and spans while a system is put together; what is the same in every model of the shafts."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.spans import Row, Runs, Span
 from torsion.assembly.system import Discretisation, System
 from torsion.errors import SolveError
 from torsion.primitives import Bar, Station
 from torsion.train import Train
+
+if TYPE_CHECKING:
+    from torsion.assembly.distributed_spans import BarSpans
 
 
 @dataclass
@@ -64,7 +67,7 @@ class Collected:
 
     def system(
         self, model: str, segments: dict[str, int], requested: Discretisation, resolved_to: float,
-        bars: BarSpans | None = None,
+        bars: "BarSpans | None" = None,
     ) -> System:  # fmt: skip
         """The system of all that was collected; resolved_to: Hz.
 

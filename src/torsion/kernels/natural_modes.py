@@ -9,7 +9,6 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.factors import banded_values, start_frequencies
-from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
 from torsion.kernels.mode_shapes import (
     ShaftModes,
     Shapes,
@@ -56,6 +55,8 @@ def tree_modes(
     0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
     """
     if count is not None and tree.shafts is None and tree.size >= _LONG and 0 < count * _STATIONS_A_MODE <= tree.size:
+        from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
+
         long = long_chain_modes(tree, count, progress=progress)
         if long is not None:
             return long

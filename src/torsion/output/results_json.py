@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,14 @@ import torsion
 from torsion.analyses import ANALYSES
 from torsion.assembly.system import MOST_GROUPS
 from torsion.findings import Findings, Plan
-from torsion.output.document import Document
 from torsion.output.plain import LISTED, plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
 from torsion.output.selection import Selection
 from torsion.results import is_list, parts, quantities
 from torsion.rules.verdict_line import Checks
+
+if TYPE_CHECKING:
+    from torsion.output.document import Document
 
 SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
@@ -168,7 +170,7 @@ def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]
     return lines((key, make()) for key, make in _made(findings, only).items())
 
 
-def rendered(document: Document) -> Callable[[Path], list[Path]]:
+def rendered(document: "Document") -> Callable[[Path], list[Path]]:
     """What writes the results that a report is of into a file, and very long arrays into another beside it."""
     return partial(write_json, _made(document.findings, document.report.keys))
 
