@@ -127,7 +127,8 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("shaft_bending",),
     ),
     "transient": Analysis(
-        "motion over time", "torsion.analyses.transient.transient_motion", settings="TransientSettings",
+        "motion over time", "torsion.analyses.transient.transient_motion",
+        settings="torsion.analyses.transient.transient_settings:TransientSettings",
         needs=("steady",), results={"transient": "TransientMotion"}, chapters=("motion_over_time",),
     ),
     "check": Analysis(

@@ -112,7 +112,7 @@ _motion_faults = _of_analysis(
     ),
 )
 _transient_faults = _of_analysis(
-    "transient.transient_motion:transient_faults", lambda study: "transient" in study.analyses
+    "transient.transient_settings:transient_faults", lambda study: "transient" in study.analyses
 )
 _lateral_faults = _of_analysis(
     "lateral.shaft_bending:lateral_faults", lambda study: "lateral" in study.analyses or study.has_supports,

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.transient.transient_motion import TransientMotion, TransientSettings, transient
+from torsion.analyses.transient.transient_motion import TransientMotion, transient
+from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.errors import SolveError
 

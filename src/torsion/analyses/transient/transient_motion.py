@@ -1,69 +1,28 @@
 """Motion over time of a linear train, exactly from its modes: torques, their peaks and reversals, and speeds."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from dataclasses import dataclass
 
 import numpy as np
-from pydantic import BeforeValidator, Field
 
-from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.steady import Steady, steady
-from torsion.analyses.transient.events import Event, Length, Point
 from torsion.analyses.transient.peaks import Extremes
+from torsion.analyses.transient.state_before import State, loads_of_events, state_before
+from torsion.analyses.transient.transient_settings import DEFAULT_MOST, PATH, PER_PERIOD, TransientSettings
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, SolveError
-from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.errors import SolveError
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.transient.damped_motion import ModalTrain, Motion, motion
-from torsion.kernels.transient.torque_history import Piece, value
-from torsion.kernels.tree_response import Status
+from torsion.kernels.transient.torque_history import value
 from torsion.results import reported, result
 from torsion.study import Study
-from torsion.train import name_fault
 
-PATH = ("analyses", "transient")
 MOST_MODES = 3000
-MOST_SAMPLES = 1_000_000
-PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
-DEFAULT_MOST = 20_000  # samples where the file names no number
 BLOCK = 2**21  # values of one array at once
 CHECKED = 64  # windows in which the balance of energy is verified
 GAUSS = 8
-
-
-def _read_initial(value: Any) -> Any:
-    if value in ("rest", "steady"):
-        return value
-    if isinstance(value, dict) and set(value) == {"speed"}:
-        return {"speed": Quantity("rad/s", at_least=0).read(value["speed"])}
-    if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
-        return {"torque": {str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()}}
-    raise refuse("this is no initial state", "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}")
-
-
-Initial = Annotated[Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])]
-
-
-class TransientSettings(Declared):
-    """Settings of `transient`."""
-
-    duration: Length = required("how long the motion is computed")
-    initial: Initial = given(
-        "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, or a static twist that is "
-        "released, {torque: {span: N*m}} (default: steady where the operation has a speed, else rest)"
-    )
-    events: tuple[Event, ...] = given(
-        "what happens, each at a point: [{at: motor-1, step: {torque: 100 N*m}}, ...]", ()
-    )
-    samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
-        "samples of the curves; peaks are found between them, and nothing else depends on them "
-        f"(default: {PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
-    )
 
 
 @reported
@@ -97,18 +56,6 @@ class TransientMotion:
         return np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
 
 
-@dataclass(frozen=True)
-class _State:
-    """How the train runs before its events."""
-
-    speed: float  # rad/s, reference
-    mean: Steady | None
-    torque: FloatArray  # (spans,) N m of the mean torques
-    frequency: FloatArray  # (components,) rad/s of its steady vibration
-    amplitude: ComplexArray  # (components, spans) N m
-    twist: FloatArray  # (spans,) N m that twist it at rest and are released
-
-
 def transient(
     study: Study, system: System, settings: TransientSettings, *, modes: Modes | None = None,
     damping_ratio: float | None = None, progress: Progress = silent,
@@ -120,12 +67,12 @@ def transient(
     is of a kind that is not built.
     """
     found = _all_modes(system) if modes is None else modes
-    before = _before(study, system, settings)
+    before = state_before(study, system, settings)
     shape = _shapes(system, found)
     train = _modal_train(study, system, found, shape, before)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    loads, force = _loads(study, system, settings, before, shape)
+    loads, force = loads_of_events(study, system, settings, before, shape)
     place, speed = _start(system, found, before, shape)
     moved = motion(train, force, loads, place, speed)
     time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
@@ -164,40 +111,7 @@ def _shapes(system: System, found: Modes) -> FloatArray:
     return np.concatenate([rigid, found.shape], axis=1)
 
 
-def _before(study: Study, system: System, settings: TransientSettings) -> _State:
-    """The state before the events."""
-    spans, operation = len(system.spans), study.operation
-    initial = settings.initial if settings.initial is not None else "steady" if operation.speed else "rest"
-    none = _State(0.0, None, np.zeros(spans), np.empty(0), np.empty((0, spans), dtype=complex), np.zeros(spans))
-    if initial == "rest":
-        return none
-    if isinstance(initial, dict) and "torque" in initial:
-        names = [span.name for span in system.spans]
-        twist = np.zeros(spans)
-        for name, torque in initial["torque"].items():
-            if name not in names:
-                raise InputError([Fault((*PATH, "initial"), f"no span is called '{name}'", ", ".join(names))])
-            twist[names.index(name)] = torque
-        return replace(none, twist=twist)
-    if isinstance(initial, dict):
-        return replace(none, speed=initial["speed"])
-    if not operation.speed:
-        fault = Fault((*PATH, "initial"), "a steady state needs a speed", "give `operation: rated`")
-        raise InputError([fault])
-    at = np.array([operation.speed])
-    mean = steady(study.train, system, operation, at) if operation.has_mean_torque else None
-    state = replace(none, speed=float(at[0]), mean=mean, torque=none.torque if mean is None else mean.torque[:, 0])
-    if not study.excites:
-        return state
-    vibration = response(study, system, speeds=at, refine=False)
-    if (vibration.status != Status.OK).any():
-        message = "its steady vibration at the operating speed has no finite value"
-        raise SolveError(message, "give the damping of the train, or `initial: {speed: ...}`", (*PATH, "initial"))
-    own = int(np.flatnonzero(vibration.speed == at[0])[0])
-    return replace(state, frequency=2.0 * math.pi * vibration.frequency[own], amplitude=vibration.torque[own])
-
-
-def _modal_train(study: Study, system: System, found: Modes, shape: FloatArray, before: _State) -> ModalTrain:
+def _modal_train(study: Study, system: System, found: Modes, shape: FloatArray, before: State) -> ModalTrain:
     """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is."""
     ratio = 0.5 * system.loss_factor @ found.elastic
     damping = np.zeros((shape.shape[1],) * 2)
@@ -221,39 +135,7 @@ def _twist(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> 
     return np.where(slips[:, None], ends, twist)
 
 
-def _loads(
-    study: Study, system: System, settings: TransientSettings, before: _State, shape: FloatArray
-) -> tuple[Sequence[Sequence[Piece]], FloatArray]:
-    """The torque of every event, and the force of each per N m on rigid motions and modes, (both, events)."""
-    loads, columns = list[tuple[Piece, ...]](), list[FloatArray]()
-    for number, event in enumerate(settings.events):
-        station = study.train.part(event.at).stations[0]
-        loads.append(event.pieces(_point(study, system, before, event, number, station)))
-        columns.append(shape[station])
-    return loads, np.array(columns).reshape(-1, shape.shape[1]).T
-
-
-def _point(study: Study, system: System, before: _State, event: Event, number: int, station: int) -> Point:
-    """The train where an event acts."""
-    part, ratio = study.train.part(event.at), abs(float(system.speed_ratio[station]))
-    rated = study.operation.rated
-    power = part.power if part.power is not None else None if rated is None else rated.power
-    blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
-    path = (*PATH, "events", number, event.kind)
-    if event.short_circuit is not None and (rated is None or power is None):
-        raise InputError([Fault(path, "a short circuit needs the rated torque", "give `operation: rated`")])
-    if event.ice is not None and not (blades and before.speed):
-        raise InputError([Fault(path, "ice needs a turning propeller with `blades`", "give `blades` and a speed")])
-    mean = 0.0 if before.mean is None else float(before.mean.applied[station, 0])
-    if event.stop is not None and not mean:
-        raise InputError(
-            [Fault(path, f"no mean torque acts at '{event.at}'", "name a motor or a load of a steady train")]
-        )
-    torque = 0.0 if rated is None or power is None else power / (rated.speed * ratio)
-    return Point(before.speed * ratio, mean, torque, blades)
-
-
-def _start(system: System, found: Modes, before: _State, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _start(system: System, found: Modes, before: State, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
     rigid = shape.shape[1] - found.torque.shape[1]
     place, speed = np.zeros(shape.shape[1]), np.zeros(shape.shape[1])
@@ -276,7 +158,7 @@ class _Curves:
 
     system: System
     found: Modes
-    before: _State
+    before: State
     shape: FloatArray  # (stations, rigid motions + modes)
     motion: Motion
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
@@ -348,7 +230,7 @@ def _sampled(
     return torque, turning, tuple(ends)
 
 
-def _vibration(before: _State, time: FloatArray, span: IntArray | None = None) -> tuple[FloatArray, FloatArray]:
+def _vibration(before: State, time: FloatArray, span: IntArray | None = None) -> tuple[FloatArray, FloatArray]:
     """Torque of the steady vibration and its rate of change, (spans, times); with `span` of its pairs with times."""
     turned = np.exp(1j * np.multiply.outer(before.frequency, time))
     growing = 1j * before.frequency[:, None] * turned
@@ -390,27 +272,6 @@ def _residual(moved: Motion, time: FloatArray) -> float:
         worst = max(worst, abs(energy[-1] - energy[0] - (end - begin) / 2.0 * float(weights @ power)))
         largest = max(largest, float(energy.max()))
     return worst / largest if largest else 0.0
-
-
-def transient_faults(study: Study) -> list[Fault]:
-    """Events at what is no point, or after the end; nothing that moves the train."""
-    settings = study.analyses.get("transient")
-    if not isinstance(settings, TransientSettings):
-        return []
-    twisted = isinstance(settings.initial, dict) and "torque" in settings.initial
-    found = []
-    if not settings.events and not twisted:
-        hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
-        found.append(Fault(PATH, "nothing moves the train: no event, and no twist that is released", hint))
-    known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
-    for number, event in enumerate(settings.events):
-        path = (*PATH, "events", number)
-        if (fault := name_fault(event.at, (*path, "at"), known)) is not None:
-            found.append(fault)
-        if event.time >= settings.duration:
-            hint = f"within {settings.duration:g} s, or a longer `duration`"
-            found.append(Fault((*path, "time"), "the event begins after the end of the motion", hint))
-    return found
 
 
 def run(work: Work) -> None:

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.transient.transient_motion import TransientMotion, TransientSettings
+from torsion.analyses.transient.transient_motion import TransientMotion
+from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale

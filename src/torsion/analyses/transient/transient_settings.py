@@ -1,0 +1,67 @@
+"""Settings of the motion over time, and what a file says wrongly in them."""
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from torsion.analyses.transient.events import Event, Length
+from torsion.errors import Fault
+from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.study import Study
+from torsion.train import name_fault
+
+PATH = ("analyses", "transient")
+MOST_SAMPLES = 1_000_000
+PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
+DEFAULT_MOST = 20_000  # samples where the file names no number
+
+
+def _read_initial(value: Any) -> Any:
+    if value in ("rest", "steady"):
+        return value
+    if isinstance(value, dict) and set(value) == {"speed"}:
+        return {"speed": Quantity("rad/s", at_least=0).read(value["speed"])}
+    if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
+        return {"torque": {str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()}}
+    raise refuse("this is no initial state", "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}")
+
+
+Initial = Annotated[Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])]
+
+
+class TransientSettings(Declared):
+    """Settings of `transient`."""
+
+    duration: Length = required("how long the motion is computed")
+    initial: Initial = given(
+        "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, or a static twist that is "
+        "released, {torque: {span: N*m}} (default: steady where the operation has a speed, else rest)"
+    )
+    events: tuple[Event, ...] = given(
+        "what happens, each at a point: [{at: motor-1, step: {torque: 100 N*m}}, ...]", ()
+    )
+    samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
+        "samples of the curves; peaks are found between them, and nothing else depends on them "
+        f"(default: {PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
+    )
+
+
+def transient_faults(study: Study) -> list[Fault]:
+    """Events at what is no point, or after the end; nothing that moves the train."""
+    settings = study.analyses.get("transient")
+    if not isinstance(settings, TransientSettings):
+        return []
+    twisted = isinstance(settings.initial, dict) and "torque" in settings.initial
+    found = []
+    if not settings.events and not twisted:
+        hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
+        found.append(Fault(PATH, "nothing moves the train: no event, and no twist that is released", hint))
+    known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
+    for number, event in enumerate(settings.events):
+        path = (*PATH, "events", number)
+        if (fault := name_fault(event.at, (*path, "at"), known)) is not None:
+            found.append(fault)
+        if event.time >= settings.duration:
+            hint = f"within {settings.duration:g} s, or a longer `duration`"
+            found.append(Fault((*path, "time"), "the event begins after the end of the motion", hint))
+    return found
