@@ -2,8 +2,9 @@
 
 Each mutant is one change at one place of a copy of `src`: a sign, a factor, a comparison, an index, a pair of opposite
 names. The tests of that part run against the copy; a mutant that they all pass has survived and is listed. Places are
-drawn by seed, evenly over the parts, so that a run can be repeated; `--list` shows them without running anything. Some
-mutants mean the same as the program (a maximum over one span): whoever reads the list judges that.
+drawn by seed, evenly over the parts, so that a run can be repeated; `--list` shows them without running anything.
+Numbers in the drawing of figures (widths, places of labels) are left as they are: they are the look, and are looked at.
+Some mutants mean the same as the program (a maximum over one span): whoever reads the list judges that.
 """
 
 import argparse
@@ -32,6 +33,7 @@ PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that sho
     "output/terminal.py": (FROZEN, "tests/output"),
     "output/chapters": (FROZEN, "tests/output"),
 }
+DRAWN = ("output/figures", "output/surface")  # where plain numbers are the look of a drawing
 OPERATORS: dict[type[ast.operator], tuple[str, str]] = {
     ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"),
 }  # fmt: skip
@@ -82,7 +84,7 @@ def _of_file(part: str, path: Path, text: bytes) -> Iterator[Mutant]:
     tree = ast.parse(text)
     skipped = {id(inner) for node in ast.walk(tree) for outer in _not_run(node) for inner in ast.walk(outer)}
     for node in ast.walk(tree):
-        if id(node) in skipped:
+        if id(node) in skipped or (isinstance(node, ast.Constant) and str(path).startswith(DRAWN)):
             continue
         for where, new in _changes(node, text.decode()):
             begin = starts[where[0] - 1] + where[1]

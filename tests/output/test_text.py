@@ -52,6 +52,19 @@ def test_the_largest_torque_is_that_of_the_synthesis_at_its_speed(train: Finding
     assert stated == [number(float(half.max())), rpm(float(train.need(Response).speed[half.argmax()]))]
 
 
+def test_progress_fills_its_bar_on_the_error_stream(capsys, monkeypatch) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "100")
+    for share, is_full in ((1.0, True), (0.5, False)):
+        with progress() as report:
+            report("modes [of all]", share)
+        printed = capsys.readouterr()
+        assert printed.out == ""
+        assert "modes [of all]" in printed.err
+        last = printed.err.rpartition("modes [of all]")[2]
+        assert ("━" * 40 in last) is is_full  # without a change of colour between its parts
+
+
 def test_progress_is_silent_where_there_is_no_terminal(capsys: object) -> None:
     with progress() as tell:
         tell("response [bold]", 0.5)

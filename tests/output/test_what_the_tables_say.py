@@ -9,7 +9,7 @@ import torsion
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table
-from torsion.output.chapters import component_loads, mass_elastic
+from torsion.output.chapters import chapters, component_loads, mass_elastic
 from torsion.output.chapters.natural_frequencies import holzer_table
 from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
@@ -103,3 +103,16 @@ rules: [coupling-maker]
     values = {check.clause: (check.value, check.verdict) for check in found.need(Checks).lines}
     assert values == {"T_KW": (float("inf"), "fail"), "P_KW": (float("inf"), "fail")}
     assert not re.search(r"\b0 W", str(list(component_loads.couplings(found))))
+
+
+def test_segments_behind_the_last_station_of_a_loop_belong_to_no_row_of_holzer() -> None:
+    text = """
+name: loop whose softest span is a segment of its shaft
+train: [disc: {name: a, inertia: 1e-5}, coupling: {stiffness: 1e4}, disc: {name: b, inertia: 2e-5}]
+links: [{between: [a, b], shaft: {length: 2 m, diameter: 10 mm, segments: 6}}]
+"""
+    found = torsion.run(torsion.parse(text))
+    table = next(block for block in chapters(found) if isinstance(block, Table) and "Holzer" in block.caption)
+    names, inertias = [row[0] for row in table.rows], [float(row[1].replace("·10⁻⁵", "e-5")) for row in table.rows]
+    assert names == ["a", "b"]
+    assert inertias == pytest.approx(found.system.lumped_inertia[:2], rel=1e-4)

@@ -1,0 +1,86 @@
+"""What is chosen of many values: the largest that is known, the strongest curves, and the names of what they are of."""
+
+import math
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses import Analysis
+from torsion.arrays import FloatArray
+from torsion.output.blocks import Table
+from torsion.output.chapters.declared_results import chapter
+from torsion.output.numbers import Scale
+from torsion.output.selection import NO_VALUE, damps, elements, highest, largest, strongest, torques, worst
+from torsion.results import reported, result
+
+TRAIN = """
+name: x
+train:
+- disc: {name: a, inertia: 1}
+- coupling: {name: lossy, stiffness: 100, loss_factor: 0.1}
+- disc: {name: b, inertia: 1}
+- coupling: {name: viscous, stiffness: 100, viscous: 2}
+- disc: {name: c, inertia: 1}
+- coupling: {name: elastic, stiffness: 100}
+- disc: {name: d, inertia: 1}
+"""
+
+
+@reported
+class Heights:
+    """A result of one number and one array by mode."""
+
+    count: int = result("", (), "how many")
+    height: FloatArray = result("m", ("mode",), "of every mode")
+
+
+def test_the_largest_is_unknown_where_one_value_is() -> None:
+    assert largest(np.array([1.0, 5.0, 2.0])) == 1
+    assert largest(np.array([1.0, math.nan, 7.0])) is None
+    assert largest(np.empty(0)) is None
+    assert highest(np.array([1.0, math.nan, 7.0])) == 7.0
+    assert highest(np.array([-3.0])) == 0.0
+
+
+def test_the_worst_value_stands_with_its_speed_in_its_unit() -> None:
+    speed = np.array([10.0, 20.0]) * math.pi / 30.0
+    assert worst(np.array([2000.0, 3000.0]), speed, Scale("kN m", 1e-3)) == ("3.0000", "20.000")
+    assert worst(np.array([2000.0, math.nan]), speed) == (NO_VALUE, "–")
+
+
+def test_torques_have_the_unit_of_the_largest() -> None:
+    assert torques([np.array([3.0]), np.array([4500.0, math.nan])]) == Scale("kN m", 1e-3)
+    assert torques([np.array([3.0])]).unit == "N m"
+
+
+def test_the_strongest_curves_stand_in_their_own_order() -> None:
+    values = np.array([[1.0, 9.0, 0.0, 4.0, math.nan], [2.0, 3.0, 0.0, 8.0, 5.0]])
+    assert strongest(values, 2) == [1, 3]
+    assert strongest(values, 3) == [1, 3, 4]
+    assert strongest(values, 9) == [0, 1, 3, 4]
+
+
+def test_a_lossy_or_a_viscous_coupling_damps() -> None:
+    system = torsion.assemble(torsion.parse(TRAIN).train)
+    assert [(one.name, damps(system, one)) for one in elements(system)] == [
+        ("lossy", True), ("viscous", True), ("elastic", False),
+    ]  # fmt: skip
+
+
+def test_places_of_an_axis_without_names_count_from_one() -> None:
+    found = torsion.run(torsion.parse(TRAIN)).having(heights=Heights(2, np.array([3.0, 4.0])))
+    blocks = chapter(Analysis("heights", "x", results={"heights": "x:Heights"}), found)
+    single, by_mode = (block for block in blocks if isinstance(block, Table))
+    assert single.rows == (("count", "2", "", "how many"),)
+    assert by_mode.rows == (("1", "3.0000"), ("2", "4.0000"))
+    assert [(column.title, column.unit) for column in by_mode.columns] == [("Mode", ""), ("of every mode", "m")]
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_the_number_of_a_mode_heads_its_share(number: int) -> None:
+    from torsion.output.chapters import chapters
+
+    tables = [block for block in chapters(torsion.run(torsion.parse(TRAIN))) if isinstance(block, Table)]
+    shares = next(one for one in tables if "Shares of the kinetic" in one.caption)
+    assert shares.columns[number].title == f"Mode {number}"
