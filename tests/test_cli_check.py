@@ -81,3 +81,17 @@ def test_a_folder_that_cannot_be_written_is_told_and_leaves_no_traceback(scene: 
     done = call("check", str(scene), "-o", str(tmp_path / "taken"))
     assert done.exit_code == 2
     assert "cannot be written" in done.output
+
+
+def test_the_rules_that_the_file_names_stand_in_its_head(tmp_path: Path) -> None:
+    """They are named, and not judged."""
+    file = tmp_path / "ruled.yaml"
+    file.write_text(
+        "name: x\noperation: {rated: {speed: 900 rpm, power: 10 kW}, speeds: {from: 100 rpm, to: 900 rpm}}\n"
+        "train: [motor: {inertia: 1}, shaft: {length: 1 m, diameter: 50 mm}, coupling: {stiffness: 1e4, "
+        "rated_torque: 1 kN*m}, disc: {inertia: 2}]\nrules: [coupling-maker]\n",
+        encoding="utf-8",
+    )
+    printed = json.loads(call("check", str(file), "--json").stdout)
+    assert printed["scene"]["rules"] == ["coupling-maker"]
+    assert "checks" not in printed

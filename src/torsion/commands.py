@@ -110,9 +110,10 @@ def check(file: str | Path, *, progress: Progress = silent) -> Findings:
 
     Raises InputError, also for closed loops, of which there is no exact model, and SolveError.
     """
-    findings = run(replace(read(file), rules=()), only=("check",), progress=progress)
+    study = read(file)
+    findings = run(replace(study, rules=()), only=("check",), progress=progress)
     rest = ("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
-    return replace(findings, plan=replace(findings.plan, left_out=(*findings.plan.left_out, rest)))
+    return replace(findings, study=study, plan=replace(findings.plan, left_out=(*findings.plan.left_out, rest)))
 
 
 def study(

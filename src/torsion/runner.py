@@ -75,6 +75,8 @@ def _with_needs(only: Collection[str]) -> list[str]:
     """The names, each behind those that it needs."""
     found: dict[str, None] = {}
     for name in only:
+        if name not in ANALYSES:
+            raise InputError([Fault(("only",), f"no analysis is called '{name}'", ", ".join(ANALYSES))])
         found |= dict.fromkeys([*_with_needs(ANALYSES[name].needs), name])
     return list(found)
 

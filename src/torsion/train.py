@@ -168,7 +168,9 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
         return
     both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
     senses = {build.stations[part.stations[0]].sense for part in (first, second)}
-    if first.stations == second.stations or first.ratio != second.ratio or len(senses) > 1:
+    if first.stations == second.stations:
+        build.faults.append(Fault(place, f"{both} are one point", "a link joins two different points"))
+    elif first.ratio != second.ratio or len(senses) > 1:
         hint = "a link joins two different points of the same speed and sense of rotation"
         build.faults.append(Fault(place, f"{both} do not turn together", hint))
     elif first.referred_to != second.referred_to:

@@ -57,3 +57,17 @@ def test_every_mode_of_a_tree_has_one_node_more_than_the_one_before(build, seed)
 def test_mode_of_one_shaft_has_nodes_in_the_other_shaft_too(model):
     found = torsion.modes(torsion.assemble(torsion.parse(SHAFTS).train, model, frequency=3000.0), 8)
     assert found.nodes.tolist() == list(range(1, 9))
+
+
+@pytest.mark.parametrize("ends", [(False, False), (True, False), (True, True)])
+def test_localised_modes_of_a_long_chain_have_one_node_more_each(build, ends):
+    """Their tails fall below the smallest angle that has a sign."""
+    draw = random.Random(0)
+    line = [Disc(inertia=1.0 + 0.3 * draw.uniform(-1.0, 1.0)) for _ in range(200)]
+    parts = [part for disc in line for part in (Coupling(stiffness=1e6), disc)][1:]
+    front, back = ([Disc(held=True)] if fixed else [] for fixed in ends)
+    joint = [Coupling(stiffness=1e6)]
+    train = [*front, *(joint if front else []), *parts, *(joint if back else []), *back]
+    found = modes(build(train)[1], None)
+    first = 0 if any(ends) else 1
+    assert found.nodes.tolist() == list(range(first, first + found.frequency.size))

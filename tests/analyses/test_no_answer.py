@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -157,3 +158,36 @@ def test_nothing_is_reported_where_nothing_has_an_answer():
     assert torsion.run(scene(text, "modes: ", FAST)).plan.unanswered
     with pytest.raises(SolveError, match="at most 400 are possible"):
         torsion.run(scene(text, FAST))
+
+
+LOOP = """name: damped loop
+train: [disc: {name: a, inertia: 1}, coupling: {stiffness: 1e4, viscous: 1}, disc: {name: b, inertia: 2}]
+links: [{between: [a, b], coupling: {stiffness: 2e4}}]
+analyses: {modes: {%s}}
+"""
+
+
+def test_damped_modes_that_a_file_names_are_never_left_out_in_silence() -> None:
+    (one,) = torsion.run(torsion.parse(LOOP % "damped: true")).plan.unanswered
+    assert (one.analysis, one.line, one.is_named) == ("damped", 4, True)
+    assert "closed loops" in one.why
+    plan = torsion.run(torsion.parse(LOOP % "count: 1")).plan
+    assert plan.unanswered == ()
+    assert any(what == "damped modes" for what, _ in plan.left_out)
+
+
+def test_an_analysis_that_does_not_exist_is_refused_by_its_name() -> None:
+    with pytest.raises(InputError, match="no analysis is called 'foo'"):
+        torsion.run(torsion.parse(LOOP % "count: 1"), only=("foo",))
+
+
+@pytest.mark.parametrize("speeds", [[], [0.0, 5.0], [-5.0], [20.0, float("nan")]])
+def test_a_response_refuses_what_are_no_speeds(speeds: list[float]) -> None:
+    study = torsion.parse(SHAFT)
+    with pytest.raises(InputError, match="no speeds of a response"):
+        torsion.response(study, torsion.assemble(study.train), speeds=np.array(speeds))
+
+
+def test_a_link_from_a_point_to_itself_is_said_to_be_that() -> None:
+    with pytest.raises(InputError, match="'a' and 'a' are one point"):
+        torsion.parse((LOOP % "count: 1").replace("[a, b]", "[a, a]"))

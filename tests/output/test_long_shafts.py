@@ -9,7 +9,7 @@ import pytest
 
 import torsion
 from torsion.analyses.undamped_modes import Modes
-from torsion.assembly.system import segment_groups
+from torsion.assembly.system import MOST_GROUPS, segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Table
 from torsion.output.chapters.natural_frequencies import MOST_SEGMENTS, chapter
@@ -134,3 +134,16 @@ def test_a_train_of_one_station_has_a_response_over_frequency():
     page = html(document(found, date(2026, 1, 1)))
     assert "Largest angular amplitude" in page
     assert "Largest torque amplitude" not in page
+
+
+def test_modes_alone_are_reported_at_the_groups_of_the_whole_train() -> None:
+    """By themselves they are those of every segment; of a group the first torque and the outer angle stand."""
+    found = torsion.run(torsion.parse(SCENE), only=("modes",))
+    modes, groups = found.need(Modes), segment_groups(found.system, MOST_GROUPS)
+    assert len(found.system.stations) == 5007
+    results = json.loads(text(found))
+    assert len(results["stations"]) == len(groups.stations) < 2100
+    np.testing.assert_array_equal(results["modes"]["torque_Nm"], modes.torque[groups.spans].T)
+    np.testing.assert_array_equal(results["modes"]["shape_rad"], modes.shape[groups.stations].T)
+    assert np.array(results["modes"]["elastic_share"]).sum(axis=1) == pytest.approx(np.ones(3), rel=1e-13)
+    assert np.array(results["modes"]["kinetic_share"]).sum(axis=1) == pytest.approx(np.ones(3), rel=1e-13)

@@ -8,10 +8,12 @@ import pytest
 import torsion
 from torsion.analyses import Analysis
 from torsion.arrays import FloatArray
+from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Table
 from torsion.output.chapters.declared_results import chapter
 from torsion.output.numbers import Scale
-from torsion.output.selection import NO_VALUE, damps, elements, highest, largest, strongest, torques, worst
+from torsion.output.plain import plain
+from torsion.output.selection import NO_VALUE, Selection, damps, elements, highest, largest, strongest, torques, worst
 from torsion.results import reported, result
 
 TRAIN = """
@@ -66,6 +68,22 @@ def test_a_lossy_or_a_viscous_coupling_damps() -> None:
     assert [(one.name, damps(system, one)) for one in elements(system)] == [
         ("lossy", True), ("viscous", True), ("elastic", False),
     ]  # fmt: skip
+
+
+def test_the_largest_of_an_element_is_that_of_all_its_segments() -> None:
+    shaft = "shaft: {name: s, length: 1 m, diameter: 50 mm, segments: 3}"
+    text = f"name: x\ntrain: [disc: {{inertia: 1}}, {shaft}, disc: {{inertia: 1}}]\n"
+    system = torsion.assemble(torsion.parse(text).train)
+    (element,) = elements(system)
+    assert len(element.spans) == 3
+    assert element.largest(np.array([[1.0, 7.0, 2.0], [5.0, 4.0, 3.0]])).tolist() == [7.0, 5.0]
+    assert element.largest(np.arange(24.0).reshape(2, 4, 3)[:, :, ::-1]).tolist() == [[2, 5, 8, 11], [14, 17, 20, 23]]
+
+
+def test_codes_are_words_with_hyphens() -> None:
+    chosen = Selection(torsion.assemble(torsion.parse(TRAIN).train))
+    assert plain(Status.NEAR_SINGULAR, chosen) == "near-singular"
+    assert plain({"at": (Status.OK, 2.5, math.inf)}, chosen) == {"at": ["ok", 2.5, None]}
 
 
 def test_places_of_an_axis_without_names_count_from_one() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
@@ -68,3 +69,13 @@ def test_progress_fills_its_bar_on_the_error_stream(capsys, monkeypatch) -> None
 def test_progress_is_silent_where_there_is_no_terminal(capsys: object) -> None:
     with progress() as tell:
         tell("response [bold]", 0.5)
+
+
+def test_words_of_a_verdict_are_whole_on_80_columns() -> None:
+    scene = Path(__file__).parents[2] / "shafting_specs" / "haixun_06402.yaml"
+    narrow = Console(width=80, record=True, file=io.StringIO())
+    show(document(torsion.run(torsion.read(scene))), console=narrow)
+    printed = narrow.export_text()
+    assert printed.count(" verified ") >= 3
+    assert "…" not in printed
+    assert max(map(len, printed.splitlines())) <= 80

@@ -293,6 +293,21 @@ def test_least_diameter_follows_the_rated_mean_torque_and_is_to_be_verified(stud
     assert (thin.verdict, thin.standing, thin.fails) == ("not kept", "to be verified", True)
 
 
+@pytest.mark.parametrize(
+    ("outer", "bore", "worst"),
+    [([0.1, 0.2], [0.06, 0.06], (100.0, 0.6)), ([0.2, 0.1], [0.06, 0.06], (100.0, 0.6)),
+     ([0.1, 0.1], [0.08, 0.02], (100.0, 0.8)), ([0.1, 0.1], [0.02, 0.08], (100.0, 0.8))],
+)  # fmt: skip
+def test_the_end_that_lacks_most_of_its_diameter_is_judged_with_its_bore(study, evidence, outer, bore, worst) -> None:
+    rpm = np.array([500.0, 900.0, 1100.0])
+    torque = 100e3 / (RATED * RPM)
+    seen = evidence(study(line(diameter=outer, bore=bore)), rpm, half={}, mean={"line": torque * (rpm / RATED) ** 2})
+    (check,) = clauses(m68.M68().check(seen, m68.M68Settings()), "minimum diameter")
+    diameter, share = worst
+    assert check.value == pytest.approx(diameter)
+    assert check.limit == pytest.approx(least_diameter(100 / RATED, 600, 100, 1, share), rel=1e-12)
+
+
 def test_geared_shaft_counts_the_rated_speed_of_its_own(study, evidence) -> None:
     parts = [("motor", {"inertia": 3.0}), ("gear", {"ratio": 2}), *line()[1:]]
     rpm = np.array([500.0, 1000.0])

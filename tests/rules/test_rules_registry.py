@@ -5,6 +5,7 @@ import pytest
 
 from torsion.fields import Declared
 from torsion.rules import RULES, lacking, needed, not_judged, rule, settings, verdicts
+from torsion.rules.verdict_line import Rule
 
 PARTS = [
     ("motor", {"inertia": 1.0, "ripple": [{"order": 2, "torque": 5.0}]}),
@@ -49,3 +50,10 @@ def test_rules_are_judged_in_the_order_of_the_file(study, evidence) -> None:
     scene = study(PARTS, [(name, settings(name)()) for name in reversed(RULES)])
     found = verdicts(evidence(scene, np.array([500.0, 1000.0]), half={}, mean={"line": 1.0, "gearbox": 1.0}))
     assert list(dict.fromkeys(check.rule for check in found)) == list(reversed(RULES))
+
+
+def test_a_rule_that_says_nothing_needs_and_finds_nothing() -> None:
+    rule = Rule()
+    assert (rule.needs, rule.faults(None, None), rule.left_out(None, None), rule.speeds(None, None)) == ((), [], (), ())
+    assert rule.speeds_between(None, None).size == 0
+    assert rule.check(None, None) == ()

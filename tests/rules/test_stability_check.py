@@ -40,6 +40,16 @@ def test_range_that_touches_the_operation_fails_however_narrow(where):
     assert 100.0 <= check.speed <= 200.0
 
 
+@pytest.mark.parametrize("where", [(80.0, 100.0), (200.0, 220.0)])
+def test_without_speeds_of_an_operation_all_that_were_looked_at_are_judged(where):
+    """The ranges end at the first and at the last of the speeds, 80 and 220 rad/s, at which nothing grows yet."""
+    check = stability_check(found([-1.0] * 5, ranges=((*where, 0.3),)), Operation())
+    assert (check.verdict, check.value) == ("fail", 0.3)
+    slow = stability_check(found([-0.5, -3.0, -3.0, -3.0, -0.2]), Operation())
+    assert (slow.verdict, slow.value, slow.speed) == ("pass", -0.2, 220.0)
+    assert stability_check(found([-0.1, -3.0, -3.0, -3.0, -0.2]), Operation()).speed == 80.0
+
+
 def test_range_outside_the_operation_passes_and_its_distance_is_told():
     check = stability_check(
         found([0.5, -1.0, -1.0, -1.0, 0.4], ranges=((80.0, 90.0, 0.5), (210.0, 220.0, 0.4))), OPERATED

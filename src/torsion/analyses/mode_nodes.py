@@ -3,9 +3,11 @@
 A station that stands still takes the sign of its neighbour toward the root: a node at a station counts once. A grounded
 station has no sign: the shape starts there and does not cross it.
 
-An angle may be tiny and yet true: beside a light disc on a soft coupling a heavy one moves by the ratio of their
-inertias. A tiny angle is rounding only where the torques on its station cancel to rounding, where equilibrium does not
-give it, or where nothing but such stations drives it.
+Of a chain the modes have 1, 2, 3, ... nodes, one less where an end is fixed (Sturm): nothing is to be counted, and no
+angle of a localised mode that is too small for its sign spoils the number. Elsewhere an angle may be tiny and yet true:
+beside a light disc on a soft coupling a heavy one moves by the ratio of their inertias. A tiny angle is rounding only
+where the torques on its station cancel to rounding, where equilibrium does not give it, or where nothing but such
+stations drives it.
 """
 
 import numpy as np
@@ -32,6 +34,10 @@ def nodes(system: System, tree: Tree, chords: IntArray, shape: FloatArray, squar
         rigid[tree.shafts.node] = False
     body = _followed(np.where(rigid, tree.parent, station))  # the first of the stations that are joined rigidly
     own, held = np.flatnonzero((tree.parent >= 0) & ~rigid), tree.held[body]
+    if tree.is_chain and tree.shafts is None and not chords.size:
+        fixed = held[np.unique(body)]
+        if not fixed[1:-1].any():
+            return np.arange(len(square)) + (0 if fixed.any() else 1)
     above = station.copy()
     above[own] = body[tree.parent[own]]
     node = body[system.condensed.node]

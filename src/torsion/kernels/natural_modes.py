@@ -149,7 +149,9 @@ def _enclosed(
         lower, upper, proven = enclose(tree, frequency, rigid)
         if not proven.all():
             where = ", ".join(f"{w:.6g}" for w in frequency[~proven])
-            remedy = "scale the train" if tree.shafts is None else "divide the shafts more finely"
+            remedy = (
+                "divide the shafts more finely" if tree.shafts is not None else "request fewer modes, or `model: exact`"
+            )
             raise SolveError(f"the natural frequencies near {where} rad/s could not be enclosed; {remedy}")
     return frequency, lower, upper, wrong
 

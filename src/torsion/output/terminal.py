@@ -23,6 +23,7 @@ from torsion.output.renderers import OUTPUTS
 
 COLOURS = {"pass": "green", "fail": "bold red", "not kept": "bold red", "outside": "yellow", "note": "yellow"}
 MOST_ROWS = 12
+LONGEST_WORD = 12  # letters that a column of words keeps on a narrow terminal
 
 
 def show(document: Document, folder: Path | None = None, console: Console | None = None) -> None:
@@ -59,9 +60,11 @@ def _in_short(table: Table) -> Grid:
     """A table of the report in its short form; marks colour the last cell of their row."""
     made = Grid(title=_plain(table.short), title_justify="left", title_style="italic", box=SIMPLE, pad_edge=False)
     kept = [k for k, column in enumerate(table.columns) if column.short]
-    for column in (table.columns[k] for k in kept):
+    for k, column in ((k, table.columns[k]) for k in kept):
         if column.align == "left":
-            made.add_column(column.short, overflow="ellipsis")
+            words = [word for row in table.rows[:MOST_ROWS] for word in row[k].split()]
+            longest = max((len(word) for word in words), default=0)
+            made.add_column(column.short, overflow="ellipsis", min_width=min(longest, LONGEST_WORD))
         else:
             made.add_column(column.short, justify="right", no_wrap=True, overflow="fold")
     for row, mark in zip_longest(table.rows[:MOST_ROWS], table.marks[:MOST_ROWS], fillvalue=""):

@@ -127,7 +127,10 @@ def order_faults(study: Study) -> list[Fault]:
 def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
     """(speeds,) rad/s, ascending."""
     if speeds is not None:
-        return np.unique(np.asarray(speeds, dtype=np.float64))
+        found = np.unique(np.asarray(speeds, dtype=np.float64))
+        if not (found.size and (found > 0.0).all() and np.isfinite(found).all()):
+            raise InputError([Fault(("speeds",), "these are no speeds of a response", "one or more, above 0 rad/s")])
+        return found
     if study.operation.speeds is None:
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
         raise InputError([Fault(("operation", "speeds"), "a response over speed needs the speeds", hint)])

@@ -220,7 +220,7 @@ def _finite_shape(chain: Chain, factor: BidiagonalFactor, square: float) -> _Sha
             shape = _shape(chain, twisted)
             if math.isfinite(float(np.dot(shape.torque, shape.torque)) + float(np.dot(shape.angle, shape.angle))):
                 return shape
-    raise SolveError(f"no shape was found near {math.sqrt(square):.6g} rad/s; scale the train")
+    raise SolveError(f"no shape was found near {math.sqrt(square):.6g} rad/s; request fewer modes")
 
 
 def _shape(chain: Chain, twisted: Twisted) -> _Shape:

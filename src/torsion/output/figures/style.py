@@ -58,6 +58,7 @@ def page(name: str, draw: Callable[..., None], **values: Any) -> str:
     with mpl.rc_context({**SETTINGS, "svg.hashsalt": name}), warnings.catch_warnings():
         # text stays text, and who shows it has fonts of his own for what these have no sign for
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        warnings.filterwarnings("ignore", message="constrained_layout not applied")  # names too long for their sheet
         sheet = Figure(layout="constrained")
         canvas: Any = FigureCanvasSVG(sheet)
         draw(sheet, **values)
