@@ -1,4 +1,4 @@
-"""How a train runs before its events: at rest, at a speed, in its steady state, or twisted and held."""
+"""How a train runs before its events: at rest, at a speed, in its steady state, or twisted and let go."""
 
 import math
 from collections.abc import Sequence
