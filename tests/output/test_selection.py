@@ -9,12 +9,14 @@ import torsion
 from torsion.analyses import Analysis
 from torsion.arrays import FloatArray
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Table
+from torsion.output.blocks import Heading, Table
 from torsion.output.chapters.declared_results import chapter
 from torsion.output.numbers import Scale
 from torsion.output.plain import plain
+from torsion.output.reported_values import barred
 from torsion.output.selection import NO_VALUE, Selection, damps, elements, highest, largest, strongest, torques, worst
 from torsion.results import reported, result
+from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 TRAIN = """
 name: x
@@ -61,6 +63,8 @@ def test_the_strongest_curves_stand_in_their_own_order() -> None:
     assert strongest(values, 2) == [1, 3]
     assert strongest(values, 3) == [1, 3, 4]
     assert strongest(values, 9) == [0, 1, 3, 4]
+    assert strongest(np.array([[0.1, 0.3, 0.2]]), 2) == [1, 2]
+    assert strongest(np.array([[math.nan, 0.3, 0.2]]), 2) == [1, 2]
 
 
 def test_a_lossy_or_a_viscous_coupling_damps() -> None:
@@ -89,6 +93,7 @@ def test_codes_are_words_with_hyphens() -> None:
 def test_places_of_an_axis_without_names_count_from_one() -> None:
     found = torsion.run(torsion.parse(TRAIN)).having(heights=Heights(2, np.array([3.0, 4.0])))
     blocks = chapter(Analysis("heights", "x", results={"heights": "x:Heights"}), found)
+    assert blocks[0] == Heading("Heights")
     single, by_mode = (block for block in blocks if isinstance(block, Table))
     assert single.rows == (("count", "2", "", "how many"),)
     assert by_mode.rows == (("1", "3.0000"), ("2", "4.0000"))
@@ -102,3 +107,10 @@ def test_the_number_of_a_mode_heads_its_share(number: int) -> None:
     tables = [block for block in chapters(torsion.run(torsion.parse(TRAIN))) if isinstance(block, Table)]
     shares = next(one for one in tables if "Shares of the kinetic" in one.caption)
     assert shares.columns[number].title == f"Mode {number}"
+
+
+def test_barred_ranges_stand_once_in_rising_order() -> None:
+    ranges = [BarredRange(lower, upper, 0.0, "tail") for lower, upper in ((20.0, 30.0), (10.0, 25.0), (10.0, 15.0))]
+    line = Check("r", "c", "tail", "x", 1.0, 1.0, "", "pass", "setting", barred=tuple(ranges))
+    found = torsion.run(torsion.parse(TRAIN)).having(checks=Checks((line, line)))
+    assert [(one.lower, one.upper) for one in barred(found)] == [(10.0, 15.0), (10.0, 25.0), (20.0, 30.0)]

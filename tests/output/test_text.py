@@ -79,3 +79,6 @@ def test_words_of_a_verdict_are_whole_on_80_columns() -> None:
     assert printed.count(" verified ") >= 3
     assert "…" not in printed
     assert max(map(len, printed.splitlines())) <= 80
+    tight = Console(width=64, record=True, file=io.StringIO())
+    show(document(torsion.run(torsion.read(scene))), console=tight)
+    assert "≥ 98.682" in tight.export_text()  # words may be cut, numbers never

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 import pytest
 
 import torsion
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table
 from torsion.output.chapters import chapters, component_loads, mass_elastic
+from torsion.output.chapters.joint_tables import in_short
 from torsion.output.chapters.natural_frequencies import holzer_table
 from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
@@ -116,3 +118,9 @@ links: [{between: [a, b], shaft: {length: 2 m, diameter: 10 mm, segments: 6}}]
     names, inertias = [row[0] for row in table.rows], [float(row[1].replace("·10⁻⁵", "e-5")) for row in table.rows]
     assert names == ["a", "b"]
     assert inertias == pytest.approx(found.system.lumped_inertia[:2], rel=1e-4)
+
+
+def test_a_line_that_turns_unevenly_is_stated_as_one_joint() -> None:
+    text = "name: x\ntrain: [joint: {angle: 5 deg}, joint: {angle: 3 deg}]\n"
+    found = torsion.run(torsion.parse(text)).need(Joints)
+    assert "its cross joints act as one of" in " ".join(in_short(found, found.lines[0]))

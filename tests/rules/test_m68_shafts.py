@@ -106,3 +106,10 @@ def test_bore_counts_from_0_4_of_the_diameter() -> None:
 )
 def test_drive_factor_favours_intermediate_shafts_of_smooth_drives_alone(role, smooth, factor) -> None:
     assert m68.drive_factor(role, smooth=smooth) == factor
+
+
+def test_the_stress_of_passing_has_a_limit_up_to_0_8_of_the_rated_speed() -> None:
+    at = np.array([0.8, np.nextafter(0.8, 1.0), 0.8 * (1.0 + 1e-6)])
+    limits = m68.tau_t(600, 100, 1.0, at)
+    assert np.isfinite(limits).tolist() == [True, True, False]
+    assert limits[0] == pytest.approx(1.7 * float(m68.tau_c(600, 100, 1.0, 0.8)), rel=1e-14)

@@ -218,3 +218,16 @@ def test_tripod_is_judged_by_its_own_unevenness(judge):
     size = 0.03 / 1.2 * math.tan(math.radians(15)) ** 2 * math.tan(math.radians(30))
     assert found["U", "joint-1"].value == pytest.approx(6.0 * size, rel=1e-3)
     assert found["U", "joint-1"].verdict == "fail"
+
+
+@pytest.mark.parametrize(
+    ("ends", "lacks"),
+    [({"diameter": [0.12, 0.13]}, "it is conical"), ({"bore": [0.1, 0.11]}, "it is conical"),
+     ({"diameter": [0.13, 0.12]}, "it is conical"), ({"bore": [0.11, 0.1]}, "it is conical"), ({}, "")],
+)  # fmt: skip
+def test_a_conical_tube_lacks_what_the_closed_formula_needs(study, ends, lacks) -> None:
+    tube = ("shaft", {**TUBE[1], **ends, "material": "steel"})
+    parts = [("motor", {"inertia": 1.0}), joint(5), tube, joint(5), ("disc", {"inertia": 1.0})]
+    (found,) = tubes(study(parts, materials={"steel": STEEL}).train)
+    assert found.lacks == lacks
+    assert math.isnan(found.critical) == bool(lacks)

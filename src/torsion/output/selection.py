@@ -128,8 +128,10 @@ class Selection:
 
 def largest(values: FloatArray) -> int | None:
     """Where the largest value stands; None where there is none, or one is not known, which may be the largest."""
-    at = int(np.argmax(values)) if values.size else 0  # the first NaN, where there is one
-    return at if values.size and np.isfinite(values[at]) else None
+    if not values.size:
+        return None
+    at = int(np.argmax(values))  # the first NaN, where there is one
+    return at if np.isfinite(values[at]) else None
 
 
 def highest(values: FloatArray) -> float:

@@ -76,7 +76,7 @@ def _check(
 
 def _bare(found: Stability, first: float, last: float) -> list[SpeedRange]:
     """What of the operated speeds lies between speeds without a periodic motion and their neighbours that have one."""
-    met = [(max(low, first), min(high, last)) for low, high in found.unknown if low <= last and high >= first]
+    met = [(max(low, first), min(high, last)) for low, high in found.unknown]
     there = ((found.unsolved >= low) & (found.unsolved <= high) for low, high in met)
     return [one for one, at in zip(met, there, strict=True) if one[0] < one[1] or at.any()]
 

@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Line
-from torsion.analyses.response.synthesis import common_cycle, extremes, synthesis
+from torsion.analyses.response.synthesis import MOST_SAMPLES, SAMPLES, common_cycle, extremes, synthesis
 from torsion.kernels.tree_response import Status
 
 
@@ -152,6 +152,13 @@ def test_fixed_frequencies_add_their_magnitude():
     assert found.half_range[0, 0] == pytest.approx(10 / 9 + 0.5, rel=1e-14)
     assert found.peak[0, 0] == pytest.approx(2 + 10 / 9 + 0.5, rel=1e-14)
     assert found.turns == 1
+
+
+def test_a_cycle_is_too_long_by_its_highest_order():
+    longest = MOST_SAMPLES // SAMPLES
+    assert common_cycle([Fraction(1), Fraction(longest)])[0] == 1
+    turns, harmonics = common_cycle([Fraction(1), Fraction(longest + 1)])
+    assert (turns, harmonics.size) == (0, 0)
 
 
 def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
