@@ -16,7 +16,7 @@ ESSENTIAL = ("sections", "assembly")  # without which nothing else stands
 DEFAULT = ("modes", "response")  # analyses of a file that names none
 ANSWERS = (  # results of which one at least makes a report
     "modes", "damped_modes", "response", "frequency_response", "joints", "lateral", "stability", "stability_map",
-    "check",
+    "transient", "check",
 )  # fmt: skip
 
 

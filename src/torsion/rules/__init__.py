@@ -21,6 +21,7 @@ RULES = {  # name in the file: class
 STANDING = {  # result that a rule judges which needs no name in the file: class
     "stability": "torsion.rules.stable_motion:StableMotion",
     "lateral": "torsion.rules.stable_motion:StableBending",
+    "transient": "torsion.rules.greatest_torque:GreatestTorque",
 }
 
 

@@ -30,6 +30,26 @@ def _model_faults(study: Study) -> Iterator[Fault]:
         yield Fault(("analyses", "model"), message, "model: lumped")
 
 
+def _damping_faults(study: Study) -> Iterator[Fault]:
+    """Damping by mode beside that of components, or for what is not a sum of modes."""
+    if not study.train.modal_damping:
+        return
+    if name := study.train.damping_of_components:
+        message = f"damping by mode stands in place of that of the components, and '{name}' has its own"
+        yield Fault(("damping",), message, "leave one of them out")
+    if study.model != "lumped" and study.train.has_shafts:
+        yield Fault(("analyses", "model"), f"damping by mode is not for the model {study.model}", "model: lumped")
+    for name in ("stability", "check"):
+        if name in study.analyses:
+            yield Fault(("damping",), f"`{name}` takes no damping by mode", "give the components their damping")
+    limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.heat_limit]
+    if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
+        message = f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
+        yield Fault(("damping",), message, "give the components their damping, or leave `heat_limit` out")
+    if study.has_joints:
+        yield Fault(("damping",), "a train with joints takes no damping by mode", "give the components their damping")
+
+
 def _growth_faults(study: Study) -> Iterator[Fault]:
     """Stability of a train in which nothing has an inertia."""
     lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
@@ -111,6 +131,9 @@ _motion_faults = _of_analysis(
         "stability" in study.analyses or study.setting("analyses", "response", "method") == "harmonic-balance"
     ),
 )
+_transient_faults = _of_analysis(
+    "transient.transient_settings:transient_faults", lambda study: "transient" in study.analyses
+)
 _lateral_faults = _of_analysis(
     "lateral.shaft_bending:lateral_faults", lambda study: "lateral" in study.analyses or study.has_supports,
     lambda study: (study.train, study.analyses.get("lateral")),
@@ -118,6 +141,7 @@ _lateral_faults = _of_analysis(
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),
+    (_damping_faults, ("train", "links", "damping", "materials", "analyses", "rules")),
     (_check_faults, ("train", "links", "analyses")),
     (_response_faults, ("train", "operation", "analyses", "rules")),
     (_order_faults, ("train", "excitations", "analyses")),
@@ -125,6 +149,7 @@ _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that
     (_joint_faults, ("train", "analyses")),
     (_motion_faults, ("train", "links", "operation", "analyses")),
     (_growth_faults, ("train", "links", "operation", "analyses")),
+    (_transient_faults, ("train", "operation", "analyses")),
     (_lateral_faults, ("train", "materials", "operation", "analyses")),
     (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),
 )

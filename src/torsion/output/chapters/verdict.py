@@ -25,6 +25,10 @@ from torsion.output.reported_values import (
 from torsion.output.selection import elements, highest
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
+STANDING = {
+    "stability": "stability",
+    "transient": "the greatest torque over time",
+}  # rules that need no name: their demand
 MOST_LISTED = 8  # orders to be measured, ranges of speed without a reliable value
 
 
@@ -153,7 +157,10 @@ def _overall(findings: Findings) -> Paragraph:
         text = "No rule was requested, or none applies to this train: the report gives results without a verdict."
         return Paragraph(text, "note")
     doubt = _to_be_verified(checks)
-    requested = "the rules requested" if findings.study.rules else "the demand of stability; no rule was requested"
+    standing = " and ".join(
+        STANDING[rule] for rule in dict.fromkeys(check.rule for check in checks) if rule in STANDING
+    )
+    requested = "the rules requested" if findings.study.rules else f"the demand of {standing}; no rule was requested"
     if bad:
         where = ", ".join(dict.fromkeys(check.where for check in bad))
         return Paragraph(f"{_bad(checks)} ({where}). The train does not satisfy {requested}.{doubt}", "fail")

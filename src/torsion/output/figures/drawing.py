@@ -13,6 +13,7 @@ PLOTS = {
     "periodic": "torsion.output.figures.curves_over_speed:periodic",
     "stability": "torsion.output.figures.curves_over_speed:stability",
     "stability map": "torsion.output.figures.curves_over_speed:stability_map",
+    "over time": "torsion.output.figures.curves_over_time:over_time",
     "stress": "torsion.output.figures.curves_over_speed:stress",
     "gear": "torsion.output.figures.curves_over_speed:gear",
     "frequency": "torsion.output.figures.curves_over_speed:frequency",

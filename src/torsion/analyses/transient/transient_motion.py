@@ -1,0 +1,194 @@
+"""Motion over time of a linear train, exactly from its modes: torques, their peaks and reversals, and speeds."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.steady import steady
+from torsion.analyses.transient.direct_torques import direct_torques
+from torsion.analyses.transient.energy_balance import residual
+from torsion.analyses.transient.fatigue import damages
+from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.state_before import State, loads_of_events, state_before
+from torsion.analyses.transient.torque_curves import PER_PERIOD, Curves, missed, sampled, times_finer
+from torsion.analyses.transient.transient_settings import (
+    DEFAULT_MOST,
+    DEFAULT_PER_PERIOD,
+    PATH,
+    TransientSettings,
+    cases,
+)
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.section.solved_sections import stress_modulus
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path, SolveError
+from torsion.findings import Progress, Work, silent
+from torsion.kernels.transient.damped_motion import ModalTrain, motion
+from torsion.results import derived, reported, result
+from torsion.study import Study
+
+BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
+RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
+SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
+TINY = np.finfo(float).tiny
+
+
+@reported
+class TransientMotion:
+    """The motion of the train from its events."""
+
+    time: FloatArray = result("s", ("time",), "samples")
+    torque: FloatArray = result(
+        "N*m", ("span", "time"), "torque, positive when the driving side pushes", printed=("time", "end span")
+    )
+    speed: FloatArray = result(
+        "rad/s", ("station", "time"), "speed of its own shaft", printed=("time", "named station")
+    )
+    greatest: FloatArray = result("N*m", ("span",), "greatest torque, also between samples")
+    greatest_at: FloatArray = result("s", ("span",), "when")
+    least: FloatArray = result("N*m", ("span",), "least torque")
+    least_at: FloatArray = result("s", ("span",), "when")
+    before: FloatArray = result("N*m", ("span",), "mean torque before the events")
+    reversals: IntArray = result("", ("span",), "how often the torque changes its sign; of a gear its teeth separate")
+    unresolved: FloatArray = result(
+        "N*m", ("span",), "at most so much do modes add that are too fast for the times looked at: not in the peaks"
+    )
+    residual: float = result("1", (), "largest error of the balance of energy, of the largest energy of the motion")
+    speed_before: float = result("rad/s", (), "reference speed before the events")
+    modes: int = result("", (), "elastic modes that were kept")
+    system: System | None = None
+    name: str = result("", (), "name of the motion", default="")
+    change: float | None = result(
+        "1", (), "largest change of a peak, of itself, with twice as many modes; null where all are kept", default=None
+    )
+    rated: FloatArray | None = result("N*m", ("span",), "mean torque at the rated point, or null", default=None)
+    stress: FloatArray | None = result(
+        "Pa", ("span",), "shear stress at the peak; null where it is no shaft", default=None
+    )
+    damage: FloatArray | None = result("1", ("span",), "Miner's sum; null where it was not requested", default=None)
+
+    @property
+    def peak(self) -> FloatArray:
+        """(spans,) N m, the greatest magnitude, with what modes without samples may add."""
+        return np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
+
+    @derived("", (), "ok, or what makes the peaks doubtful and what to do")
+    def status(self) -> str:
+        """In words."""
+        found = []
+        if self.residual > BALANCED:
+            found.append(f"the balance of energy holds to {self.residual:.1g} only: report this train")
+        if (self.unresolved > RESOLVED * (self.peak + TINY)).any():
+            found.append("modes too fast for the samples may add more than 5 % to a peak: give more `samples`")
+        if self.change is not None and self.change > SETTLED:
+            found.append(f"twice as many modes change a peak by {100.0 * self.change:.2g} %: give more `modes`")
+        return "; ".join(found) or "ok"
+
+
+@reported
+class Transients:
+    """Every motion over time that the file names."""
+
+    each: tuple[TransientMotion, ...] = result("", (), "every motion over time", key="")
+
+
+def transient(
+    study: Study, system: System, settings: TransientSettings, *, place: Path = PATH,
+    modes: tuple[Modes, Modes] | None = None, damping_ratio: float | None = None, progress: Progress = silent,
+) -> TransientMotion:  # fmt: skip
+    """The motion from the events of `settings`, exact at every sample, and its peaks between them.
+
+    place: of the settings in the file. modes: those kept, and twice as many, where they are known. damping_ratio: of
+    every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
+    too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
+    """
+    kept, twice = kept_modes(system, settings.modes, place) if modes is None else modes
+    needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
+    if needed > study.memory:
+        message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
+        raise SolveError(message, "fewer `samples`, or run with more `memory`", (*place, "samples"))
+    before = state_before(study, system, settings, place)
+    solved = partial(_solved, study, system, settings, place, before, damping_ratio, progress)
+    found = solved(kept, is_band=system.bars is not None or kept is not twice)
+    if kept is not twice and len(twice.frequency) > len(kept.frequency):
+        more = solved(twice, is_band=True)
+        ends = ((more.greatest, found.greatest), (more.least, found.least))
+        moved = np.max([np.abs(one - other) for one, other in ends], axis=0)
+        found = replace(found, change=float((moved / (more.peak + TINY)).max(initial=0.0)))
+    if settings.samples is not None and (found.unresolved > RESOLVED * (found.peak + TINY)).any():
+        least = int(PER_PERIOD * settings.duration * float(kept.frequency.max())) + 1
+        message = "modes with fewer than 4 samples in a period may add more than 5 % to a peak"
+        raise InputError([Fault((*place, "samples"), message, f"{least} resolve all; or keep fewer `modes`")])
+    return _read(study, system, settings, found)
+
+
+def _solved(
+    study: Study, system: System, settings: TransientSettings, place: Path, before: State,
+    damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
+) -> TransientMotion:  # fmt: skip
+    """The motion of some modes."""
+    shape = shapes(system, modes)
+    train = modal_train(study, system, modes, shape, before)
+    if damping_ratio is not None:
+        train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
+    loads, acting = loads_of_events(study, system, settings, before, place)
+    moved = motion(train, shape.T @ acting, loads, *start(system, modes, before, shape))
+    time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
+    slowed = slowed_torques(study, system, modes, shape, before)
+    direct = direct_torques(system, modes, acting, is_band=is_band)
+    curves = Curves(system, modes, before, shape, moved, slowed, direct)
+    finer = times_finer(modes, float(time[1]), len(time))
+    torque, turning, (top, bottom) = sampled(curves, time, finer, progress)
+    reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
+    return TransientMotion(
+        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, missed(modes, moved, time, finer),
+        residual(moved, time), before.speed, len(modes.frequency), system, settings.name,
+    )  # fmt: skip
+
+
+def _samples(settings: TransientSettings, found: Modes) -> int:
+    if settings.samples is not None:
+        return settings.samples
+    highest = float(found.frequency.max(initial=1.0 / settings.duration))
+    return int(min(max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
+
+
+def _read(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> TransientMotion:
+    """With rated torques, stresses and damage."""
+    operation, rated = study.operation, None
+    if operation.rated is not None and operation.has_mean_torque:
+        rated = steady(study.train, system, operation, np.array([operation.rated.speed])).torque[:, 0]
+    stress = np.full(len(system.spans), np.nan)
+    for bar in study.train.bars:
+        here = system.span_part == bar.part
+        stress[here] = found.peak[here] / stress_modulus(bar)
+    damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.torque)
+    return replace(found, rated=rated, stress=stress if study.train.bars else None, damage=damage)
+
+
+def run(work: Work) -> None:
+    """Every motion over time that the file names; one without an answer takes no other with it."""
+    found, errors, known = list[TransientMotion](), list[InputError | SolveError](), dict[Any, tuple[Modes, Modes]]()
+    for settings, place in cases(work.study):
+        title = f"motion over time {settings.name}".rstrip()
+        try:
+            with work.log.step(title, "requested") as step:
+                if settings.modes not in known:
+                    known[settings.modes] = kept_modes(work.system, settings.modes, place)
+                one = transient(
+                    work.study, work.system, settings, place=place, modes=known[settings.modes], progress=work.progress
+                )
+                step.method = "exact propagation of the modes"
+                step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
+            found.append(one)
+        except (InputError, SolveError) as error:
+            errors.append(error)
+            if len(errors) > 1:
+                work.log.without(title, str(error))
+    if found:
+        work.put(transient=Transients(tuple(found)))
+    if errors:
+        raise errors[0]

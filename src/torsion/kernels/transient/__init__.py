@@ -1,0 +1,1 @@
+"""Motion over time: modes exactly under torques that are ramps and exponentials of time."""
