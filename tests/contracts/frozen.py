@@ -21,6 +21,7 @@ TAKEN = {  # of the results of a scene
     "damped_modes": ("frequency_Hz", "damping_ratio"),
     "synthesis": ("half_range_Nm", "peak_Nm"),
     "stability": ("growth_per_s",),
+    "transient": ("greatest_Nm", "least_Nm"),
 }
 Digits = list[Any]  # digest of every bit; how many numbers, their sum, the sum of their magnitudes
 

@@ -116,6 +116,7 @@ def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str, s
     found = solved(scene)
     requested = {name for name, _ in found.study.rules}
     requested |= {"stability" for name in found.study.analyses if name in ("stability", "lateral")}
+    requested |= {"transient" for name in found.study.analyses if name == "transient"}
     assert requested == {check.rule for check in found.need(Checks).lines}
     for check in found.need(Checks).lines:
         assert math.isfinite(check.value)

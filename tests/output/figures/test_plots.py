@@ -90,6 +90,9 @@ VALUES: dict[str, dict[str, Any]] = {
         "panels": [("displacement, <mm>", [BUMP, BUMP / 2]), ("bearing force, N", [BUMP, BUMP])],
         "near": [BAD, BAD], "singular": [BAD, SPEED < 320.0],
     },
+    "over time": {
+        "time": SPEED, "quantity": "torque, kN m", "lines": [("<coupling> $x$", -BUMP, BUMP), ("disc", BUMP, BUMP)],
+    },
     "study": {
         "curves": [("lumped <a>", "lumped", 0, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e4)],
         "tolerance": 1e-3, "bound": 1e-13, "best": (300.0, 1e-3),

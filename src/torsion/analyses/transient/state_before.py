@@ -64,15 +64,15 @@ def state_before(study: Study, system: System, settings: TransientSettings) -> S
 
 
 def loads_of_events(
-    study: Study, system: System, settings: TransientSettings, before: State, shape: FloatArray
+    study: Study, system: System, settings: TransientSettings, before: State
 ) -> tuple[Sequence[Sequence[Piece]], FloatArray]:
-    """The torque of every event, and the force of each per N m on rigid motions and modes, (both, events)."""
-    loads, columns = list[tuple[Piece, ...]](), list[FloatArray]()
+    """The torque of every event, and where each acts, (stations, events) per N m."""
+    loads, acting = list[tuple[Piece, ...]](), np.zeros((len(system.stations), len(settings.events)))
     for number, event in enumerate(settings.events):
         station = study.train.part(event.at).stations[0]
         loads.append(event.pieces(_point(study, system, before, event, number, station)))
-        columns.append(shape[station])
-    return loads, np.array(columns).reshape(-1, shape.shape[1]).T
+        acting[station, number] = 1.0
+    return loads, acting
 
 
 def _point(study: Study, system: System, before: State, event: Event, number: int, station: int) -> Point:

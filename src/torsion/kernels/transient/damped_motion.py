@@ -46,7 +46,7 @@ class Motion:
     train: "ModalTrain"
     force: FloatArray  # (rigid motions + modes, loads)
     loads: Sequence[Sequence[Piece]]
-    rigid: RigidMotion | None  # None where damping takes hold of them
+    rigid: RigidMotion | None  # of the first of them, up to one that damping takes hold of
     coordinates: FirstOrder
     read: tuple[np.ndarray, np.ndarray] | None  # rows of place and of speed; None: modes by themselves
 
@@ -73,14 +73,14 @@ def motion(
     train: ModalTrain, force: FloatArray, loads: Sequence[Sequence[Piece]], place: FloatArray, speed: FloatArray
 ) -> Motion:
     """The motion of rigid motions and modes under `force` (both, loads) from a place and speed (both,) at time 0."""
-    history, count = cut(loads), train.rigid
-    loose = not train.viscous[:count].any()
-    rigid = rigid_motion(force[:count], history, place[:count], speed[:count]) if loose else None
-    kept = slice(count if loose else 0, None)
+    history = cut(loads)
+    count = int(np.argmax(np.append(train.viscous[: train.rigid].any(axis=1), True)))  # rigid motions nothing damps
+    rigid = rigid_motion(force[:count], history, place[:count], speed[:count]) if count else None
+    kept = slice(count, None)
     w, damping = train.w_of_all[kept], train.damping[kept, kept]
     q, v, f = place[kept], speed[kept], force[kept]
     each = np.diag(damping) / 2.0
-    if loose and not (damping - np.diag(np.diag(damping))).any() and (each < NEARLY_CRITICAL * w).all():
+    if count == train.rigid and not (damping - np.diag(np.diag(damping))).any() and (each < NEARLY_CRITICAL * w).all():
         root = -each + 1j * np.sqrt(w**2 - each**2)
         found = first_order(root, f.astype(complex), history, v - root.conj() * q)
         return Motion(train, force, loads, rigid, found, None)
