@@ -6,6 +6,7 @@ from typing import Annotated
 from pydantic import Field
 
 from torsion import fields
+from torsion.components import nonlinear_coupling
 from torsion.components.component import Component
 from torsion.components.lowering import CouplingRatings, Lowering
 from torsion.fields import Quantity, given, refuse
@@ -15,7 +16,7 @@ Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_
 DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
 
 
-class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "clearance", "hysteresis_torque")):
+class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
     """An elastic or rigid coupling, or any other massless spring of the train."""
 
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
@@ -34,6 +35,14 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
     max_torque: fields.Torque | None = given("T_Kmax of the maker")
     heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
     tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
+    clearance: nonlinear_coupling.Clearance | None = given(
+        "play: the whole angle, or {angle, stiffness, viscous} with those of the contact"
+    )
+    hysteresis_torque: nonlinear_coupling.Frictions = given(
+        "dry friction beside the spring: torque, {torque, stiffness}, or a list of them that slip one after another", ()
+    )
+    stages: nonlinear_coupling.Stages = given("list of {from, stiffness, hysteresis_torque} that add to it", ())
+    capacity: nonlinear_coupling.Torque | None = given("torque at which it slips; the coupling is then a clutch")
 
     def refuse_clashes(self) -> None:
         if (self.stiffness is None) == (self.flexibility is None):
@@ -44,6 +53,7 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
             raise refuse(f"{' and '.join(found)} exclude each other", "give one kind of damping", found[1])
         if self.flexibility == 0 and found:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
+        nonlinear_coupling.refuse_clashes(self)
 
     def lower(self, build: Lowering) -> None:
         ratings = CouplingRatings(
@@ -54,6 +64,10 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
         flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
+        if self.clearance is not None and self.clearance.stiffness is not None:
+            flexibility = 1.0 / build.own(self.clearance.stiffness)
+        stiffness = 1.0 / flexibility if flexibility else math.inf
+        build.record(nonlinear=nonlinear_coupling.record(self, stiffness, scale))
         loss = 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
         loss = self.psi / (2.0 * math.pi) if self.psi is not None else loss
         build.add(Spring(build.name, build.part, driving, driven, flexibility, build.own(self.viscous or 0.0), loss))

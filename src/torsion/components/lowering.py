@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from torsion.components.material import Material
+from torsion.components.nonlinear_coupling import NonlinearRecord
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Inertia, Primitive, Spring, Station
@@ -123,6 +124,7 @@ class Part:
     shaft: ShaftRecord | None = None
     joint: JointRecord | None = None
     propeller: PropellerRecord | None = None
+    nonlinear: NonlinearRecord | None = None  # of a coupling that modes and response take as linear
 
 
 @dataclass(frozen=True)

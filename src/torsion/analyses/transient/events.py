@@ -201,6 +201,39 @@ class Stop(Declared):
         yield Piece(begin + self.ramp, math.inf, -at.mean)
 
 
+class Clutch(Declared):
+    """A clutch closes or opens: its capacity over time from here on."""
+
+    torque: Rows | None = given("[[time, torque], ...]: its capacity, which stays as it is after the last row")
+    close: Time | None = given("time in which its capacity rises from nothing to that of the coupling")
+    open: Time | None = given("time in which it falls from that of the coupling to nothing")
+
+    @model_validator(mode="after")
+    def _one_of_three(self) -> Self:
+        if [self.torque, self.close, self.open].count(None) != 2:
+            raise refuse("a clutch has one of `torque`, `close` and `open`", "for example `close: 0.5 s`")
+        if self.torque is not None and any(torque < 0.0 for _, torque in self.torque):
+            raise refuse("the capacity of a clutch is not negative", "torques of 0 N*m and more", "torque")
+        return self
+
+    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        """No torque by itself."""
+        yield from ()
+
+    def rows(self, begin: float, capacity: float) -> tuple[tuple[float, float], ...]:
+        """((s, N m), ...) its capacity, linear between rows and constant after the last."""
+        if self.torque is not None:
+            return tuple((begin + time, torque) for time, torque in self.torque)
+        late = (self.open if self.close is None else self.close) or 0.0
+        first, last = (capacity, 0.0) if self.close is None else (0.0, capacity)
+        return ((begin, first), (begin + late, last)) if late else ((begin, last),)
+
+    @property
+    def begins_open(self) -> bool:
+        """The clutch has no capacity before it."""
+        return self.open is None
+
+
 def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
     """Straight lines between (s, N m)."""
     for (begin, level), (end, later) in pairwise(rows):
@@ -210,13 +243,14 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
 
 KINDS = {
     "step": Step, "table": Table, "pulse": Pulse, "sine": Sine, "short_circuit": ShortCircuit, "ice": Ice, "stop": Stop,
+    "clutch": Clutch,
 }  # fmt: skip
 
 
 class Event(Declared):
     """One event at a point; several add."""
 
-    at: str = required("name of the point at which it happens")
+    at: str = required("name of the point (of a clutch: the coupling) at which it happens")
     time: Time = given("time of its begin", 0.0)
     step: Step | None = given("{torque, until}: a torque that begins at once")
     table: Table | None = given("{rows: [[s, N*m], ...]}: a torque by a table over time")
@@ -227,6 +261,7 @@ class Event(Declared):
     )
     ice: Ice | None = given("{torque, case or angle and factor, turns, ramp}: a propeller that mills ice")
     stop: Stop | None = given("{ramp}: the point's mean torque ends")
+    clutch: Clutch | None = given("{torque, close or open}: a coupling with `capacity` closes or opens; `at` names it")
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:

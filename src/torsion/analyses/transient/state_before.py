@@ -1,8 +1,8 @@
 """How a train runs before its events: at rest, at a speed, in its steady state, or twisted and let go."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,10 +28,11 @@ class State:
     frequency: FloatArray  # (components,) rad/s of its steady vibration
     amplitude: ComplexArray  # (components, spans) N m
     twist: FloatArray  # (spans,) N m that twist it at rest and are released
+    speeds: Mapping[str, float] = field(default_factory=dict)  # rad/s of points whose parts turn by themselves
 
 
-def state_before(study: Study, system: System, settings: TransientSettings) -> State:
-    """The state before the events."""
+def state_before(study: Study, system: System, settings: TransientSettings, *, vibrates: bool = True) -> State:
+    """The state before the events; without its steady vibration where that is not `vibrates`."""
     spans, operation = len(system.spans), study.operation
     initial = settings.initial if settings.initial is not None else "steady" if operation.speed else "rest"
     none = State(0.0, None, np.zeros(spans), np.empty(0), np.empty((0, spans), dtype=complex), np.zeros(spans))
@@ -46,14 +47,15 @@ def state_before(study: Study, system: System, settings: TransientSettings) -> S
             twist[names.index(name)] = torque
         return replace(none, twist=twist)
     if isinstance(initial, dict):
-        return replace(none, speed=initial["speed"])
+        each = initial["speed"]
+        return replace(none, speeds=each) if isinstance(each, dict) else replace(none, speed=each)
     if not operation.speed:
         fault = Fault((*PATH, "initial"), "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
     at = np.array([operation.speed])
     mean = steady(study.train, system, operation, at) if operation.has_mean_torque else None
     state = replace(none, speed=float(at[0]), mean=mean, torque=none.torque if mean is None else mean.torque[:, 0])
-    if not study.excites:
+    if not (study.excites and vibrates):
         return state
     vibration = response(study, system, speeds=at, refine=False)
     if (vibration.status != Status.OK).any():

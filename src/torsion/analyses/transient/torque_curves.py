@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -18,6 +19,28 @@ BLOCK = 2**21  # values of one array at once
 MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
 
 
+class Readable(Protocol):
+    """Torques and speeds that can be read at any time."""
+
+    @property
+    def shape(self) -> FloatArray:
+        """(stations, rigid motions + modes)."""
+
+    @property
+    def slowed(self) -> FloatArray:
+        """(spans, rigid motions + modes)."""
+
+    @property
+    def cuts(self) -> FloatArray:
+        """Times at which a torque may jump."""
+
+    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Torques (spans, times), their rates, and speeds (stations, times)."""
+
+    def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torque and its rate (pairs,) of every span at a time of its own."""
+
+
 @dataclass(frozen=True)
 class Curves:
     """Torques and speeds at any time."""
@@ -29,6 +52,11 @@ class Curves:
     motion: Motion
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
     direct: FloatArray  # (spans, loads) share of the loads that a span carries at once
+
+    @property
+    def cuts(self) -> FloatArray:
+        """Times at which a torque of an event begins or ends."""
+        return self.motion.coordinates.history.begin
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Torques (spans, times) with the damping part, their rates, and speeds (stations, times) of the stations."""
@@ -75,7 +103,7 @@ def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
 
 
 def sampled(
-    curves: Curves, time: FloatArray, progress: Progress
+    curves: Readable, time: FloatArray, progress: Progress
 ) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
     """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative."""
     spans, stations = len(curves.slowed), len(curves.shape)
@@ -93,7 +121,7 @@ def sampled(
         value, rate = curves.torque_of(span, at)
         return -value, -rate
 
-    cuts = curves.motion.coordinates.history.begin
+    cuts = curves.cuts
     cuts = cuts[(cuts > 0.0) & (cuts < time[-1])][:MOST_CUTS]
     cuts = np.ravel(np.column_stack([np.nextafter(cuts, 0.0), cuts]))  # both sides of what may jump
     jumps = curves.torque(cuts)[0] if cuts.size else np.empty((spans, 0))
@@ -120,7 +148,14 @@ def _vibration(before: State, time: FloatArray, span: IntArray | None = None) ->
     return torque.real, rate.real
 
 
-def missed(found: Modes, moved: Motion, time: FloatArray) -> FloatArray:
+class Placed(Protocol):
+    """A motion of rigid motions and modes."""
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places and speeds (motions and modes, times); places of rigid motions may be left out."""
+
+
+def missed(found: Modes, moved: Placed, time: FloatArray) -> FloatArray:
     """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples."""
     step = float(time[1] - time[0])
     fast = np.flatnonzero(found.frequency * step > 0.25)

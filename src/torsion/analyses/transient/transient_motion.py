@@ -4,6 +4,7 @@ import numpy as np
 
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
+from torsion.analyses.transient.event_driven_train import Switching, event_driven_curves
 from torsion.analyses.transient.modal_train import all_modes, modal_train, shapes, slowed_torques, start
 from torsion.analyses.transient.state_before import loads_of_events, state_before
 from torsion.analyses.transient.torque_curves import Curves, missed, sampled
@@ -39,8 +40,11 @@ class TransientMotion:
     )
     residual: float = result("1", (), "largest error of the balance of energy, of the largest energy of the motion")
     speed_before: float = result("rad/s", (), "reference speed before the events")
-    modes: int = result("", (), "elastic modes that were kept: all")
+    modes: int = result("", (), "elastic modes that were kept: all, but in a stiff train with nonlinear couplings")
     system: System | None = None
+    switching: Switching | None = result(
+        "", (), "events of couplings with play, friction, stages or a capacity; null without them", default=None
+    )
 
     @property
     def peak(self) -> FloatArray:
@@ -58,6 +62,8 @@ def transient(
     Raises InputError for an event that the train cannot have, and SolveError where a mode is not certified or the train
     is of a kind that is not built.
     """
+    if study.train.has_nonlinear_couplings:
+        return _event_driven(study, system, settings, damping_ratio, progress)
     found = all_modes(system) if modes is None else modes
     before = state_before(study, system, settings)
     shape = shapes(system, found)
@@ -84,6 +90,30 @@ def transient(
     )  # fmt: skip
 
 
+def _event_driven(
+    study: Study, system: System, settings: TransientSettings, damping_ratio: float | None, progress: Progress
+) -> TransientMotion:
+    """The motion of a train with nonlinear couplings; peaks are looked for between events too."""
+    curves, balance, switching = event_driven_curves(study, system, settings, damping_ratio)
+    found = curves.built.modes
+    time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
+    every = np.union1d(time, curves.cuts[(curves.cuts > 0.0) & (curves.cuts < settings.duration)])
+    torque, turning, (top, bottom) = sampled(curves, every, progress)
+    at = np.searchsorted(every, time)
+    lacking = missed(found, curves, every) if curves.built.kept == len(found.frequency) else np.zeros(len(torque))
+    before = curves.built.before
+    reversals = np.array([_reversals(row) for row in torque], dtype=np.int64)
+    return TransientMotion(
+        time, torque[:, at], turning[:, at], *top, -bottom[0], bottom[1], before.torque, reversals, lacking,
+        balance.residual, before.speed, curves.built.kept, system, switching,
+    )  # fmt: skip
+
+
+def _reversals(torque: FloatArray) -> int:
+    """Changes of sign; a torque of nothing, within a play, has none."""
+    return int(np.count_nonzero(np.diff(np.sign(torque[np.abs(torque) > 1e-9 * np.abs(torque).max(initial=0.0)]))))
+
+
 def _samples(settings: TransientSettings, found: Modes) -> int:
     if settings.samples is not None:
         return settings.samples
@@ -96,6 +126,6 @@ def run(work: Work) -> None:
     settings = work.settings("transient", TransientSettings)
     with work.log.step("motion over time", "requested") as step:
         found = transient(work.study, work.system, settings, progress=work.progress)
-        step.method = "exact propagation of all modes"
+        step.method = "exact propagation of all modes" if found.switching is None else "exact from event to event"
         step.size = f"{found.modes} modes, {len(settings.events)} events, {len(found.time)} samples"
     work.put(transient=found)

@@ -20,7 +20,10 @@ def _read_initial(value: Any) -> Any:
     if value in ("rest", "steady"):
         return value
     if isinstance(value, dict) and set(value) == {"speed"}:
-        return {"speed": Quantity("rad/s", at_least=0).read(value["speed"])}
+        speed, each = Quantity("rad/s", at_least=0), value["speed"]
+        if isinstance(each, dict):
+            return {"speed": {str(name): speed.read(one) for name, one in each.items()}}
+        return {"speed": speed.read(each)}
     if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
         return {"torque": {str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()}}
     raise refuse("this is no initial state", "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}")
@@ -34,8 +37,9 @@ class TransientSettings(Declared):
 
     duration: Length = required("how long the motion is computed")
     initial: Initial = given(
-        "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, or a static twist that is "
-        "released, {torque: {span: N*m}} (default: steady where the operation has a speed, else rest)"
+        "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, of parts that turn against "
+        "each other {speed: {point: rpm}} (others: at rest), or a static twist that is released, "
+        "{torque: {span: N*m}} (default: steady where the operation has a speed, else rest)"
     )
     events: tuple[Event, ...] = given(
         "what happens, each at a point: [{at: motor-1, step: {torque: 100 N*m}}, ...]", ()
@@ -59,9 +63,25 @@ def transient_faults(study: Study) -> list[Fault]:
     known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
     for number, event in enumerate(settings.events):
         path = (*PATH, "events", number)
-        if (fault := name_fault(event.at, (*path, "at"), known)) is not None:
+        if (fault := name_fault(event.at, (*path, "at"), known, point=event.clutch is None)) is not None:
             found.append(fault)
+        elif event.clutch is not None and getattr(study.train.part(event.at).nonlinear, "capacity", None) is None:
+            message, hint = f"'{event.at}' is no clutch", "name a coupling with `capacity`"
+            found.append(Fault((*path, "at"), message, hint))
         if event.time >= settings.duration:
             hint = f"within {settings.duration:g} s, or a longer `duration`"
             found.append(Fault((*path, "time"), "the event begins after the end of the motion", hint))
+    if isinstance(settings.initial, dict) and isinstance(settings.initial.get("speed"), dict):
+        found += _speed_faults(study, settings.initial["speed"], known)
+    return found
+
+
+def _speed_faults(study: Study, speeds: dict[str, float], known: dict[str, tuple[str, bool]]) -> list[Fault]:
+    """Speeds of what is no point, or of a train in which nothing turns against anything else."""
+    path = (*PATH, "initial")
+    named = [name_fault(name, path, known) for name in speeds]
+    found = [fault for fault in named if fault is not None]
+    if not found and not study.train.has_nonlinear_couplings:
+        message = "speeds of several points need a clutch or a clearance between them"
+        found.append(Fault(path, message, "initial: {speed: 1500 rpm}"))
     return found

@@ -179,8 +179,12 @@ def _lag(train: PiecewiseTrain, number: int) -> float:
 def _function(train: PiecewiseTrain, number: int, switch: Switch, twist: FloatArray, torque: FloatArray) -> FloatArray:
     """(state,) a switching function; its size is of no account."""
     root = train.root[number]
-    if switch.of == "speed":
-        row, unit = train.relative_speed[number], root
+    if switch.of == "speed":  # of the slider: that of the ends less what a changing capacity takes up in the spring
+        changing = train.capacity[number] @ train.unforced
+        row, unit = (
+            train.relative_speed[number] - switch.factor * changing * root / train.elements[number].stiffness,
+            root,
+        )
     elif switch.of == "torque":
         row, unit = torque[number], 1.0 / root
     elif switch.of == "twist":
