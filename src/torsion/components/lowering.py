@@ -126,6 +126,11 @@ class Part:
     propeller: PropellerRecord | None = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes and response take as linear
 
+    @property
+    def is_clutch(self) -> bool:
+        """A coupling that slips beyond its capacity."""
+        return self.nonlinear is not None and self.nonlinear.capacity is not None
+
 
 @dataclass(frozen=True)
 class Arrival:

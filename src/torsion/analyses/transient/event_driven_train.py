@@ -9,7 +9,15 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.transient.direct_torques import direct_torques
-from torsion.analyses.transient.modal_train import all_modes, modal_train, shapes, slowed_torques, start, twists
+from torsion.analyses.transient.modal_train import (
+    kept_modes,
+    lowest,
+    modal_train,
+    shapes,
+    slowed_torques,
+    start,
+    twists,
+)
 from torsion.analyses.transient.nonlinear_couplings import (
     Coupling,
     Standing,
@@ -23,7 +31,7 @@ from torsion.analyses.transient.transient_settings import PATH, TransientSetting
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import SolveError
+from torsion.errors import Path, SolveError
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.energy_balance import EnergyBalance, energy_balance
 from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, PiecewiseTrain, event_driven
@@ -79,7 +87,7 @@ class Built:
     """The train in modes of its linear parts, with its elements."""
 
     system: System  # without the couplings that can part or slip
-    modes: Modes
+    modes: Modes  # that are kept
     before: State
     shape: FloatArray  # (stations, rigid motions + modes)
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad
@@ -88,7 +96,7 @@ class Built:
     couplings: tuple[Coupling, ...]
     standing: tuple[Standing, ...]
     train: PiecewiseTrain
-    kept: int  # modes
+    is_band: bool  # modes were left out
     place: FloatArray
     speed: FloatArray
 
@@ -133,10 +141,15 @@ class EventDrivenCurves:
         """(spans, state) N m of every regime."""
         built, (_, place, speed, _) = self.built, self.built.train.layout
         linear = np.zeros((len(built.slowed), built.train.size))
-        linear[:, place] = built.modes.torque[:, : built.kept] / built.train.w
+        linear[:, place] = built.modes.torque / built.train.w
         linear[:, speed] = built.slowed
         linear += built.train.rows(built.direct)
         return tuple(linear + built.of_elements @ one.torque for one in self.motion.regimes)
+
+    @property
+    def rigid_motions(self) -> int:
+        """Number of rigid motions."""
+        return self.built.train.rigid
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Places of the modes and speeds of all motions, (each, times)."""
@@ -144,16 +157,25 @@ class EventDrivenCurves:
         _, place, speed, _ = self.built.train.layout
         return z[place] / self.built.train.w[:, None], z[speed]
 
+    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """(rigid motions + modes, times)."""
+        (z, regime), here = self.motion.at(time), self.built.train.layout[2]
+        return np.stack([self.motion.regimes[r].matrix[here] @ z[:, k] for k, r in enumerate(regime.tolist())], axis=1)
+
+    def turning(self, speed: FloatArray) -> FloatArray:
+        """Speeds (stations, times) of the stations."""
+        before = self.built.before.speed * np.abs(self.built.system.speed_ratio)
+        return np.asarray(before[:, None] + self.shape @ speed)
+
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times), their rates, and speeds (stations, times) of the stations."""
+        """Torques (spans, times), their rates, and speeds (rigid motions + modes, times)."""
         z, regime = self.motion.at(time)
         torque, rate = np.empty((2, len(self.slowed), len(time)))
         for number in np.unique(regime).tolist():
             here, rows = regime == number, self.rows[number]
             torque[:, here] = rows @ z[:, here]
             rate[:, here] = rows @ (self.motion.regimes[number].matrix @ z[:, here])
-        speed = self.built.before.speed * np.abs(self.built.system.speed_ratio)
-        return torque, rate, speed[:, None] + self.shape @ z[self.built.train.layout[2]]
+        return torque, rate, z[self.built.train.layout[2]]
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
@@ -169,10 +191,10 @@ class EventDrivenCurves:
 
 
 def event_driven_curves(
-    study: Study, system: System, settings: TransientSettings, damping_ratio: float | None = None
+    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None = None
 ) -> tuple[EventDrivenCurves, EnergyBalance, Switching]:
     """The motion of a train with nonlinear couplings, its balance of energy and its events."""
-    built = build(study, system, settings, damping_ratio=damping_ratio)
+    built = build(study, system, settings, place, damping_ratio=damping_ratio)
     curves = EventDrivenCurves(built, built.run(settings.duration))
     balance = energy_balance(curves.motion)
     time = np.linspace(0.0, settings.duration, COMPARED)
@@ -180,8 +202,8 @@ def event_driven_curves(
     changes = _changes(curves, fine, time)
     late = np.flatnonzero(changes > TOLERANCE)
     change = 0.0
-    if built.kept < len(built.modes.frequency):
-        half = build(study, system, settings, damping_ratio=damping_ratio, halved=True)
+    if built.is_band:
+        half = build(study, system, settings, place, damping_ratio=damping_ratio, halved=True)
         change = float(_changes(curves, EventDrivenCurves(half, half.run(settings.duration)), time).max())
     words = Counter((built.standing[event.element].coupling, event.word) for event in curves.motion.events)
     heat = np.zeros(len(built.couplings))
@@ -206,23 +228,22 @@ def _changes(curves: EventDrivenCurves, other: EventDrivenCurves, time: FloatArr
 
 
 def build(
-    study: Study,
-    system: System,
-    settings: TransientSettings,
-    *,
-    damping_ratio: float | None = None,
+    study: Study, system: System, settings: TransientSettings, place: Path, *, damping_ratio: float | None = None,
     halved: bool = False,
-) -> Built:
-    """The train in modes of its linear parts; halved: with half the band of modes that the duration allows to keep."""
+) -> Built:  # fmt: skip
+    """The train in modes of its linear parts; halved: with half the band of modes that would be kept."""
     found = couplings(study.train, system)
     bare = opened(system, found)
-    modes = all_modes(bare)
-    before = state_before(study, system, settings, vibrates=False)
+    if bare.bars is not None:
+        message = f"play and friction in motion over time take shafts as lumped masses, not the model {bare.model}"
+        raise SolveError(message, "model: lumped", place)
+    modes = kept_modes(bare, "all", place)[0]
+    before = state_before(study, system, settings, place, vibrates=False)
     shape = shapes(bare, modes)
     train = modal_train(study, bare, modes, shape, before)
     rigid, w = train.rigid, train.w
     damping = train.damping if damping_ratio is None else np.diag(2.0 * damping_ratio * train.w_of_all)
-    pieces, acting = _signals(study, system, settings, before)
+    pieces, acting = _signals(study, system, settings, before, place)
     speed = _speeds(study, bare, before, shape)
     ends = twists(bare, modes, shape, np.array([one.span for one in found]))
     torque = before.torque + before.twist
@@ -236,35 +257,42 @@ def build(
         linear, its_elements = standing(number, one, ends[number], float(torque[one.span]), speed, signal)
         carried[one.span] = linear
         all_standing += its_elements
-    place, _ = start(bare, modes, replace(before, twist=carried), shape)
+    twisted, _ = start(bare, modes, replace(before, twist=carried), shape)
     spans = np.array([found[one.coupling].span for one in all_standing])
     pushed = _pushed(bare, spans)
-    kept, half = np.searchsorted(w, np.array([1.0, 0.5]) * LARGEST_ANGLE / settings.duration).tolist()
-    kept = max(min(half, kept - 1), 0) if halved else kept
-    chosen = slice(0, rigid + kept)
-    elements = tuple(replace(one.element, ends=one.element.ends[chosen]) for one in all_standing)
-    others, force = slice(rigid + kept, None), shape.T @ acting
-    stiff = w[kept:, None] ** 2
-    out = np.array([one.element.ends for one in all_standing])[:, others]
-    direct = _direct(bare, modes, acting) + modes.torque[:, kept:] @ (force[others] / stiff)
-    of_elements = direct_torques(bare, modes, pushed) - modes.torque[:, kept:] @ (out.T / stiff)
+    kept = _kept(w, settings, halved=halved)
+    own, others, is_band = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
+    force, ends_of = shape.T @ acting, np.array([one.element.ends for one in all_standing])
+    soft, answer = ends_of[:, others] / w[kept:] ** 2, force[others] / w[kept:, None] ** 2
+    higher = modes.torque[:, kept:]
+    of_elements = direct_torques(bare, modes, pushed) - higher @ soft.T
     of_elements[spans, np.arange(len(spans))] += 1.0
-    whole = PiecewiseTrain(
-        w[:kept], damping[chosen, chosen], elements, Signals(tuple(map(tuple, pieces))), force[chosen],
-        out @ (out.T / stiff) if kept < len(w) else None, out @ (force[others] / stiff) if kept < len(w) else None,
-    )  # fmt: skip
-    slowed = slowed_torques(study, bare, modes, shape, before)[:, chosen]
+    elements = tuple(replace(one.element, ends=row[own]) for one, row in zip(all_standing, ends_of, strict=True))
+    compliance, rest = (soft @ ends_of[:, others].T, soft @ force[others]) if is_band else (None, None)
     return Built(
-        bare, modes, before, shape[:, chosen], slowed, direct, of_elements, found, tuple(all_standing), whole, kept,
-        place[rigid : rigid + kept], speed[chosen],
+        bare, lowest(modes, kept), before, shape[:, own],
+        slowed_torques(study, bare, modes, shape, before)[:, own], _direct(bare, modes, acting) + higher @ answer,
+        of_elements, found, tuple(all_standing),
+        PiecewiseTrain(
+            w[:kept], damping[own, own], elements, Signals(tuple(map(tuple, pieces))), force[own], compliance, rest
+        ),
+        is_band, twisted[rigid : rigid + kept], speed[own],
     )  # fmt: skip
+
+
+def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
+    """How many modes are kept: as requested, and as the duration allows."""
+    kept, half = np.searchsorted(w, np.array([1.0, 0.5]) * LARGEST_ANGLE / settings.duration).tolist()
+    if settings.modes != "all":
+        kept, half = min(kept, settings.modes), min(half, settings.modes // 2)
+    return max(min(half, kept - 1), 0) if halved else int(kept)
 
 
 def _signals(
-    study: Study, system: System, settings: TransientSettings, before: State
+    study: Study, system: System, settings: TransientSettings, before: State, place: Path
 ) -> tuple[list[tuple[Piece, ...]], ComplexArray]:
     """The torques of events, mean torques and periodic ones over time, and where they act, (stations, signals)."""
-    loads, acting = loads_of_events(study, system, settings, before)
+    loads, acting = loads_of_events(study, system, settings, before, place)
     pieces, columns = [tuple(one) for one in loads], list(acting.T.astype(complex))
     if before.mean is not None:
         pieces.append((Piece(0.0, math.inf, 1.0),))
@@ -275,7 +303,7 @@ def _signals(
             if excitation.errors:
                 name = excitation.errors[0].name
                 message = f"the transmission error of '{name}' beside a nonlinear coupling is not built"
-                raise SolveError(message, "begin with `initial: {speed: ...}`", (*PATH, "initial"))
+                raise SolveError(message, "begin with `initial: {speed: ...}`", (*place, "initial"))
             column = np.zeros(len(acting), dtype=complex)
             for torque in excitation.torques:
                 column[torque.station] += amplitude(system, torque, at, before.mean)[0]

@@ -5,17 +5,20 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from torsion import fields
+from torsion.analyses.transient.torque_file import torque_rows
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.transient.torque_history import Piece
 
 Time = Annotated[float, Quantity("s", at_least=0, usual=(None, 1e5))]
 Length = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
+Share = Annotated[float, Quantity("1", above=0, at_most=1)]
 SignedTorque = Annotated[float, Quantity("N*m")]
 ICE_CASES = {  # factor C_q, contact angle in deg by number of blades; FSICR 2017, from memory: to be verified
     1: (0.75, {3: 90.0, 4: 90.0, 5: 72.0, 6: 60.0}), 2: (1.0, {3: 135.0, 4: 135.0, 5: 135.0, 6: 135.0}),
@@ -28,10 +31,31 @@ TWO_BLOCKS = 3  # the ice case of two blocks at once
 class Point:
     """Where an event acts, as the train is when it begins."""
 
+    name: str = ""
     speed: float = 0.0  # rad/s of its own shaft
     mean: float = 0.0  # N m that drives it (positive) or that it absorbs, at that speed
-    rated: float = 0.0  # N m, rated torque
+    rated: float = 0.0  # N m, rated torque; 0 where it is not known
     blades: int = 0
+    is_clutch: bool = False
+    folder: Path = Path()  # of the study's file
+
+
+Lack = tuple[str, str] | None  # what is wrong, and what would be right
+
+
+class Kind(Declared):
+    """What happens at a point; one class a kind of event."""
+
+    key: ClassVar[str]  # in the file
+    meaning: ClassVar[str]
+
+    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        """Its torque over time, N m at the point's own speed, positive in the sense of rotation."""
+        raise NotImplementedError
+
+    def lacks(self, at: Point) -> Lack:
+        """What the train lacks for it, and what would be right."""
+        return None
 
 
 def _read_rows(value: Any) -> tuple[tuple[float, float], ...]:
@@ -55,8 +79,10 @@ Rows = Annotated[
 ]
 
 
-class Step(Declared):
+class Step(Kind):
     """A torque that begins at once and stays."""
+
+    key, meaning = "step", "{torque, until}: a torque that begins at once"
 
     torque: SignedTorque = required("torque; negative brakes")
     until: Length | None = given("how long it lasts (default: to the end)")
@@ -65,17 +91,34 @@ class Step(Declared):
         yield Piece(begin, math.inf if self.until is None else begin + self.until, self.torque)
 
 
-class Table(Declared):
+class Table(Kind):
     """A torque by a table over time, linear between its rows and nothing outside."""
 
-    rows: Rows = required("[[time, torque], ...], times from the begin of the event")
+    key, meaning = "table", "{rows: [[s, N*m], ...]} or {file: torque.csv}: a torque by a table over time"
+
+    rows: Rows | None = given("[[time, torque], ...], times from the begin of the event")
+    file: str | None = given("a file of two columns, time and torque, with their units in its first line")
+
+    def refuse_clashes(self) -> None:
+        if (self.rows is None) == (self.file is None):
+            raise refuse("a table over time has `rows` or a `file`", "give one of them")
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        yield from ramps([(begin + time, torque) for time, torque in self.rows])
+        rows = self.rows if self.file is None else torque_rows(at.folder / self.file)
+        yield from ramps([(begin + time, torque) for time, torque in rows or ()])
+
+    def lacks(self, at: Point) -> Lack:
+        try:
+            torque_rows(at.folder / self.file) if self.file is not None else None
+        except ValueError as error:
+            return str(error.args[0]), str(error.args[-1])
+        return None
 
 
-class Pulse(Declared):
+class Pulse(Kind):
     """A single pulse."""
+
+    key, meaning = "pulse", "{torque, length, shape}: half-sine, rectangle or triangle"
 
     torque: SignedTorque = required("its greatest torque")
     length: Length = required("how long it lasts")
@@ -91,8 +134,10 @@ class Pulse(Declared):
             yield Piece(begin, end, -1j * self.torque, rate=1j * math.pi / self.length)
 
 
-class Sine(Declared):
+class Sine(Kind):
     """A torque that oscillates: torque * exp(-t / decay) * sin(2 pi frequency t + phase)."""
+
+    key, meaning = "sine", "{torque, frequency or order, decay, phase, until}: an oscillating torque"
 
     torque: SignedTorque = required("amplitude (half range)")
     frequency: fields.Frequency | None = given("its frequency")
@@ -113,6 +158,11 @@ class Sine(Declared):
         end = math.inf if self.until is None else begin + self.until
         yield Piece(begin, end, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate)
 
+    def lacks(self, at: Point) -> Lack:
+        if self.order is not None and not at.speed:
+            return "an order has no frequency in a train that stands still", "give `frequency`, or an `initial` speed"
+        return None
+
 
 class Coefficients(Declared):
     """Amplitudes of the torque in the air gap, of the rated torque."""
@@ -122,8 +172,10 @@ class Coefficients(Declared):
     mean: float = given("of the part that decays without oscillating", 0.0)
 
 
-class ShortCircuit(Declared):
+class ShortCircuit(Kind):
     """T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)), added to what acts otherwise."""
+
+    key, meaning = "short-circuit", "{coefficients, decay, line, clear, reclose}: electrical fault of a machine"
 
     coefficients: Coefficients = required("{line, double, mean}: amplitudes, of the rated torque; the maker's")
     decay: Annotated[tuple[Length, Length], Field()] = required("[T_1, T_2]: times of decay")
@@ -145,9 +197,14 @@ class ShortCircuit(Declared):
             yield Piece(start, end, 1j * at.rated * c.double, rate=complex(-1.0 / second, 2.0 * w))
             yield Piece(start, end, at.rated * c.mean, rate=-1.0 / second)
 
+    def lacks(self, at: Point) -> Lack:
+        return None if at.rated else ("a short circuit needs the rated torque", "give `operation: rated` with a power")
 
-class Ice(Declared):
+
+class Ice(Kind):
     """Blades that mill ice at the speed before the events: half sines against the rotation, between two ramps."""
+
+    key, meaning = "ice", "{torque, case or angle and factor, turns, ramp}: a propeller that mills ice"
 
     torque: fields.Torque = required("Q_max, the greatest ice torque at the propeller")
     case: Literal[1, 2, 3, 4] | None = given("case of the ice rules: factor, angle and blocks (to be verified)")
@@ -166,13 +223,20 @@ class Ice(Declared):
         factor, angle = self.factor, self.angle or 0.0
         if self.case is not None:
             factor, angles = ICE_CASES[self.case]
-            angle = math.radians(angles[min(max(at.blades, 3), 6)])
+            angle = math.radians(angles[at.blades])
         blocks = (0.0, math.pi / at.blades) if self.case == TWO_BLOCKS else (0.0,)
         last = 2.0 * math.pi * self.turns
         for hit in range(at.blades * self.turns):
             for block in blocks:
                 first = 2.0 * math.pi * hit / at.blades + block
                 yield from self._hit(begin, at.speed, (first, min(first + angle, last)), angle, factor)
+
+    def lacks(self, at: Point) -> Lack:
+        if not (at.blades and at.speed):
+            return "ice needs a turning propeller with `blades`", "give `blades` and a speed"
+        if self.case is not None and at.blades not in ICE_CASES[self.case][1]:
+            return f"the cases of the ice rules are of 3 to 6 blades, not {at.blades}", "give `angle` and `factor`"
+        return None
 
     def _hit(
         self, begin: float, speed: float, between: tuple[float, float], angle: float, factor: float
@@ -190,35 +254,47 @@ class Ice(Declared):
             yield Piece(*times, wave * level, wave * slope, 1j * math.pi * speed / angle)
 
 
-class Stop(Declared):
+class Stop(Kind):
     """The mean torque of the point ends: a motor that trips, a load that is shed, a cylinder bank that misfires."""
 
-    ramp: Time = given("time in which it falls to nothing", 0.0)
+    key, meaning = "stop", "{share, ramp, until}: the point's mean torque ends"
+
+    share: Share = given("of the mean torque that ends", 1.0)
+    ramp: Time = given("time in which it falls", 0.0)
+    until: Length | None = given("how long it is gone, without the ramp (default: to the end)")
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        low, end = self.share * at.mean, math.inf if self.until is None else begin + self.ramp + self.until
         if self.ramp:
-            yield Piece(begin, begin + self.ramp, 0.0, -at.mean / self.ramp)
-        yield Piece(begin + self.ramp, math.inf, -at.mean)
+            yield Piece(begin, begin + self.ramp, 0.0, -low / self.ramp)
+        yield Piece(begin + self.ramp, end, -low)
+
+    def lacks(self, at: Point) -> Lack:
+        hint = "name a motor or a load of a steady train"
+        return None if at.mean else (f"no mean torque acts at '{at.name}'", hint)
 
 
-class Clutch(Declared):
+class Clutch(Kind):
     """A clutch closes or opens: its capacity over time from here on."""
+
+    key, meaning = "clutch", "{torque, close or open}: a coupling with `capacity` closes or opens; `at` names it"
 
     torque: Rows | None = given("[[time, torque], ...]: its capacity, which stays as it is after the last row")
     close: Time | None = given("time in which its capacity rises from nothing to that of the coupling")
     open: Time | None = given("time in which it falls from that of the coupling to nothing")
 
-    @model_validator(mode="after")
-    def _one_of_three(self) -> Self:
+    def refuse_clashes(self) -> None:
         if [self.torque, self.close, self.open].count(None) != 2:
             raise refuse("a clutch has one of `torque`, `close` and `open`", "for example `close: 0.5 s`")
         if self.torque is not None and any(torque < 0.0 for _, torque in self.torque):
             raise refuse("the capacity of a clutch is not negative", "torques of 0 N*m and more", "torque")
-        return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
         """No torque by itself."""
         yield from ()
+
+    def lacks(self, at: Point) -> Lack:
+        return None if at.is_clutch else (f"'{at.name}' is no clutch", "name a coupling with `capacity`")
 
     def rows(self, begin: float, capacity: float) -> tuple[tuple[float, float], ...]:
         """((s, N m), ...) its capacity, linear between rows and constant after the last."""
@@ -241,46 +317,51 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
             yield Piece(begin, end, level, (later - level) / (end - begin))
 
 
-KINDS = {
-    "step": Step, "table": Table, "pulse": Pulse, "sine": Sine, "short_circuit": ShortCircuit, "ice": Ice, "stop": Stop,
-    "clutch": Clutch,
-}  # fmt: skip
+KINDS: tuple[type[Kind], ...] = (Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop, Clutch)
+UNBUILT = {"misfire": "it needs an engine; `stop: {share: 17 %}` takes a share of a mean torque away"}
 
 
-class Event(Declared):
+class _Event(Declared):
     """One event at a point; several add."""
 
     at: str = required("name of the point (of a clutch: the coupling) at which it happens")
     time: Time = given("time of its begin", 0.0)
-    step: Step | None = given("{torque, until}: a torque that begins at once")
-    table: Table | None = given("{rows: [[s, N*m], ...]}: a torque by a table over time")
-    pulse: Pulse | None = given("{torque, length, shape}: half-sine, rectangle or triangle")
-    sine: Sine | None = given("{torque, frequency or order, decay, phase, until}: an oscillating torque")
-    short_circuit: ShortCircuit | None = given(
-        "{coefficients, decay, line, clear, reclose}: electrical fault of a machine", alias="short-circuit"
-    )
-    ice: Ice | None = given("{torque, case or angle and factor, turns, ramp}: a propeller that mills ice")
-    stop: Stop | None = given("{ramp}: the point's mean torque ends")
-    clutch: Clutch | None = given("{torque, close or open}: a coupling with `capacity` closes or opens; `at` names it")
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        kinds = [kind for kind in KINDS if getattr(self, kind) is not None]
+    @model_validator(mode="before")
+    @classmethod
+    def _is_built(cls, data: Any) -> Any:
+        for key, hint in UNBUILT.items():
+            if isinstance(data, dict) and key in data:
+                raise refuse(f"`{key}` is part of the format but not built yet", hint, key)
+        return data
+
+    def refuse_clashes(self) -> None:
+        kinds = [kind.key for kind in KINDS if getattr(self, _field(kind)) is not None]
         if len(kinds) != 1:
-            words = ", ".join(kind.replace("_", "-") for kind in KINDS)
-            raise refuse(f"an event is of one kind, and {len(kinds) or 'none'} is given", f"one of {words}")
-        return self
+            words = ", ".join(kind.key for kind in KINDS)
+            raise refuse(f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given", f"one of {words}")
 
     @property
-    def kind(self) -> str:
-        """Its key in the file."""
-        return next(kind for kind in KINDS if getattr(self, kind) is not None).replace("_", "-")
+    def body(self) -> Kind:
+        """What happens."""
+        return next(body for kind in KINDS if isinstance(body := getattr(self, _field(kind)), Kind))
 
+    @property
     def words(self) -> str:
         """Its settings, those that are not left at their defaults, in SI."""
-        body = getattr(self, self.kind.replace("-", "_")).model_dump(exclude_defaults=True)
-        return ", ".join(f"{key} {value}" for key, value in body.items())
+        return ", ".join(f"{key} {value}" for key, value in self.body.model_dump(exclude_defaults=True).items())
 
     def pieces(self, at: Point) -> tuple[Piece, ...]:
         """Its torque over time, N m at own speed, positive in the sense of rotation."""
-        return tuple(getattr(self, self.kind.replace("-", "_")).pieces(self.time, at))
+        return tuple(self.body.pieces(self.time, at))
+
+
+def _field(kind: type[Kind]) -> str:
+    return kind.key.replace("-", "_")
+
+
+if TYPE_CHECKING:
+    Event = _Event
+else:
+    _FIELDS = {_field(kind): (kind | None, given(kind.meaning, alias=kind.key)) for kind in KINDS}
+    Event = create_model("Event", __base__=_Event, **_FIELDS)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.analyses.transient.direct_torques import massless
-from torsion.analyses.transient.events import ramps
+from torsion.analyses.transient.events import Clutch, ramps
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
@@ -67,7 +67,11 @@ def opened(system: System, found: tuple[Coupling, ...]) -> System:
 def capacity_pieces(settings: TransientSettings, one: Coupling) -> tuple[Piece, ...] | None:
     """The capacity of a clutch over time; None where no event changes it."""
     events = sorted(
-        ((event.time, event.clutch) for event in settings.events if event.clutch and event.at == one.part.name),
+        (
+            (event.time, event.body)
+            for event in settings.events
+            if isinstance(event.body, Clutch) and event.at == one.part.name
+        ),
         key=lambda pair: pair[0],
     )
     if not events:

@@ -3,16 +3,17 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
 
 import numpy as np
 
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.steady import Steady, steady
-from torsion.analyses.transient.events import Event, Point
+from torsion.analyses.transient.events import Point
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, SolveError
+from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.kernels.transient.torque_history import Piece
 from torsion.kernels.tree_response import Status
 from torsion.study import Study
@@ -31,7 +32,9 @@ class State:
     speeds: Mapping[str, float] = field(default_factory=dict)  # rad/s of points whose parts turn by themselves
 
 
-def state_before(study: Study, system: System, settings: TransientSettings, *, vibrates: bool = True) -> State:
+def state_before(
+    study: Study, system: System, settings: TransientSettings, place: Path = PATH, *, vibrates: bool = True
+) -> State:
     """The state before the events; without its steady vibration where that is not `vibrates`."""
     spans, operation = len(system.spans), study.operation
     initial = settings.initial if settings.initial is not None else "steady" if operation.speed else "rest"
@@ -39,18 +42,19 @@ def state_before(study: Study, system: System, settings: TransientSettings, *, v
     if initial == "rest":
         return none
     if isinstance(initial, dict) and "torque" in initial:
-        names = [span.name for span in system.spans]
-        twist = np.zeros(spans)
+        twist, names = np.zeros(spans), [study.train.parts[part].name for part in system.span_part.tolist()]
         for name, torque in initial["torque"].items():
-            if name not in names:
-                raise InputError([Fault((*PATH, "initial"), f"no span is called '{name}'", ", ".join(names))])
-            twist[names.index(name)] = torque
+            here = [k for k, span in enumerate(system.spans) if name in (span.name, names[k])]
+            if not here:
+                hint = ", ".join(dict.fromkeys(names))
+                raise InputError([Fault((*place, "initial", "torque", name), f"no span is called '{name}'", hint)])
+            twist[here] = torque
         return replace(none, twist=twist)
     if isinstance(initial, dict):
         each = initial["speed"]
         return replace(none, speeds=each) if isinstance(each, dict) else replace(none, speed=each)
     if not operation.speed:
-        fault = Fault((*PATH, "initial"), "a steady state needs a speed", "give `operation: rated`")
+        fault = Fault((*place, "initial"), "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
     at = np.array([operation.speed])
     mean = steady(study.train, system, operation, at) if operation.has_mean_torque else None
@@ -60,38 +64,43 @@ def state_before(study: Study, system: System, settings: TransientSettings, *, v
     vibration = response(study, system, speeds=at, refine=False)
     if (vibration.status != Status.OK).any():
         message = "its steady vibration at the operating speed has no finite value"
-        raise SolveError(message, "give the damping of the train, or `initial: {speed: ...}`", (*PATH, "initial"))
+        raise SolveError(message, "give the damping of the train, or `initial: {speed: ...}`", (*place, "initial"))
     own = int(np.flatnonzero(vibration.speed == at[0])[0])
     return replace(state, frequency=2.0 * math.pi * vibration.frequency[own], amplitude=vibration.torque[own])
 
 
 def loads_of_events(
-    study: Study, system: System, settings: TransientSettings, before: State
+    study: Study, system: System, settings: TransientSettings, before: State, place: Path = PATH
 ) -> tuple[Sequence[Sequence[Piece]], FloatArray]:
-    """The torque of every event, and where each acts, (stations, events) per N m."""
+    """The torque of every event, and where each acts, (stations, events) per N m.
+
+    Raises InputError for an event that the train cannot have.
+    """
     loads, acting = list[tuple[Piece, ...]](), np.zeros((len(system.stations), len(settings.events)))
+    faults = list[Fault]()
     for number, event in enumerate(settings.events):
+        at, path = point(study, system, before, event.at), (*place, "events", number)
         station = study.train.part(event.at).stations[0]
-        loads.append(event.pieces(_point(study, system, before, event, number, station)))
-        acting[station, number] = 1.0
+        lack = event.body.lacks(at)
+        if system.held[station]:
+            lack = f"'{event.at}' is fixed, and no torque moves it", "name a point that turns"
+        if lack is not None:
+            faults.append(Fault((*path, event.body.key), *lack))
+        else:
+            loads.append(event.pieces(at))
+            acting[station, number] = 1.0
+    if faults:
+        raise InputError(faults)
     return loads, acting
 
 
-def _point(study: Study, system: System, before: State, event: Event, number: int, station: int) -> Point:
+def point(study: Study, system: System, before: State, name: str) -> Point:
     """The train where an event acts."""
-    part, ratio = study.train.part(event.at), abs(float(system.speed_ratio[station]))
-    rated = study.operation.rated
+    part = study.train.part(name)
+    station, rated = part.stations[0], study.operation.rated
+    ratio = abs(float(system.speed_ratio[station]))
     power = part.power if part.power is not None else None if rated is None else rated.power
-    blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
-    path = (*PATH, "events", number, event.kind)
-    if event.short_circuit is not None and (rated is None or power is None):
-        raise InputError([Fault(path, "a short circuit needs the rated torque", "give `operation: rated`")])
-    if event.ice is not None and not (blades and before.speed):
-        raise InputError([Fault(path, "ice needs a turning propeller with `blades`", "give `blades` and a speed")])
-    mean = 0.0 if before.mean is None else float(before.mean.applied[station, 0])
-    if event.stop is not None and not mean:
-        raise InputError(
-            [Fault(path, f"no mean torque acts at '{event.at}'", "name a motor or a load of a steady train")]
-        )
     torque = 0.0 if rated is None or power is None else power / (rated.speed * ratio)
-    return Point(before.speed * ratio, mean, torque, blades)
+    mean = 0.0 if before.mean is None else float(before.mean.applied[station, 0])
+    blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
+    return Point(name, before.speed * ratio, mean, torque, blades, part.is_clutch, FilePath(study.file).parent)

@@ -16,6 +16,9 @@ from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.torque_history import value
 
 BLOCK = 2**21  # values of one array at once
+PER_PERIOD = 4.0  # samples from which a mode is resolved
+MOST_SUMS = 5e8  # products of all torques at all times that are formed to look for peaks between the samples
+EXPONENTIAL = 50  # products that take the time of one exponential
 MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
 
 
@@ -35,10 +38,13 @@ class Readable(Protocol):
         """Times at which a torque may jump."""
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times), their rates, and speeds (stations, times)."""
+        """Torques (spans, times), their rates, and speeds (rigid motions + modes, times)."""
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
+
+    def turning(self, speed: FloatArray) -> FloatArray:
+        """Speeds (stations, times) of the stations."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +65,7 @@ class Curves:
         return self.motion.coordinates.history.begin
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times) with the damping part, their rates, and speeds (stations, times) of the stations."""
+        """Torques (spans, times) with the damping part, their rates, and speeds (rigid motions + modes, times)."""
         place, speed = self.motion.at(time)
         vibration, its_rate = _vibration(self.before, time)
         elastic = self.found.torque @ place[self.motion.train.rigid :]
@@ -70,7 +76,11 @@ class Curves:
         if self.direct.any():
             acting, changing = self._loads(time)
             torque, rate = torque + self.direct @ acting, rate + self.direct @ changing
-        return torque, rate, self.before.speed * np.abs(self.system.speed_ratio)[:, None] + self.shape @ speed
+        return torque, rate, speed
+
+    def turning(self, speed: FloatArray) -> FloatArray:
+        """(stations, times) rad/s from speeds (rigid motions + modes, times)."""
+        return np.asarray(self.before.speed * np.abs(self.system.speed_ratio)[:, None] + self.shape @ speed)
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
@@ -103,18 +113,25 @@ def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
 
 
 def sampled(
-    curves: Readable, time: FloatArray, progress: Progress
+    curves: Readable, time: FloatArray, finer: int, progress: Progress
 ) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
-    """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative."""
+    """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative.
+
+    These are looked for at `finer` times as many samples.
+    """
     spans, stations = len(curves.slowed), len(curves.shape)
     torque, turning = np.empty((spans, len(time))), np.empty((stations, len(time)))
     high, low = Extremes.none(spans), Extremes.none(spans)
-    size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations))
+    size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations) // finer)
     for first in range(0, len(time) - 1, size):
         part = slice(first, min(first + size, len(time) - 1) + 1)  # a block begins with the last sample before it
-        torque[:, part], rate, turning[:, part] = curves.torque(time[part])
-        high.add(time[part], torque[:, part], rate)
-        low.add(time[part], -torque[:, part], -rate)
+        fine = np.interp(
+            np.arange((part.stop - first - 1) * finer + 1) / finer, np.arange(part.stop - first), time[part]
+        )
+        values, rate, speed = curves.torque(fine)
+        high.add(fine, values, rate)
+        low.add(fine, -values, -rate)
+        torque[:, part], turning[:, part] = values[:, ::finer], curves.turning(speed[:, ::finer])
         progress("motion over time", part.stop / len(time))
 
     def negative(span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -148,20 +165,38 @@ def _vibration(before: State, time: FloatArray, span: IntArray | None = None) ->
     return torque.real, rate.real
 
 
-class Placed(Protocol):
+def times_finer(found: Modes, step: float, samples: int) -> int:
+    """How many times finer than samples of a step (s) the peaks are looked for: 4 to a period, as far as that pays."""
+    most = MOST_SUMS / (samples * (found.torque.size + EXPONENTIAL * len(found.frequency) + 1))
+    return int(np.clip(np.ceil(PER_PERIOD * step * found.frequency.max(initial=0.0)), 1, max(most, 1)))
+
+
+class Moved(Protocol):
     """A motion of rigid motions and modes."""
 
+    @property
+    def rigid_motions(self) -> int:
+        """Number of rigid motions."""
+
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Places and speeds (motions and modes, times); places of rigid motions may be left out."""
+        """Places and speeds (rigid motions + modes, times)."""
+
+    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """(rigid motions + modes, times), of what `at` returned."""
 
 
-def missed(found: Modes, moved: Placed, time: FloatArray) -> FloatArray:
-    """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples."""
-    step = float(time[1] - time[0])
-    fast = np.flatnonzero(found.frequency * step > 0.25)
+def missed(found: Modes, moved: Moved, time: FloatArray, finer: int) -> FloatArray:
+    """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples.
+
+    The amplitude is that about the place to which the torques of the moment would move the mode slowly: of its
+    acceleration and speed.
+    """
+    step = float(time[1] - time[0]) / finer
+    fast = np.flatnonzero(found.frequency * step > 1.0 / PER_PERIOD)
     if not fast.size:
         return np.zeros(len(found.torque))
-    chosen = time[:: max(1, len(time) // 1000)]
-    place, speed = (rows[rows.shape[0] - len(found.frequency) :][fast] for rows in moved.at(chosen))
-    amplitude = np.hypot(place, speed / (2.0 * math.pi * found.frequency[fast])[:, None]).max(axis=1)
-    return np.asarray(np.abs(found.torque[:, fast]) @ amplitude)
+    chosen, rigid = time[:: max(1, len(time) // 1000)], moved.rigid_motions
+    place, speed = moved.at(chosen)
+    gained, speed = (rows[rigid:][fast] for rows in (moved.acceleration(chosen, place, speed), speed))
+    w = (2.0 * math.pi * found.frequency[fast])[:, None]
+    return np.asarray(np.abs(found.torque[:, fast]) @ np.hypot(gained / w**2, speed / w).max(axis=1))

@@ -1,21 +1,41 @@
 """Motion over time of a linear train, exactly from its modes: torques, their peaks and reversals, and speeds."""
 
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
 import numpy as np
 
+from torsion.analyses.steady import steady
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
 from torsion.analyses.transient.event_driven_train import Switching, event_driven_curves
-from torsion.analyses.transient.modal_train import all_modes, modal_train, shapes, slowed_torques, start
-from torsion.analyses.transient.state_before import loads_of_events, state_before
-from torsion.analyses.transient.torque_curves import Curves, missed, sampled
-from torsion.analyses.transient.transient_settings import DEFAULT_MOST, PER_PERIOD, TransientSettings
+from torsion.analyses.transient.fatigue import damages
+from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.state_before import State, loads_of_events, state_before
+from torsion.analyses.transient.torque_curves import PER_PERIOD, Curves, missed, sampled, times_finer
+from torsion.analyses.transient.transient_settings import (
+    DEFAULT_MOST,
+    DEFAULT_PER_PERIOD,
+    MOST_SAMPLES,
+    PATH,
+    TransientSettings,
+    cases,
+)
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
-from torsion.results import reported, result
+from torsion.results import derived, reported, result
 from torsion.study import Study
+
+BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
+RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
+SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
+TINY = np.finfo(float).tiny
 
 
 @reported
@@ -34,14 +54,23 @@ class TransientMotion:
     least: FloatArray = result("N*m", ("span",), "least torque")
     least_at: FloatArray = result("s", ("span",), "when")
     before: FloatArray = result("N*m", ("span",), "mean torque before the events")
-    reversals: IntArray = result("", ("span",), "how often the torque changes its sign")
+    reversals: IntArray = result("", ("span",), "how often the torque changes its sign; of a gear its teeth separate")
     unresolved: FloatArray = result(
-        "N*m", ("span",), "at most so much do modes add that have fewer than 4 samples in a period: not in the peaks"
+        "N*m", ("span",), "at most so much do modes add that are too fast for the times looked at: not in the peaks"
     )
     residual: float = result("1", (), "largest error of the balance of energy, of the largest energy of the motion")
     speed_before: float = result("rad/s", (), "reference speed before the events")
-    modes: int = result("", (), "elastic modes that were kept: all, but in a stiff train with nonlinear couplings")
+    modes: int = result("", (), "elastic modes that were kept")
     system: System | None = None
+    name: str = result("", (), "name of the motion", default="")
+    change: float | None = result(
+        "1", (), "largest change of a peak, of itself, with twice as many modes; null where all are kept", default=None
+    )
+    rated: FloatArray | None = result("N*m", ("span",), "mean torque at the rated point, or null", default=None)
+    stress: FloatArray | None = result(
+        "Pa", ("span",), "shear stress at the peak; null where it is no shaft", default=None
+    )
+    damage: FloatArray | None = result("1", ("span",), "Miner's sum; null where it was not requested", default=None)
     switching: Switching | None = result(
         "", (), "events of couplings with play, friction, stages or a capacity; null without them", default=None
     )
@@ -51,81 +80,155 @@ class TransientMotion:
         """(spans,) N m, the greatest magnitude, with what modes without samples may add."""
         return np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
 
+    @derived("", (), "ok, or what makes the peaks doubtful and what to do")
+    def status(self) -> str:
+        """In words."""
+        found = []
+        if self.residual > BALANCED:
+            found.append(f"the balance of energy holds to {self.residual:.1g} only: report this train")
+        if (self.unresolved > RESOLVED * (self.peak + TINY)).any():
+            found.append("modes too fast for the samples may add more than 5 % to a peak: give more `samples`")
+        if self.change is not None and self.change > SETTLED:
+            found.append(f"twice as many modes change a peak by {100.0 * self.change:.2g} %: give more `modes`")
+        if self.switching is not None and self.switching.band_change > SETTLED:
+            change = 100.0 * self.switching.band_change
+            found.append(f"twice the band of modes changes a torque by {change:.2g} %: compute a shorter time")
+        return "; ".join(found) or "ok"
+
+
+@reported
+class Transients:
+    """Every motion over time that the file names."""
+
+    each: tuple[TransientMotion, ...] = result("", (), "every motion over time", key="")
+
 
 def transient(
-    study: Study, system: System, settings: TransientSettings, *, modes: Modes | None = None,
-    damping_ratio: float | None = None, progress: Progress = silent,
+    study: Study, system: System, settings: TransientSettings, *, place: Path = PATH,
+    modes: tuple[Modes, Modes] | None = None, damping_ratio: float | None = None, progress: Progress = silent,
 ) -> TransientMotion:  # fmt: skip
     """The motion from the events of `settings`, exact at every sample, and its peaks between them.
 
-    modes: all of the system, where they are known. damping_ratio: of every mode, in place of the damping of the train.
-    Raises InputError for an event that the train cannot have, and SolveError where a mode is not certified or the train
-    is of a kind that is not built.
+    place: of the settings in the file. modes: those kept, and twice as many, where they are known. damping_ratio: of
+    every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
+    too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
     """
     if study.train.has_nonlinear_couplings:
-        return _event_driven(study, system, settings, damping_ratio, progress)
-    found = all_modes(system) if modes is None else modes
-    before = state_before(study, system, settings)
-    shape = shapes(system, found)
-    train = modal_train(study, system, found, shape, before)
+        found = _event_driven(study, system, settings, place, damping_ratio, progress)
+        return _read(study, system, settings, found)
+    kept, twice = kept_modes(system, settings.modes, place) if modes is None else modes
+    before = state_before(study, system, settings, place)
+    solved = partial(_solved, study, system, settings, place, before, damping_ratio, progress)
+    found = solved(kept, is_band=system.bars is not None or kept is not twice)
+    if kept is not twice and len(twice.frequency) > len(kept.frequency):
+        more = solved(twice, is_band=True)
+        ends = ((more.greatest, found.greatest), (more.least, found.least))
+        moved = np.max([np.abs(one - other) for one, other in ends], axis=0)
+        found = replace(found, change=float((moved / (more.peak + TINY)).max(initial=0.0)))
+    if settings.samples is not None and (found.unresolved > RESOLVED * (found.peak + TINY)).any():
+        least = int(PER_PERIOD * settings.duration * float(kept.frequency.max())) + 1
+        message = "modes with fewer than 4 samples in a period may add more than 5 % to a peak"
+        raise InputError([Fault((*place, "samples"), message, f"{least} resolve all; or keep fewer `modes`")])
+    return _read(study, system, settings, found)
+
+
+def _solved(
+    study: Study, system: System, settings: TransientSettings, place: Path, before: State,
+    damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
+) -> TransientMotion:  # fmt: skip
+    """The motion of some modes."""
+    shape = shapes(system, modes)
+    train = modal_train(study, system, modes, shape, before)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    loads, acting = loads_of_events(study, system, settings, before)
-    place, speed = start(system, found, before, shape)
-    moved = motion(train, shape.T @ acting, loads, place, speed)
-    time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
-    torque, turning, (top, bottom) = sampled(
-        Curves(
-            system, found, before, shape, moved, slowed_torques(study, system, found, shape, before),
-            direct_torques(system, found, acting),
-        ),
-        time, progress,
-    )  # fmt: skip
+    loads, acting = loads_of_events(study, system, settings, before, place)
+    moved = motion(train, shape.T @ acting, loads, *start(system, modes, before, shape))
+    time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
+    slowed = slowed_torques(study, system, modes, shape, before)
+    direct = direct_torques(system, modes, acting, is_band=is_band)
+    curves = Curves(system, modes, before, shape, moved, slowed, direct)
+    finer = times_finer(modes, float(time[1]), len(time))
+    torque, turning, (top, bottom) = sampled(curves, time, finer, progress)
     reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
-    lacking = missed(found, moved, time)
-    checked = residual(moved, time)
     return TransientMotion(
-        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, lacking, checked, before.speed,
-        len(found.frequency), system,
+        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, missed(modes, moved, time, finer),
+        residual(moved, time), before.speed, len(modes.frequency), system, settings.name,
     )  # fmt: skip
 
 
 def _event_driven(
-    study: Study, system: System, settings: TransientSettings, damping_ratio: float | None, progress: Progress
-) -> TransientMotion:
-    """The motion of a train with nonlinear couplings; peaks are looked for between events too."""
-    curves, balance, switching = event_driven_curves(study, system, settings, damping_ratio)
-    found = curves.built.modes
-    time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
-    every = np.union1d(time, curves.cuts[(curves.cuts > 0.0) & (curves.cuts < settings.duration)])
-    torque, turning, (top, bottom) = sampled(curves, every, progress)
-    at = np.searchsorted(every, time)
-    lacking = missed(found, curves, every) if curves.built.kept == len(found.frequency) else np.zeros(len(torque))
-    before = curves.built.before
-    reversals = np.array([_reversals(row) for row in torque], dtype=np.int64)
+    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None,
+    progress: Progress,
+) -> TransientMotion:  # fmt: skip
+    """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
+    curves, balance, switching = event_driven_curves(study, system, settings, place, damping_ratio)
+    built, cuts = curves.built, curves.cuts
+    samples = _samples(settings, built.modes)
+    finer = max(1, min(times_finer(built.modes, settings.duration / samples, samples), MOST_SAMPLES // samples))
+    fine = np.linspace(0.0, settings.duration, samples * finer + 1)
+    every = np.union1d(fine, cuts[(cuts > 0.0) & (cuts < settings.duration)])
+    torque, turning, (top, bottom) = sampled(curves, every, 1, progress)
+    at = np.searchsorted(every, fine[::finer])
+    before = built.before
     return TransientMotion(
-        time, torque[:, at], turning[:, at], *top, -bottom[0], bottom[1], before.torque, reversals, lacking,
-        balance.residual, before.speed, curves.built.kept, system, switching,
+        every[at], torque[:, at], turning[:, at], *top, -bottom[0], bottom[1], before.torque,
+        np.array([_reversals(row) for row in torque], dtype=np.int64), missed(built.modes, curves, fine, 1),
+        balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
     )  # fmt: skip
 
 
 def _reversals(torque: FloatArray) -> int:
     """Changes of sign; a torque of nothing, within a play, has none."""
-    return int(np.count_nonzero(np.diff(np.sign(torque[np.abs(torque) > 1e-9 * np.abs(torque).max(initial=0.0)]))))
+    there = np.abs(torque) > 1e-9 * np.abs(torque).max(initial=0.0)
+    return int(np.count_nonzero(np.diff(np.sign(torque[there]))))
 
 
 def _samples(settings: TransientSettings, found: Modes) -> int:
     if settings.samples is not None:
         return settings.samples
     highest = float(found.frequency.max(initial=1.0 / settings.duration))
-    return int(min(max(PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
+    return int(min(max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
+
+
+def _read(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> TransientMotion:
+    """With rated torques, stresses and damage."""
+    operation, rated = study.operation, None
+    if operation.rated is not None and operation.has_mean_torque:
+        rated = steady(study.train, system, operation, np.array([operation.rated.speed])).torque[:, 0]
+    stress = np.full(len(system.spans), np.nan)
+    for bar in study.train.bars:
+        here = system.span_part == bar.part
+        stress[here] = found.peak[here] / stress_modulus(bar)
+    damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.torque)
+    return replace(found, rated=rated, stress=stress if study.train.bars else None, damage=damage)
 
 
 def run(work: Work) -> None:
-    """The motion over time that the file names."""
-    settings = work.settings("transient", TransientSettings)
-    with work.log.step("motion over time", "requested") as step:
-        found = transient(work.study, work.system, settings, progress=work.progress)
-        step.method = "exact propagation of all modes" if found.switching is None else "exact from event to event"
-        step.size = f"{found.modes} modes, {len(settings.events)} events, {len(found.time)} samples"
-    work.put(transient=found)
+    """Every motion over time that the file names; one without an answer takes no other with it."""
+    found, errors, known = list[TransientMotion](), list[InputError | SolveError](), dict[Any, tuple[Modes, Modes]]()
+    for settings, place in cases(work.study):
+        title = f"motion over time {settings.name}".rstrip()
+        try:
+            with work.log.step(title, "requested") as step:
+                is_nonlinear = work.study.train.has_nonlinear_couplings
+                if settings.modes not in known and not is_nonlinear:
+                    known[settings.modes] = kept_modes(work.system, settings.modes, place)
+                one = transient(
+                    work.study,
+                    work.system,
+                    settings,
+                    place=place,
+                    modes=known.get(settings.modes),
+                    progress=work.progress,
+                )
+                step.method = "exact, from event to event" if is_nonlinear else "exact propagation of the modes"
+                step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
+            found.append(one)
+        except (InputError, SolveError) as error:
+            errors.append(error)
+            if len(errors) > 1:
+                work.log.without(title, str(error))
+    if found:
+        work.put(transient=Transients(tuple(found)))
+    if errors:
+        raise errors[0]

@@ -1,18 +1,21 @@
 """Settings of the motion over time, and what a file says wrongly in them."""
 
-from typing import Annotated, Any
+from collections.abc import Iterator
+from pathlib import Path as FilePath
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from torsion.analyses.transient.events import Event, Length
-from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.study import Study
+from torsion import fields
+from torsion.analyses.transient.events import Event, Length, Point
+from torsion.errors import Fault, Path
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.study import Several, Study
 from torsion.train import name_fault
 
 PATH = ("analyses", "transient")
 MOST_SAMPLES = 1_000_000
-PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
+DEFAULT_PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
 DEFAULT_MOST = 20_000  # samples where the file names no number
 
 
@@ -32,9 +35,35 @@ def _read_initial(value: Any) -> Any:
 Initial = Annotated[Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])]
 
 
-class TransientSettings(Declared):
-    """Settings of `transient`."""
+def _read_band(value: Any) -> Any:
+    if value == "all":
+        return value
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise refuse("`modes` is `all` or how many of the lowest are kept", "all, or for example 50")
+    return value
 
+
+class Fatigue(Declared):
+    """Cycles counted by rainflow, their damage summed after Miner: each is (amplitude/`amplitude`)**slope / cycles."""
+
+    amplitude: fields.Torque = required("torque amplitude (half range) borne for `cycles` cycles")
+    cycles: fields.Number = required("number of cycles at that amplitude")
+    slope: fields.Number = required("exponent m of the line amplitude**m * cycles = constant")
+    at: Annotated[tuple[str, ...], OneOrMany] = given("names of the couplings, shafts or gears (default: all)", ())
+    mean: Literal["none", "goodman"] = given("how a mean torque counts: not, or by a greater amplitude", "none")
+    ultimate: fields.Torque | None = given("torque at which it breaks, for `goodman`")
+
+    def refuse_clashes(self) -> None:
+        if (self.mean == "goodman") != (self.ultimate is not None):
+            raise refuse("`mean: goodman` and `ultimate` belong together", "give both, or none", "mean")
+        if self.amplitude == 0.0 or self.ultimate == 0.0:
+            raise refuse("a torque of 0 bears no cycle", "give the torque of the maker or of a test", "amplitude")
+
+
+class TransientSettings(Declared):
+    """Settings of `transient`: of one motion, or of each in a list of them."""
+
+    name: str = given("name of the motion, where there are several", "")
     duration: Length = required("how long the motion is computed")
     initial: Initial = given(
         "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, of parts that turn against "
@@ -46,42 +75,77 @@ class TransientSettings(Declared):
     )
     samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
         "samples of the curves; peaks are found between them, and nothing else depends on them "
-        f"(default: {PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
+        f"(default: {DEFAULT_PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
     )
+    modes: Annotated[Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])] = given(
+        "all, or how many of the lowest elastic modes are kept; then the change with twice as many is reported", "all"
+    )
+    plot: Annotated[tuple[str, ...], OneOrMany] = given(
+        "names of elements whose torque, and points whose speed is drawn (default: the largest torques, both ends)", ()
+    )
+    export: Literal["npz", "csv"] | None = given("also write all samples: motion.npz, or motion.csv of each motion")
+    fatigue: Fatigue | None = given("{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum")
+
+
+def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
+    """Every motion that the file names, and where it stands there."""
+    named = study.analyses.get("transient")
+    each = named.each if isinstance(named, Several) else () if named is None else (named,)
+    is_list = isinstance(named, Several)
+    return [
+        (one, (*PATH, place) if is_list else PATH)
+        for place, one in enumerate(each)
+        if isinstance(one, TransientSettings)
+    ]
 
 
 def transient_faults(study: Study) -> list[Fault]:
-    """Events at what is no point, or after the end; nothing that moves the train."""
-    settings = study.analyses.get("transient")
-    if not isinstance(settings, TransientSettings):
-        return []
-    twisted = isinstance(settings.initial, dict) and "torque" in settings.initial
-    found = []
-    if not settings.events and not twisted:
+    """Motions without a name, events at what is no point or after the end, files, and nothing that moves the train."""
+    found, seen, every = list[Fault](), set[str](), cases(study)
+    if not every:
+        found.append(Fault(PATH, "the list of motions is empty", "`- {name: start, duration: 2 s, events: [...]}`"))
+    if every and study.model == "exact" and study.train.has_shafts:
+        message = "motion over time takes shafts as lumped masses or finite elements, not the model exact"
+        found.append(Fault(("analyses", "model"), message, "model: lumped"))
+    for settings, path in every:
+        if len(every) > 1 and (not settings.name or settings.name in seen):
+            what = f"two motions are called '{settings.name}'" if settings.name else "a motion in a list needs a name"
+            found.append(Fault((*path, "name") if settings.name else path, what, "`name: start`, each another"))
+        seen.add(settings.name)
+        found += _faults(study, settings, path)
+    return found
+
+
+def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[Fault]:
+    """Of one motion."""
+    each = settings.initial.get("speed") if isinstance(settings.initial, dict) else None
+    apart = each if isinstance(each, dict) else {}
+    if not settings.events and not apart and not (isinstance(settings.initial, dict) and "torque" in settings.initial):
         hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
-        found.append(Fault(PATH, "nothing moves the train: no event, and no twist that is released", hint))
+        yield Fault(path, "nothing moves the train: no event, and no twist that is released", hint)
     known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
+    named = [name_fault(name, (*path, "initial", "speed", name), known) for name in apart]
+    yield from (fault for fault in named if fault is not None)
+    if apart and not study.train.has_nonlinear_couplings:
+        message = "speeds of several points need a clutch or a clearance between them"
+        yield Fault((*path, "initial"), message, "initial: {speed: 1500 rpm}")
     for number, event in enumerate(settings.events):
-        path = (*PATH, "events", number)
-        if (fault := name_fault(event.at, (*path, "at"), known, point=event.clutch is None)) is not None:
-            found.append(fault)
-        elif event.clutch is not None and getattr(study.train.part(event.at).nonlinear, "capacity", None) is None:
-            message, hint = f"'{event.at}' is no clutch", "name a coupling with `capacity`"
-            found.append(Fault((*path, "at"), message, hint))
+        place = (*path, "events", number)
+        is_clutch = getattr(event, "clutch", None) is not None
+        if (fault := name_fault(event.at, (*place, "at"), known, point=not is_clutch)) is not None:
+            yield fault
+        elif is_clutch and not study.train.part(event.at).is_clutch:
+            yield Fault((*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
         if event.time >= settings.duration:
             hint = f"within {settings.duration:g} s, or a longer `duration`"
-            found.append(Fault((*path, "time"), "the event begins after the end of the motion", hint))
-    if isinstance(settings.initial, dict) and isinstance(settings.initial.get("speed"), dict):
-        found += _speed_faults(study, settings.initial["speed"], known)
-    return found
-
-
-def _speed_faults(study: Study, speeds: dict[str, float], known: dict[str, tuple[str, bool]]) -> list[Fault]:
-    """Speeds of what is no point, or of a train in which nothing turns against anything else."""
-    path = (*PATH, "initial")
-    named = [name_fault(name, path, known) for name in speeds]
-    found = [fault for fault in named if fault is not None]
-    if not found and not study.train.has_nonlinear_couplings:
-        message = "speeds of several points need a clutch or a clearance between them"
-        found.append(Fault(path, message, "initial: {speed: 1500 rpm}"))
-    return found
+            yield Fault((*place, "time"), "the event begins after the end of the motion", hint)
+        table = getattr(event, "table", None)
+        if table is not None and table.file is not None:
+            lack = table.lacks(Point(folder=FilePath(study.file).parent))
+            if lack is not None:
+                yield Fault((*place, "table", "file"), *lack)
+    for key, names in (("plot", settings.plot), ("fatigue", settings.fatigue.at if settings.fatigue else ())):
+        for word in names:
+            if word not in known:
+                where = (*path, key) if key == "plot" else (*path, key, "at")
+                yield Fault(where, f"no component is called '{word}'", ", ".join(known))

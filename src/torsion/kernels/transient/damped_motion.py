@@ -50,11 +50,17 @@ class Motion:
     coordinates: FirstOrder
     read: tuple[np.ndarray, np.ndarray] | None  # rows of place and of speed; None: modes by themselves
 
+    @property
+    def rigid_motions(self) -> int:
+        """Number of rigid motions."""
+        return self.train.rigid
+
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Places and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
         y, root = self.coordinates.at(time), self.coordinates.root
         if self.read is not None:
-            place, speed = ((row @ y).real for row in self.read)
+            parts = np.concatenate([y.real, -y.imag])
+            place, speed = (np.concatenate([row.real, row.imag], axis=1) @ parts for row in self.read)
         else:
             place = y.imag / root.imag[:, None]
             speed = y.real + root.real[:, None] * place
