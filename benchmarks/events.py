@@ -20,7 +20,8 @@ from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, Pie
 DURATION, SAMPLES = 2.0, 200
 WITHIN = (0.25, 0.5, 1.0, 2.0)  # s
 TIMES = np.arange(1, SAMPLES + 1) * (DURATION / SAMPLES)
-MORE_ACCURATE, FASTER = 1e6, 20.0  # than Newmark at the same time, than DOP853 at 1e-4
+MORE_ACCURATE, FASTER = 1e6, 20.0  # than Newmark at the same time, than DOP853 with an error of USEFUL
+USEFUL = 1e-4
 WHAT = """\
 Ten stations, a clearance of 0.01 rad (1e5 N m/rad, 20 N m s/rad) in the middle, friction of 5 N m (5e4 N m/rad) beside
 a span, a torque of 120 N m that oscillates and decays against a steady load, from rest. Error: of the torques of both
@@ -38,7 +39,7 @@ def main() -> None:
         "from event to event": lambda: exact(train, 1.0),
         "from event to event, steps halved": lambda: exact(train, 0.5),
         **{f"Newmark, h = {h:g} s": lambda h=h: newmark(train, h) for h in (1e-3, 1e-4)},
-        **{f"DOP853, {tol:g}": lambda tol=tol: dop853(train, tol) for tol in (1e-4, 1e-7)},
+        **{f"DOP853, {tol:g}": lambda tol=tol: dop853(train, tol) for tol in (1e-4, 1e-7, 1e-8)},
     }
     rows, found = (
         ["| method | " + " | ".join(f"error to {t:g} s" for t in WITHIN) + " | time, s | |", "|---" * 7 + "|"],
@@ -51,12 +52,16 @@ def main() -> None:
         found[name] = errors, seconds
         rows.append(f"| {name} | " + " | ".join(f"{error:.1e}" for error in errors) + f" | {seconds:.2f} | {words} |")
     (own, own_time), (classical, its_time) = found["from event to event"], found["Newmark, h = 0.001 s"]
-    accurate, faster = classical[-1] / own[-1], found["DOP853, 0.0001"][1] / own_time
+    accurate, loose = classical[-1] / own[-1], found["DOP853, 0.0001"]
+    free = [seconds for name, (error, seconds) in found.items() if name.startswith("DOP853") and error[-1] <= USEFUL]
+    faster = min(free, default=math.inf) / own_time
     longer = f"Newmark with h = 1 ms, which takes {its_time / own_time:.1f} times as long"
     lines = [
         f"- more accurate than {longer}: {accurate:.1e}, meant >= {MORE_ACCURATE:g}: "
         + verdict(accurate >= MORE_ACCURATE),
-        f"- faster than DOP853 at 1e-4: {faster:.0f} times, meant >= {FASTER:g}: {verdict(faster >= FASTER)}",
+        f"- faster than DOP853 with an error of {USEFUL:g} at most: {faster:.0f} times, meant >= {FASTER:g}: "
+        + verdict(faster >= FASTER),
+        f"- faster than DOP853 at tolerance 1e-4, which errs by {loose[0][-1]:.1g}: {loose[1] / own_time:.0f} times",
     ]
     report.publish("Play and friction from event to event", [WHAT, "\n".join(rows), "\n".join(lines)])
 

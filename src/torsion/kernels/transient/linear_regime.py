@@ -17,11 +17,13 @@ from torsion.arrays import BoolArray, FloatArray
 
 STEPS = 64  # of a block
 PARTS = 4  # samples of the switching functions in a step
+NEAR = 16  # samples that are looked at before the others of a block: most events come soon
 ORDER = 16  # of the polynomials over a part: 0.5 rad of the fastest mode, 0.5**17/17! = 2e-20
 RADIANS = 2.0  # of the fastest mode in a step
 SHARES = np.linspace(0.0, 1.0, 9)  # of a part, where its polynomials are sampled
 POWERS = SHARES[:, None] ** np.arange(ORDER + 1)
 SLOPES = np.concatenate([np.zeros((9, 1)), POWERS[:, :-1] * np.arange(1, ORDER + 1)], axis=1)
+LAST_TERM = 1e-19  # of the first one
 ROUNDING = 1e-13  # of the largest coefficient: a function below zero by less is at zero
 
 
@@ -56,11 +58,11 @@ class Regime:
 
     @cached_property
     def _samples(self) -> FloatArray:
-        """(2 * samples * functions, states): every function, and its rate of change, at every sample of a block."""
+        """(samples * 2 * functions, states): every function, and its rate of change, at every sample of a block."""
         rows = [np.stack([self.events, self.events @ self.matrix])]
         for _ in range(STEPS * PARTS):
             rows.append(rows[-1] @ self.parts[1])
-        return np.stack(rows, axis=1).reshape(-1, len(self.matrix))
+        return np.array(rows).reshape(-1, len(self.matrix))
 
     @cached_property
     def _coefficients(self) -> FloatArray:
@@ -72,8 +74,21 @@ class Regime:
 
     def after(self, z: FloatArray, time: float) -> FloatArray:
         """The state after a time of one block at most."""
-        whole = min(int(time / self.step), STEPS)
-        return self.moved(self.steps[whole] @ z[:, None], np.array([max(time - whole * self.step, 0.0)]))[:, 0]
+        part = min(int(time / self.part), STEPS * PARTS - 1)
+        start, rest = self._at(z, part), max(time - part * self.part, 0.0)
+        term, power, bound = start, 0, 1.0
+        while bound > LAST_TERM and power < ORDER:
+            power += 1
+            bound *= RADIANS * rest / (self.step * power)
+            term = self.matrix @ term * (rest / power)
+            start = start + term
+        return start
+
+    def _at(self, z: FloatArray, part: int) -> FloatArray:
+        """The state after a number of parts."""
+        whole, rest = divmod(part, PARTS)
+        start = self.steps[whole] @ z if whole else z
+        return np.asarray(self.parts[rest] @ start if rest else start)
 
     def moved(self, z: FloatArray, time: FloatArray) -> FloatArray:
         """States (states, columns), each after a time (columns,) of one step at most."""
@@ -89,20 +104,19 @@ class Regime:
 
     def first_event(self, z: FloatArray, time: float) -> tuple[float, int] | None:
         """When within a time of one block at most a switching function falls below zero, and which."""
-        functions = len(self.events)
-        if not functions:
-            return None
-        value, rate = (self._samples @ z).reshape(2, -1, functions)
-        number = min(int(np.ceil(time / self.part)), STEPS * PARTS)
-        value, rate = value[: number + 1], rate[: number + 1]
-        looked_at = (value[1:] <= 0.0) | (value[:-1] <= 0.0)
-        if self.catches_dips:
-            looked_at |= _may_dip(value, rate * self.part)
-        for part in np.flatnonzero(looked_at.any(axis=1)).tolist():
-            start = self.parts[part % PARTS] @ (self.steps[part // PARTS] @ z)
-            found = self._root(start, self.catches_dips)
-            if found is not None and part * self.part + found[0] <= time:
-                return part * self.part + found[0], found[1]
+        functions, number = len(self.events), min(int(np.ceil(time / self.part)), STEPS * PARTS)
+        for first, last in ((0, min(NEAR, number)), (NEAR, number)):
+            if not functions or first >= number:
+                break
+            rows = self._samples[2 * functions * first : 2 * functions * (last + 1)]
+            value, rate = (rows @ z).reshape(-1, 2, functions).transpose(1, 0, 2)
+            looked_at = np.minimum(value[1:], value[:-1]) <= 0.0
+            if self.catches_dips:
+                looked_at |= _may_dip(value, rate * self.part)
+            for part in (np.flatnonzero(looked_at.any(axis=1)) + first).tolist():
+                found = self._root(self._at(z, part), self.catches_dips)
+                if found is not None and part * self.part + found[0] <= time:
+                    return part * self.part + found[0], found[1]
         return None
 
     def _root(self, z: FloatArray, dips: bool) -> tuple[float, int] | None:
