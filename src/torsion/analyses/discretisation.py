@@ -89,6 +89,7 @@ def run_assembly(work: Work) -> None:
     for part in work.study.train.parts:
         if part.nonlinear is not None:
             why = f"all but motion over time takes the coupling as linear: {part.nonlinear.words}"
+            why += "; the response adds that by harmonic balance" if part.nonlinear.friction else ""
             work.log.without(f"what is nonlinear in '{part.name}'", why)
     work.put(system=system)
     if system.bars is not None and system.bars.degree:

@@ -68,7 +68,7 @@ class NonlinearRecord:
 
     @property
     def words(self) -> str:
-        """How modes and response take it."""
+        """How modes take it; the response takes its friction by harmonic balance."""
         taken = {
             "its play closed": self.play, "without its friction": self.friction, "in its first stage": self.stages,
             "as a clutch that is stuck": self.capacity is not None,

@@ -71,9 +71,11 @@ NOTES = {  # what the keys of a kind need of each other
     "on the side s, which never pulls; with stages k u and beyond the twist of each its k_i (|u| - from_i) more; "
     "friction is a spring in series with a slider beside it, and several slip one after another. A `capacity` makes it "
     "a clutch or brake: its stiffness in series with a slider, which the event `clutch` closes and opens. Motion over "
-    "time takes all of them exactly, and both ends then need an inertia. `modes` and `response` take the coupling as "
-    "linear: play closed, without friction, in its first stage, the clutch stuck; the plan says so. `clearance` and "
-    "`stages` exclude each other, and `capacity` all others; `psi`, `loss_factor` and `magnifier` go with stages.",
+    "time takes all of them exactly, and both ends then need an inertia. Other analyses take the coupling as "
+    "linear: play closed, without friction, in its first stage, the clutch stuck; the plan says so. Only `response` "
+    "takes friction by harmonic balance at the amplitude found, with the exact motion at the peak beside it. "
+    "`clearance` and `stages` exclude each other, and `capacity` all others; `psi`, `loss_factor` and `magnifier` go "
+    "with stages.",
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "
     "where the gear has `teeth`.",
     "joint": "`plane` and `phase` count from the joint before it on the same shaft line. Behind a gear a joint is "

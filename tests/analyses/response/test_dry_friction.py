@@ -112,3 +112,18 @@ def test_friction_in_a_loop_is_refused() -> None:
     )
     with pytest.raises(SolveError, match="closes a loop"):
         torsion.run(torsion.parse(text.replace("held: true", "name: held, held: true")))
+
+
+def test_the_exact_motion_stands_beside_harmonic_balance_at_its_peak() -> None:
+    from tests.analyses.transient.test_nonlinear_couplings import truck
+
+    findings = torsion.run(torsion.parse(DISC.format("{torque: 20, stiffness: 4e3}", 10)))
+    (disc,) = findings.results["friction_peaks"].each
+    assert (disc.coupling, disc.component) == ("dry", "order 1 (d)")
+    assert disc.difference == pytest.approx(disc.balance / disc.exact - 1.0)
+    assert abs(disc.difference) < 4e-3  # one term of many is enough at a resonance
+    text = truck(1.95, 7.139) + (TRUCK % (1900, 2000, 11)).removeprefix("name: x\n")
+    (clutch,) = torsion.run(torsion.parse(text)).results["friction_peaks"].each
+    assert clutch.speed == pytest.approx(2000.0 * math.pi / 30.0)
+    assert clutch.exact == pytest.approx(9.995606016475547, rel=1e-4)  # DOP853 at 1e-6 over 250 periods
+    assert clutch.difference > 0.3  # it slips nearly all the time

@@ -229,22 +229,26 @@ def _changes(curves: EventDrivenCurves, other: EventDrivenCurves, time: FloatArr
 
 def build(
     study: Study, system: System, settings: TransientSettings, place: Path, *, damping_ratio: float | None = None,
-    halved: bool = False,
+    halved: bool = False, speed: float | None = None,
 ) -> Built:  # fmt: skip
-    """The train in modes of its linear parts; halved: with half the band of modes that would be kept."""
+    """The train in modes of its linear parts.
+
+    halved: with half the band of modes that would be kept. speed: of a steady state (rad/s of the reference station),
+    in place of the operation's.
+    """
     found = couplings(study.train, system)
     bare = opened(system, found)
     if bare.bars is not None:
         message = f"play and friction in motion over time take shafts as lumped masses, not the model {bare.model}"
         raise SolveError(message, "model: lumped", place)
     modes = kept_modes(bare, "all", place)[0]
-    before = state_before(study, system, settings, place, vibrates=False)
+    before = state_before(study, system, settings, place, vibrates=False, speed=speed)
     shape = shapes(bare, modes)
     train = modal_train(study, bare, modes, shape, before)
     rigid, w = train.rigid, train.w
     damping = train.damping if damping_ratio is None else np.diag(2.0 * damping_ratio * train.w_of_all)
     pieces, acting = _signals(study, system, settings, before, place)
-    speed = _speeds(study, bare, before, shape)
+    turning = _speeds(study, bare, before, shape)
     ends = twists(bare, modes, shape, np.array([one.span for one in found]))
     torque = before.torque + before.twist
     carried, all_standing = torque.copy(), list[Standing]()
@@ -254,7 +258,7 @@ def build(
         if capacity is not None:
             signal = len(pieces), not any(piece.begin == 0.0 for piece in capacity)
             pieces, acting = [*pieces, capacity], np.concatenate([acting, np.zeros((len(acting), 1))], axis=1)
-        linear, its_elements = standing(number, one, ends[number], float(torque[one.span]), speed, signal)
+        linear, its_elements = standing(number, one, ends[number], float(torque[one.span]), turning, signal)
         carried[one.span] = linear
         all_standing += its_elements
     twisted, _ = start(bare, modes, replace(before, twist=carried), shape)
@@ -276,7 +280,7 @@ def build(
         PiecewiseTrain(
             w[:kept], damping[own, own], elements, Signals(tuple(map(tuple, pieces))), force[own], compliance, rest
         ),
-        is_band, twisted[rigid : rigid + kept], speed[own],
+        is_band, twisted[rigid : rigid + kept], turning[own],
     )  # fmt: skip
 
 

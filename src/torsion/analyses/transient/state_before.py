@@ -33,9 +33,13 @@ class State:
 
 
 def state_before(
-    study: Study, system: System, settings: TransientSettings, place: Path = PATH, *, vibrates: bool = True
-) -> State:
-    """The state before the events; without its steady vibration where that is not `vibrates`."""
+    study: Study, system: System, settings: TransientSettings, place: Path = PATH, *, vibrates: bool = True,
+    speed: float | None = None,
+) -> State:  # fmt: skip
+    """The state before the events; without its steady vibration where that is not `vibrates`.
+
+    speed: rad/s of the steady state, in place of the operation's.
+    """
     spans, operation = len(system.spans), study.operation
     initial = settings.initial if settings.initial is not None else "steady" if operation.speed else "rest"
     none = State(0.0, None, np.zeros(spans), np.empty(0), np.empty((0, spans), dtype=complex), np.zeros(spans))
@@ -53,10 +57,10 @@ def state_before(
     if isinstance(initial, dict):
         each = initial["speed"]
         return replace(none, speeds=each) if isinstance(each, dict) else replace(none, speed=each)
-    if not operation.speed:
+    if not (speed or operation.speed):
         fault = Fault((*place, "initial"), "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
-    at = np.array([operation.speed])
+    at = np.array([speed or operation.speed])
     mean = steady(study.train, system, operation, at) if operation.has_mean_torque else None
     state = replace(none, speed=float(at[0]), mean=mean, torque=none.torque if mean is None else mean.torque[:, 0])
     if not (study.excites and vibrates):

@@ -1,0 +1,43 @@
+"""Chapter: dry friction in the response, by harmonic balance and exactly."""
+
+from collections.abc import Iterator
+
+from torsion.analyses.transient.friction_peaks import FrictionPeaks
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.numbers import NONE, number, rpm
+
+DIFFERS = 0.05  # of the exact amplitude: more is pointed at
+METHOD = (
+    "The response takes dry friction as a complex stiffness at the amplitude of its largest harmonic component. At the "
+    "largest torque amplitude of each coupling with friction the motion is also computed exactly, from event to event, "
+    "until it repeats itself."
+)
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """Nothing without friction, or without a response."""
+    found = findings.get(FrictionPeaks)
+    if found is None:
+        return
+    yield Heading("Dry friction at the peaks of the response")
+    yield Paragraph(METHOD)
+    rows = [
+        (
+            one.coupling, one.component, rpm(one.speed), number(one.balance),
+            NONE if one.exact is None else number(one.exact),
+            NONE if one.difference is None else number(100.0 * one.difference, 2),
+        )
+        for one in found.each
+    ]  # fmt: skip
+    titles = (
+        "< Coupling -> | < Harmonic component | rpm -> | Harmonic balance [N m] -> | Exact [N m] -> | Difference [%] ->"
+    )
+    yield table(titles, rows, "Torque amplitudes at the peaks", short="Dry friction at the peaks")
+    doubtful = [one.coupling for one in found.each if one.difference is None or abs(one.difference) > DIFFERS]
+    if doubtful:
+        text = (
+            f"Harmonic balance is off by more than 5 % for {', '.join(doubtful)}, or the motion does not repeat itself: "
+            "compute the motion over time there."
+        )
+        yield Paragraph(text, "note")
