@@ -37,7 +37,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     doubtful = [one.coupling for one in found.each if one.difference is None or abs(one.difference) > DIFFERS]
     if doubtful:
         text = (
-            f"Harmonic balance is off by more than 5 % for {', '.join(doubtful)}, or the motion does not repeat itself: "
+            f"Harmonic balance is off by more than 5 % for {', '.join(doubtful)}, or the motion never settles: "
             "compute the motion over time there."
         )
         yield Paragraph(text, "note")
