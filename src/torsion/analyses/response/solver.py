@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from torsion.kernels.loops import Chords
 
 
+NOTHING: Mapping[int, ComplexArray] = {}
+
+
 @dataclass(frozen=True)
 class Answer:
     """Complex amplitudes of one harmonic."""
@@ -30,13 +33,41 @@ class Answer:
 
 
 def answer(
-    system: System,
-    w: FloatArray,
-    sources: Sources,
-    damping: FloatArray,
-    added: Mapping[int, ComplexArray] | None = None,
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, ComplexArray] = NOTHING
 ) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
+
+    damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode. added: as of
+    `swept`; raises SolveError where the train is damped by mode.
+    """
+    if not system.train.modal_damping:
+        return swept(system, w, sources, damping, added)
+    if added:
+        message = "friction in the response changes the modes, and the train is damped by mode"
+        raise SolveError(message, "give the damping of the components", ("damping",))
+    from torsion.analyses.response.modal_response import modal_sums
+
+    def still(at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        found = swept(undamped(system), at, sources, np.zeros((len(system.stations), len(at))))
+        return found.angle.T, found.torque.T
+
+    angle, torque, amplification = modal_sums(system, w, sources, still)
+    none = np.zeros(len(w))
+    return Answer(angle.T, torque.T, none, status(amplification, none))
+
+
+def undamped(system: System) -> System:
+    """The same without the damping of its components."""
+    none = np.zeros(len(system.spans))
+    return replace(system, viscous=none, loss_factor=none, dampers=())
+
+
+def swept(
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, ComplexArray] = NOTHING
+) -> Answer:
+    """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
+
+    The train is damped by its components.
 
     damping: (stations, frequencies) N m s/rad to ground at own speed. added: of some spans a stiffness (frequencies,)
     N m/rad beside their own, at the driving station's speed. Raises SolveError where such a span closes a loop.

@@ -36,6 +36,7 @@ from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.energy_balance import EnergyBalance, energy_balance
 from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, PiecewiseTrain, event_driven
 from torsion.kernels.transient.generated_signals import Signals
+from torsion.kernels.transient.linear_regime import RADIANS
 from torsion.kernels.transient.torque_history import Piece
 from torsion.results import reported, result
 from torsion.study import Study
@@ -145,6 +146,11 @@ class EventDrivenCurves:
         linear[:, speed] = built.slowed
         linear += built.train.rows(built.direct)
         return tuple(linear + built.of_elements @ one.torque for one in self.motion.regimes)
+
+    @property
+    def fastest(self) -> float:
+        """rad/s of the fastest motion of a regime."""
+        return max(RADIANS / one.step for one in self.motion.regimes)
 
     @property
     def rigid_motions(self) -> int:
