@@ -11,6 +11,7 @@ from torsion.analyses.transient.transient_motion import TransientMotion, transie
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
+from torsion.output.chapters.motion_over_time import chapter
 
 RIPPLE = ", ripple: [{order: 2, torque: 150 %}]"
 DRIVE = """name: x
@@ -249,3 +250,42 @@ def test_a_play_at_a_point_without_inertia_is_refused() -> None:
     parts = "disc: {name: a, inertia: 2}, coupling: {stiffness: 1e5, clearance: 1 deg}, coupling: {stiffness: 1e4}"
     with pytest.raises(SolveError, match="ends at a point without inertia"):
         moved(f"name: x\ntrain: [{parts}, disc: {{inertia: 3}}]\n", duration=1.0, initial={"speed": {"a": "5 rad/s"}})
+
+
+def test_a_motion_that_impacts_make_sensitive_says_from_when_on() -> None:
+    """Two plays in line under two torques: differences of rounding grow until they show."""
+    parts = (
+        "disc: {name: a, inertia: 1}, coupling: {stiffness: 2e4, clearance: 2 deg}, disc: {inertia: 0.3}, "
+        "coupling: {stiffness: 5e4, clearance: 1 deg}, disc: {name: c, inertia: 0.7}"
+    )
+    events = [
+        {"at": "a", "sine": {"torque": 80, "frequency": 9}},
+        {"at": "c", "sine": {"torque": 30, "frequency": 5.3}},
+    ]
+    found = moved(f"name: x\ntrain: [{parts}]\n", duration=5.0, events=events)
+    assert found.switching is not None
+    assert 0.5 < found.switching.sensitive_after < 3.0
+    assert len(whats(found)) > 900
+    assert found.residual < 1e-11  # each of the motions that cannot be told apart is one
+
+
+def test_a_twist_released_in_a_play_rebounds_with_all_its_energy() -> None:
+    parts = "disc: {inertia: 2}, coupling: {name: s, stiffness: 1e4, clearance: 0.02 rad}, disc: {inertia: 3}"
+    found = moved(f"name: x\ntrain: [{parts}]\n", duration=1.0, initial={"torque": {"s": 50.0}})
+    w, speed = math.sqrt(1e4 / 1.2), 50.0 / math.sqrt(1e4 * 1.2)
+    first, second = (time for time, _ in whats(found)[:2])
+    assert first == pytest.approx(math.pi / 2.0 / w, rel=1e-13)
+    assert second - first == pytest.approx(0.02 / speed, rel=1e-12)
+    assert found.least[0] == pytest.approx(-50.0, rel=1e-12)
+
+
+def test_the_report_lists_what_couplings_did() -> None:
+    text = CLUTCH.format("stiffness: 1e6, capacity: 400") + (
+        "analyses: {transient: {duration: 3 s, initial: {speed: {engine: 150 rad/s}}, "
+        "events: [{at: clutch, clutch: {close: 0.5 s}}]}}\n"
+    )
+    findings = torsion.run(torsion.parse(text))
+    blocks = {getattr(block, "caption", ""): block for block in chapter(findings)}
+    assert tuple(blocks["Couplings with play, friction, stages or a capacity"].rows[0][:3]) == ("clutch", "0", "0")
+    assert any("clutch" in row for row in blocks["Events of these couplings"].rows)
+    assert any("clutch" in what for what, _ in findings.plan.left_out)

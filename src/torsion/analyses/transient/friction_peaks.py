@@ -7,7 +7,8 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.dry_friction import rubbing_spans
-from torsion.analyses.transient.event_driven_train import EventDrivenCurves, build
+from torsion.analyses.transient.event_driven_curves import EventDrivenCurves
+from torsion.analyses.transient.event_driven_train import build
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray
 from torsion.findings import Work

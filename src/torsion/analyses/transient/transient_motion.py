@@ -9,7 +9,7 @@ import numpy as np
 from torsion.analyses.steady import steady
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
-from torsion.analyses.transient.event_driven_train import Switching, event_driven_curves
+from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
 from torsion.analyses.transient.fatigue import damages
 from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
 from torsion.analyses.transient.state_before import State, loads_of_events, state_before

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.transient.event_driven_train import Switching
+from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
