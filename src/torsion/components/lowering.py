@@ -7,7 +7,6 @@ from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from torsion.components.material import Material
-from torsion.components.nonlinear_coupling import NonlinearRecord
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Inertia, Primitive, Spring, Station
@@ -64,6 +63,32 @@ class CouplingRatings:
     def limit_anything(self) -> bool:
         """There is a limit at all."""
         return self.rated_torque is not None or self.limit_vibration
+
+
+@dataclass(frozen=True)
+class NonlinearRecord:
+    """The nonlinear parts of a coupling, of its own speed."""
+
+    stiffness: float  # N m/rad beyond the play, of the first stage, of a clutch that is stuck; infinite: rigid
+    play: float = 0.0  # rad, half of it
+    viscous: float = 0.0  # N m s/rad of the contact
+    friction: tuple[tuple[float, float], ...] = ()  # N m, N m/rad
+    stages: tuple[tuple[float, float, tuple[float, float]], ...] = ()  # rad, N m/rad, friction of it
+    capacity: float | None = None  # N m, of a clutch
+
+    @property
+    def interrupts(self) -> bool:
+        """Nothing linear is left of the coupling."""
+        return bool(self.play) or self.capacity is not None
+
+    @property
+    def words(self) -> str:
+        """How modes take it; the response takes its friction by harmonic balance."""
+        taken = {
+            "its play closed": self.play, "without its friction": self.friction, "in its first stage": self.stages,
+            "as a clutch that is stuck": self.capacity is not None,
+        }  # fmt: skip
+        return ", ".join(word for word, there in taken.items() if there)
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ from torsion.analyses.transient.events import Clutch, ramps
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.components.lowering import Part
-from torsion.components.nonlinear_coupling import STIFF, NonlinearRecord
+from torsion.components.lowering import NonlinearRecord, Part
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, DelayedFriction, Element, Friction
 from torsion.kernels.transient.torque_history import Piece
@@ -125,10 +124,10 @@ def _elements(number: int, record: NonlinearRecord, ends: FloatArray, twist: flo
         yield Standing(Clearance(ends, record.stiffness, record.play, record.viscous), number, twist, touches)
     for torque, stiffness in record.friction:
         yield Standing(Friction(ends, stiffness, torque), number, 0.0, 0)
-    for begin, stiffness, torque in record.stages:
+    for begin, stiffness, (torque, friction) in record.stages:
         yield Standing(Clearance(ends, stiffness, begin), number, twist, side if abs(twist) > begin else 0)
         if torque:
-            yield Standing(DelayedFriction(ends, STIFF * stiffness, torque, begin), number, 0.0, 0)
+            yield Standing(DelayedFriction(ends, friction, torque, begin), number, 0.0, 0)
 
 
 def _twist_under(record: NonlinearRecord, torque: float) -> float:
