@@ -108,10 +108,11 @@ ANALYSES: dict[str, Analysis] = {
         wanted=lambda study: study.setting("analyses", "stability", "map") is not None,
         chapters=("stability_ranges",), place=("analyses", "stability", "map"),
     ),
-    "friction peaks": Analysis(
-        "exact motion at the peaks of friction", "torsion.analyses.transient.friction_peaks", needs=("response",),
-        results={"friction_peaks": "FrictionPeaks"}, wanted=lambda study: study.train.has_friction,
-        chapters=("friction_at_peaks",),
+    "nonlinear peaks": Analysis(
+        "exact motion at the peaks of nonlinear couplings", "torsion.analyses.transient.nonlinear_peaks",
+        needs=("response",), results={"nonlinear_peaks": "NonlinearPeaks"},
+        wanted=lambda study: study.train.has_nonlinear_couplings,
+        chapters=("nonlinear_at_peaks",),
         place=("analyses", "response"),
     ),
     "frequency response": Analysis(

@@ -107,10 +107,12 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
         if self.clearance is not None and self.clearance.stiffness is not None:
             flexibility = 1.0 / build.own(self.clearance.stiffness)
         stiffness = 1.0 / flexibility if flexibility else math.inf
-        build.record(nonlinear=_nonlinear_record(self, stiffness, scale))
+        nonlinear = _nonlinear_record(self, stiffness, scale)
+        build.record(nonlinear=nonlinear)
+        viscous = build.own(self.viscous or 0.0) if nonlinear is None or not nonlinear.play else nonlinear.viscous
         loss = 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
         loss = self.psi / (2.0 * math.pi) if self.psi is not None else loss
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, build.own(self.viscous or 0.0), loss))
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss))
 
 
 def _refuse_nonlinear_clashes(coupling: Coupling) -> None:

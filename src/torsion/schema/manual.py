@@ -73,7 +73,7 @@ NOTES = {  # what the keys of a kind need of each other
     "a clutch or brake: its stiffness in series with a slider, which the event `clutch` closes and opens. Motion over "
     "time takes all of them exactly, and both ends then need an inertia. Other analyses take the coupling as "
     "linear: play closed, without friction, in its first stage, the clutch stuck; the plan says so. Only `response` "
-    "takes friction by harmonic balance at the amplitude found, with the exact motion at the peak beside it. "
+    "takes friction by harmonic balance at the amplitude found; the exact motion at its peaks stands beside it. "
     "`clearance` and `stages` exclude each other, and `capacity` all others; `psi`, `loss_factor` and `magnifier` go "
     "with stages.",
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "

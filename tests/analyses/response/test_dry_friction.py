@@ -114,16 +114,35 @@ def test_friction_in_a_loop_is_refused() -> None:
         torsion.run(torsion.parse(text.replace("held: true", "name: held, held: true")))
 
 
-def test_the_exact_motion_stands_beside_harmonic_balance_at_its_peak() -> None:
+def test_the_exact_motion_stands_beside_the_response_at_its_peak() -> None:
     from tests.analyses.transient.test_nonlinear_couplings import truck
 
     findings = torsion.run(torsion.parse(DISC.format("{torque: 20, stiffness: 4e3}", 10)))
-    (disc,) = findings.results["friction_peaks"].each
+    (disc,) = findings.results["nonlinear_peaks"].each
     assert (disc.coupling, disc.component) == ("dry", "order 1 (d)")
-    assert disc.difference == pytest.approx(disc.balance / disc.exact - 1.0)
+    assert disc.difference == pytest.approx(disc.response / disc.exact - 1.0)
     assert abs(disc.difference) < 4e-3  # one term of many is enough at a resonance
     text = truck(1.95, 7.139) + (TRUCK % (1900, 2000, 11)).removeprefix("name: x\n")
-    (clutch,) = torsion.run(torsion.parse(text)).results["friction_peaks"].each
+    (clutch,) = torsion.run(torsion.parse(text)).results["nonlinear_peaks"].each
     assert clutch.speed == pytest.approx(2000.0 * math.pi / 30.0)
     assert clutch.exact == pytest.approx(9.995606016475547, rel=1e-4)  # DOP853 at 1e-6 over 250 periods
     assert clutch.difference > 0.3  # it slips nearly all the time
+
+
+@pytest.mark.parametrize(("ripple", "parts"), [("20 %", False), ("400 %", True)])
+def test_a_play_is_closed_in_the_response_as_long_as_the_mean_torque_keeps_it_so(ripple: str, parts: bool) -> None:
+    text = f"""name: x
+operation: {{speeds: {{from: 900 rpm, to: 1100 rpm}}, rated: {{speed: 1000 rpm, power: 20 kW}}, load: constant}}
+train:
+- motor: {{inertia: 1, ripple: [{{order: 2, torque: {ripple}}}]}}
+- coupling: {{name: teeth, stiffness: 4e4, clearance: {{angle: 0.3 deg, viscous: 30}}}}
+- disc: {{inertia: 0.5}}
+- coupling: {{stiffness: 9e3, viscous: 20}}
+- propeller: {{inertia: 2}}
+analyses: {{response: }}
+"""
+    (teeth,) = torsion.run(torsion.parse(text)).results["nonlinear_peaks"].each
+    if parts:
+        assert abs(teeth.difference) > 0.01
+    else:
+        assert teeth.response == pytest.approx(teeth.exact, rel=1e-11)

@@ -70,7 +70,7 @@ class Extremes:
         return top, when
 
     def _settled(self, chosen: IntArray, curves: Curves) -> FloatArray:
-        """(chosen,) s, where the rate of each turns from rising to falling: secants within brackets, then halving.
+        """(chosen,) s, where each goes from rising to falling: secants within brackets, then halving.
 
         A secant whose end stays is taken with half of the value there (Illinois, Dowell and Jarratt 1971).
         """

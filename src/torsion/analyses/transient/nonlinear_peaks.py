@@ -1,4 +1,4 @@
-"""The exact motion at the peaks of a response with dry friction, beside harmonic balance."""
+"""The exact motion at the peaks of a response whose couplings have play, friction or stages."""
 
 import math
 from dataclasses import replace
@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.dry_friction import rubbing_spans
 from torsion.analyses.transient.event_driven_curves import EventDrivenCurves
 from torsion.analyses.transient.event_driven_train import build
+from torsion.analyses.transient.nonlinear_couplings import couplings
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray
+from torsion.errors import InputError, SolveError
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Study
@@ -23,37 +24,41 @@ LARGEST_COMMON = 64  # revolutions of a window that orders have in common
 
 
 @reported
-class FrictionPeak:
-    """The largest torque amplitude of a coupling with friction, twice."""
+class NonlinearPeak:
+    """The largest torque amplitude of a nonlinear coupling, twice."""
 
     coupling: str = result("", (), "which")
     component: str = result("", (), "harmonic component of the largest amplitude")
     speed: float = result("rad/s", (), "reference speed of it")
-    balance: float = result("N*m", (), "amplitude by harmonic balance, as in the response")
+    response: float = result("N*m", (), "amplitude in the response: play closed, friction by harmonic balance")
     exact: float | None = result("N*m", (), "amplitude of the exact motion, settled; null where it does not settle")
-    difference: float | None = result("1", (), "of harmonic balance, of the exact one")
+    difference: float | None = result("1", (), "of the response from the exact motion, of the latter")
 
 
 @reported
-class FrictionPeaks:
-    """Every coupling with friction."""
+class NonlinearPeaks:
+    """Every coupling with play, friction or stages."""
 
-    each: tuple[FrictionPeak, ...] = result("", (), "every coupling with friction, at its peak", key="")
+    each: tuple[NonlinearPeak, ...] = result("", (), "every coupling with play, friction or stages", key="")
 
 
 def run(work: Work) -> None:
-    """The peaks of every coupling with friction; nothing without a response."""
-    found, rubbing = work.get(Response), rubbing_spans(work.system)
-    if found is None or not rubbing:
+    """The peaks of every such coupling; nothing without a response, or where the train has no such motion."""
+    found, title = work.get(Response), "exact motion at the peaks of nonlinear couplings"
+    if found is None:
         return
-    with work.log.step("exact motion at the peaks of friction", "harmonic balance takes one component") as step:
-        peaks = tuple(_peak(work.study, found, span) for span in rubbing)
-        step.method = "from event to event, until it repeats itself"
-        step.size = f"{len(peaks)} couplings"
-    work.put(friction_peaks=FrictionPeaks(peaks))
+    try:
+        with work.log.step(title, "the response takes them as linear") as step:
+            every = couplings(work.study.train, found.system)
+            peaks = tuple(_peak(work.study, found, one.span) for one in every if one.record.capacity is None)
+            step.method = "from event to event, until it repeats itself"
+            step.size = f"{len(peaks)} couplings"
+        work.put(nonlinear_peaks=NonlinearPeaks(peaks))
+    except (InputError, SolveError) as error:
+        work.log.without(title, str(error))
 
 
-def _peak(study: Study, found: Response, span: int) -> FrictionPeak:
+def _peak(study: Study, found: Response, span: int) -> NonlinearPeak:
     amplitude = np.abs(found.torque[:, :, span])
     at, line = (int(one) for one in np.unravel_index(amplitude.argmax(), amplitude.shape))
     speed, w = float(found.speed[at]), 2.0 * math.pi * float(found.frequency[at, line])
@@ -62,10 +67,10 @@ def _peak(study: Study, found: Response, span: int) -> FrictionPeak:
     window = 2.0 * math.pi / speed * turns if orders and turns <= LARGEST_COMMON else 2.0 * math.pi / w
     window *= max(1, math.ceil(CYCLES * 2.0 * math.pi / (w * window)))
     exact = settled_amplitude(study, found, span, (speed, w), window)
-    balance = float(amplitude[at, line])
+    linear = float(amplitude[at, line])
     name = study.train.parts[int(found.system.span_part[span])].name
-    difference = None if exact is None else balance / exact - 1.0
-    return FrictionPeak(name, found.lines[line].words, speed, balance, exact, difference)
+    difference = linear / exact - 1.0 if exact else None
+    return NonlinearPeak(name, found.lines[line].words, speed, linear, exact, difference)
 
 
 def settled_amplitude(study: Study, found: Response, span: int, at: tuple[float, float], window: float) -> float | None:
