@@ -113,6 +113,14 @@ def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str,
 
 
 @every_scene
+def test_every_motion_over_time_balances_its_energy_and_can_be_trusted(scene: str, solved) -> None:
+    found = solved(scene).get(Transients)
+    for one in () if found is None else found.each:
+        assert one.residual < 1e-10
+        assert one.status == "ok"
+
+
+@every_scene
 def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str, solved) -> None:
     found = solved(scene)
     requested = {name for name, _ in found.study.rules}

@@ -107,6 +107,23 @@ def test_after_the_decay_a_sine_is_the_response(parts: str) -> None:
     assert found.residual < 1e-11
 
 
+@pytest.mark.parametrize("damping", ["viscous", "modal"])
+def test_after_the_decay_a_sine_in_a_closed_loop_is_the_response(damping: str) -> None:
+    more, top = (", viscous: 40", "") if damping == "viscous" else ("", "damping: {modal: 3 %}\n")
+    study = torsion.parse(
+        f"name: x\n{top}train: [{chain([1.0, 0.5, 2.0, 1.0], [2e4, 3e4, 1e4], more)}]\n"
+        f"links: [{{between: [d1, d3], coupling: {{stiffness: 1e4{more}}}}}]\nexcitations: [{{at: d1, torque: 7}}]\n"
+        "analyses: {response: {frequencies: {from: 30, to: 31, steps: 2}}}\n"
+    )
+    events = [{"at": "d1", "sine": {"torque": 7.0, "frequency": 30.0, "phase": "90 deg"}}]
+    settings = TransientSettings.model_validate({"duration": 10.0, "initial": "rest", "events": events})
+    found = transient(study, assemble(study.train, model="lumped"), settings)
+    steady = torsion.run(study).results["frequency_response"]
+    late = found.time > 9.5
+    exact = (steady.torque[0][:, None] * np.exp(2j * math.pi * 30.0 * found.time[late])).real
+    assert np.abs(found.torque[:, late] - exact).max() <= 1e-9 * np.abs(exact).max()
+
+
 def test_a_steady_train_without_an_event_stays_as_it_is() -> None:
     text = """
 name: x
