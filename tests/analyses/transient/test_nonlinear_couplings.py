@@ -289,3 +289,22 @@ def test_the_report_lists_what_couplings_did() -> None:
     assert tuple(blocks["Couplings with play, friction, stages or a capacity"].rows[0][:3]) == ("clutch", "0", "0")
     assert any("clutch" in row for row in blocks["Events of these couplings"].rows)
     assert any("clutch" in what for what, _ in findings.plan.left_out)
+
+
+def test_a_brake_stops_its_disc_and_turns_its_energy_into_heat() -> None:
+    parts = "disc: {name: a, inertia: 2}, coupling: {name: brake, flexibility: 0, capacity: 50}, disc: {held: true}"
+    text = f"name: x\ntrain: [{parts}]\n"
+    brake = {"at": "brake", "time": 0.5, "clutch": {"close": 0.0}}
+    found = moved(text, duration=6.0, initial={"speed": {"a": "100 rad/s"}}, events=[brake])
+    assert whats(found) == [(0.5, "slip"), (pytest.approx(4.5, rel=1e-14), "stuck")]
+    assert found.switching is not None
+    assert found.switching.couplings[0].heat == pytest.approx(1e4, rel=1e-13)
+    assert found.speed[0, -1] == 0.0
+
+
+def test_rigid_clutches_beside_each_other_are_refused() -> None:
+    text = CLUTCH.format("flexibility: 0, capacity: 50") + (
+        "links: [{between: [engine, drum], coupling: {flexibility: 0, capacity: 30}}]\n"
+    )
+    with pytest.raises(SolveError, match="nothing divides their torque"):
+        moved(text, duration=1.0, events=[{"at": "engine", "step": {"torque": 10}}])

@@ -166,7 +166,11 @@ def _torques(train: PiecewiseTrain, laws: list[Law]) -> tuple[FloatArray, FloatA
         elif law.kind == "stuck":
             left[number] = train.ends @ train.ends[number]
             right[number] = train.ends[number] @ train.unforced[train.layout[2]]
-    torque = np.asarray(np.linalg.solve(left, right)) if len(laws) else right
+    try:
+        torque = np.asarray(np.linalg.solve(left, right)) if len(laws) else right
+    except np.linalg.LinAlgError:
+        message = "rigid clutches stand beside each other, and nothing divides their torque"
+        raise SolveError(message, "give all but one a stiffness") from None
     return torque, elastic - train.series @ torque
 
 
