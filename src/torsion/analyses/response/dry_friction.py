@@ -2,7 +2,7 @@
 
 A spring k_t in series with a slider T_c, twisted with an amplitude A beyond T_c/k_t, answers at the same order as
     (k_t/pi) (theta - sin(2 theta)/2 + i sin(theta)**2),   theta = arccos(1 - 2 T_c/(k_t A))
-would (theory, T114; Caughey, J. Appl. Mech. 27 (1960) 640). The reciprocal of the amplitude in one span is linear in a
+would (theory, T115; Caughey, J. Appl. Mech. 27 (1960) 640). The reciprocal of the amplitude in one span is linear in a
 stiffness k added there, 1/u = a + b k, so two answers of the linear train give A |a + b k(A)| = 1. The largest harmonic
 component of the span sets its amplitude for all of them.
 """
