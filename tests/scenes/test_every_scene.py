@@ -191,3 +191,24 @@ def test_yokes_in_line_cancel_and_crossed_yokes_add() -> None:
 def test_a_turned_plane_undoes_a_phase_of_the_same_size() -> None:
     in_line, both = order_two("{angle: 5 deg}"), order_two("{angle: 5 deg, phase: 30 deg, plane: 30 deg}")
     np.testing.assert_allclose(both, in_line, rtol=0, atol=1e-12 * np.abs(in_line).max())
+
+
+def test_the_clutch_of_the_power_take_off_slips_until_both_sides_turn_alike(solved) -> None:
+    (motion,) = solved("pto_clutch_in").need(Transients).each
+    assert motion.switching is not None
+    events = [(event.time, event.what) for event in motion.switching.events if event.coupling == "clutch"]
+    assert [what for _, what in events] == ["slip", "stuck"]
+    assert motion.greatest[0] == pytest.approx(520.0, rel=1e-12)  # its capacity, and no more
+    assert motion.greatest[2:].max() < 1.06 * 1600.0  # the safety clutch gives way at 1.6 kN m
+    assert motion.residual < 1e-11
+
+
+def test_the_idler_of_the_gearbox_hits_both_flanks_in_every_firing(solved) -> None:
+    (motion,) = solved("idling_gearbox").need(Transients).each
+    assert motion.switching is not None
+    works = {one.coupling: one for one in motion.switching.couplings}
+    firings = 2 * 800 / 60 * motion.time[-1]
+    assert works["teeth of third gear"].contacts > 3 * firings
+    assert motion.greatest[1] > 0.0 > motion.least[1]
+    assert works["clutch"].heat > 0.0
+    assert motion.residual < 1e-8

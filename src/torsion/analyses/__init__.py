@@ -108,6 +108,13 @@ ANALYSES: dict[str, Analysis] = {
         wanted=lambda study: study.setting("analyses", "stability", "map") is not None,
         chapters=("stability_ranges",), place=("analyses", "stability", "map"),
     ),
+    "nonlinear peaks": Analysis(
+        "exact motion at the peaks of nonlinear couplings", "torsion.analyses.transient.nonlinear_peaks",
+        needs=("response",), results={"nonlinear_peaks": "NonlinearPeaks"},
+        wanted=lambda study: study.train.has_nonlinear_couplings,
+        chapters=("nonlinear_at_peaks",),
+        place=("analyses", "response"),
+    ),
     "frequency response": Analysis(
         "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
         results={"frequency_response": "FrequencyResponse"},

@@ -86,6 +86,11 @@ def run_assembly(work: Work) -> None:
             step.method += f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
+    for part in work.study.train.parts:
+        if part.nonlinear is not None:
+            why = f"all but motion over time takes the coupling as linear: {part.nonlinear.words}"
+            why += "; the response adds that by harmonic balance" if part.nonlinear.friction else ""
+            work.log.without(f"what is nonlinear in '{part.name}'", why)
     work.put(system=system)
     if system.bars is not None and system.bars.degree:
         work.log.libraries["scikit-fem"] = None

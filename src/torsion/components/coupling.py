@@ -1,21 +1,62 @@
-"""A coupling: an elastic (or rigid) link with its damping, its end inertias and its maker's limits."""
+"""A coupling: an elastic (or rigid) link with its damping, its limits, and what makes it nonlinear."""
 
 import math
+from itertools import pairwise
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import CouplingRatings, Lowering
-from torsion.fields import Quantity, given, refuse
+from torsion.components.lowering import CouplingRatings, Lowering, NonlinearRecord
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Spring
 
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
 DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
 
 
-class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "clearance", "hysteresis_torque")):
+Angle = Annotated[float, Quantity("rad", above=0)]
+Torque = Annotated[float, Quantity("N*m", above=0)]
+BESIDE_NO_CAPACITY = (
+    "clearance", "hysteresis_torque", "stages", "viscous", "loss_factor", "psi", "magnifier"
+)  # fmt: skip
+STIFF = 100.0  # times the stiffness beside it: that of a friction whose own stiffness the file does not give
+
+
+class Play(Declared):
+    """The play of a coupling, and what it is beyond it."""
+
+    angle: Angle = required("the whole play, from face to face")
+    stiffness: fields.Stiffness | None = given("of the contact (default: that of the coupling)")
+    viscous: fields.Damping | None = given("viscous damping of the contact (default: that of the coupling)")
+
+
+class DryFriction(Declared):
+    """Friction beside a spring: a spring in series with a slider."""
+
+    torque: Torque = required("torque at which it slips: half the width of the loop of torque over twist")
+    stiffness: fields.Stiffness | None = given("until it slips (default: 100 times that beside it)")
+
+
+class Stage(Declared):
+    """A stage that takes part beyond a twist."""
+
+    first: Angle = required("twist to either side at which it begins", alias="from")
+    stiffness: fields.Stiffness = required("stiffness that it adds")
+    hysteresis_torque: Torque | None = given("friction that takes part with it")
+
+
+def _plain(key: str, kind: type[Declared]) -> BeforeValidator:
+    """A value alone, in place of the mapping that has it under `key`."""
+    return BeforeValidator(lambda value: value if isinstance(value, dict | kind) else {key: value}, float | str | kind)
+
+
+Clearance = Annotated[Play, _plain("angle", Play)]
+Frictions = Annotated[tuple[Annotated[DryFriction, _plain("torque", DryFriction)], ...], OneOrMany]
+
+
+class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
     """An elastic or rigid coupling, or any other massless spring of the train."""
 
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
@@ -34,6 +75,14 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
     max_torque: fields.Torque | None = given("T_Kmax of the maker")
     heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
     tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
+    clearance: Clearance | None = given(
+        "play: the whole angle, or {angle, stiffness, viscous} with those of the contact"
+    )
+    hysteresis_torque: Frictions = given(
+        "dry friction beside the spring: torque, {torque, stiffness}, or a list of them that slip one after another", ()
+    )
+    stages: tuple[Stage, ...] = given("list of {from, stiffness, hysteresis_torque} that add to it", ())
+    capacity: Torque | None = given("torque at which it slips; the coupling is then a clutch")
 
     def refuse_clashes(self) -> None:
         if (self.stiffness is None) == (self.flexibility is None):
@@ -44,6 +93,7 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
             raise refuse(f"{' and '.join(found)} exclude each other", "give one kind of damping", found[1])
         if self.flexibility == 0 and found:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
+        _refuse_nonlinear_clashes(self)
 
     def lower(self, build: Lowering) -> None:
         ratings = CouplingRatings(
@@ -54,6 +104,71 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table", "cl
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
         flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
+        if self.clearance is not None and self.clearance.stiffness is not None:
+            flexibility = 1.0 / build.own(self.clearance.stiffness)
+        stiffness = 1.0 / flexibility if flexibility else math.inf
+        nonlinear = _nonlinear_record(self, stiffness, scale)
+        build.record(nonlinear=nonlinear)
+        viscous = build.own(self.viscous or 0.0) if nonlinear is None or not nonlinear.play else nonlinear.viscous
         loss = 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
         loss = self.psi / (2.0 * math.pi) if self.psi is not None else loss
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, build.own(self.viscous or 0.0), loss))
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss))
+
+
+def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
+    """Refuse what does not go together with the nonlinear keys of a coupling."""
+    rigid = coupling.flexibility == 0
+    play, friction, stages = coupling.clearance, coupling.hysteresis_torque, coupling.stages
+    if play is not None and rigid and play.stiffness is None:
+        hint = "clearance: {angle: 0.5 deg, stiffness: 2 MN*m/rad}"
+        raise refuse("a clearance in a rigid coupling needs the stiffness of its contact", hint, "clearance")
+    if play is not None and stages:
+        hint = "give the play as a first stage of little stiffness"
+        raise refuse("`clearance` and `stages` exclude each other", hint, "stages")
+    if rigid and (friction or stages):
+        key = "stages" if stages else "hysteresis_torque"
+        raise refuse(f"a rigid coupling has no `{key}`: it does not twist", "give a stiffness", key)
+    if coupling.capacity is not None:
+        beside = [key for key in BESIDE_NO_CAPACITY if getattr(coupling, key) not in (None, ())]
+        if beside:
+            hint = "give the clutch and its damper as two couplings with an inertia between them"
+            raise refuse(f"`capacity` and `{beside[0]}` exclude each other", hint, beside[0])
+    lost = [key for key in ("loss_factor", "psi", "magnifier") if getattr(coupling, key) is not None]
+    if friction and lost:
+        raise refuse(f"`{lost[0]}` and `hysteresis_torque` count the same loss twice", "keep one of them", lost[0])
+    if play is not None and lost:
+        hint = "give `viscous`"
+        raise refuse(f"`{lost[0]}` says nothing of a contact that opens and closes", hint, lost[0])
+    total = sum(one.torque for one in friction)
+    if friction and coupling.max_torque is not None and total >= coupling.max_torque:
+        message = f"the friction of {total:g} N m is not below the greatest torque, {coupling.max_torque:g} N m"
+        raise refuse(message, "it would never slip", "hysteresis_torque")
+    if any(before.first >= after.first for before, after in pairwise(stages)):
+        raise refuse("stages come in the order of the twists at which they begin", "rising `from`", "stages")
+
+
+def _nonlinear_record(coupling: Coupling, stiffness: float, scale: float) -> NonlinearRecord | None:
+    """The record of a coupling of that stiffness; None where it is linear.
+
+    scale: (own speed / speed at which its figures are given)**2. A torque is divided by its root, an angle multiplied.
+    """
+    play, root = coupling.clearance, scale**0.5
+    if play is None and not coupling.hysteresis_torque and not coupling.stages and coupling.capacity is None:
+        return None
+    friction = tuple(
+        (one.torque / root, one.stiffness / scale if one.stiffness else STIFF * stiffness)
+        for one in coupling.hysteresis_torque
+    )
+    stages = tuple(
+        (
+            one.first * root,
+            one.stiffness / scale,
+            ((one.hysteresis_torque or 0.0) / root, STIFF * one.stiffness / scale),
+        )
+        for one in coupling.stages
+    )
+    capacity = None if coupling.capacity is None else coupling.capacity / root
+    if play is None:
+        return NonlinearRecord(stiffness, friction=friction, stages=stages, capacity=capacity)
+    viscous = play.viscous if play.viscous is not None else coupling.viscous or 0.0
+    return NonlinearRecord(stiffness, play.angle * root / 2.0, viscous / scale, friction, stages)

@@ -66,6 +66,32 @@ class CouplingRatings:
 
 
 @dataclass(frozen=True)
+class NonlinearRecord:
+    """The nonlinear parts of a coupling, of its own speed."""
+
+    stiffness: float  # N m/rad beyond the play, of the first stage, of a clutch that is stuck; infinite: rigid
+    play: float = 0.0  # rad, half of it
+    viscous: float = 0.0  # N m s/rad of the contact
+    friction: tuple[tuple[float, float], ...] = ()  # N m, N m/rad
+    stages: tuple[tuple[float, float, tuple[float, float]], ...] = ()  # rad, N m/rad, friction of it
+    capacity: float | None = None  # N m, of a clutch
+
+    @property
+    def interrupts(self) -> bool:
+        """Nothing linear is left of the coupling."""
+        return bool(self.play) or self.capacity is not None
+
+    @property
+    def words(self) -> str:
+        """How modes take it; the response takes its friction by harmonic balance."""
+        taken = {
+            "its play closed": self.play, "without its friction": self.friction, "in its first stage": self.stages,
+            "as a clutch that is stuck": self.capacity is not None,
+        }  # fmt: skip
+        return ", ".join(word for word, there in taken.items() if there)
+
+
+@dataclass(frozen=True)
 class ShaftRecord:
     """What a shaft is for the class rules, what it is made of, and its bearings (its dimensions are on its `Bar`)."""
 
@@ -123,6 +149,12 @@ class Part:
     shaft: ShaftRecord | None = None
     joint: JointRecord | None = None
     propeller: PropellerRecord | None = None
+    nonlinear: NonlinearRecord | None = None  # of a coupling that modes and response take as linear
+
+    @property
+    def is_clutch(self) -> bool:
+        """A coupling that slips beyond its capacity."""
+        return self.nonlinear is not None and self.nonlinear.capacity is not None
 
 
 @dataclass(frozen=True)

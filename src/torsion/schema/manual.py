@@ -38,7 +38,10 @@ EXAMPLES = {
     "              excitation: [{blade_order: 1, torque: 6 %}, {blade_order: 2, torque: 2 %}]}",
     "damper": "- damper: {housing: 1.5, ring: 4, damping: 600 N*m*s/rad}",
     "shaft": "- shaft: {length: 4.5 m, diameter: [150 mm, 140 mm], bore: 40 mm, role: propeller, features: shrink fit}",
-    "coupling": "- coupling: {stiffness: 40 kN*m/rad, inertia: [0.9, 0.6], psi: 0.9, vibratory_torque: 1.2 kN*m}",
+    "coupling": "- coupling: {stiffness: 40 kN*m/rad, inertia: [0.9, 0.6], psi: 0.9, vibratory_torque: 1.2 kN*m}\n"
+    "- coupling: {stiffness: 2 MN*m/rad, clearance: {angle: 0.2 deg, viscous: 40}}\n"
+    "- coupling: {stiffness: 950, hysteresis_torque: 7 N*m, stages: [{from: 12 deg, stiffness: 4000}]}\n"
+    "- coupling: {stiffness: 80 kN*m/rad, capacity: 400 N*m}",
     "gear": "- gear: {teeth: [31, 93], inertia: [0.25, 14], branches: [{teeth: 62, train: [disc: {inertia: 2}]}]}",
     "branch": "- branch: {train: [coupling: {stiffness: 20 kN*m/rad}, disc: {inertia: 1}]}",
     "joint": "- joint: {angle: 5 deg, phase: 90 deg}\n"
@@ -63,7 +66,16 @@ NOTES = {  # what the keys of a kind need of each other
     "judged for bending as a tube.\n\nA `support` is a bearing on springs, one mapping or a list of them; with it the "
     "bending of the shafts is computed, also where `analyses` does not name `lateral`.",
     "coupling": "Give `stiffness` or `flexibility`, and at most one of `viscous`, `loss_factor`, `psi` and "
-    "`magnifier`; a rigid coupling has none of these.",
+    "`magnifier`; a rigid coupling has none of these.\n\n`clearance`, `hysteresis_torque`, `stages` and `capacity` "
+    "make it nonlinear. Its torque over the twist u is that of a spring beyond half the play, k (u - s angle/2) + c u' "
+    "on the side s, which never pulls; with stages k u and beyond the twist of each its k_i (|u| - from_i) more; "
+    "friction is a spring in series with a slider beside it, and several slip one after another. A `capacity` makes it "
+    "a clutch or brake: its stiffness in series with a slider, which the event `clutch` closes and opens. Motion over "
+    "time takes all of them exactly, and both ends then need an inertia. Other analyses take the coupling as "
+    "linear: play closed, without friction, in its first stage, the clutch stuck; the plan says so. Only `response` "
+    "takes friction by harmonic balance at the amplitude found; the exact motion at its peaks stands beside it. "
+    "`clearance` and `stages` exclude each other, and `capacity` all others; `psi`, `loss_factor` and `magnifier` go "
+    "with stages.",
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "
     "where the gear has `teeth`.",
     "joint": "`plane` and `phase` count from the joint before it on the same shaft line. Behind a gear a joint is "

@@ -42,6 +42,9 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
     for name in ("stability", "check"):
         if name in study.analyses:
             yield Fault(("damping",), f"`{name}` takes no damping by mode", "give the components their damping")
+    if study.train.has_nonlinear_couplings and len(study.train.modal_damping) > 1:
+        message = "a clutch, play or friction changes the modes, so that a list of ratios by mode says nothing"
+        yield Fault(("damping",), message, "one ratio for all, or give the components their damping")
     limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.heat_limit]
     if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
         message = f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"

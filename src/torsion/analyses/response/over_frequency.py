@@ -8,6 +8,7 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, refuse_too_large
+from torsion.analyses.response.dry_friction import friction_stiffness
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
@@ -50,8 +51,9 @@ def frequency_response(
 
     def solved(hertz: FloatArray) -> FrequencyResponse:
         columns = (1, len(hertz))
-        force = Sources(np.tile(drive.force, columns), None)
-        found = answer(system, 2.0 * math.pi * hertz, force, np.tile(ground, columns))
+        force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
+        added = friction_stiffness(system, [w], lambda added: [answer(system, w, force, tiled, added)])
+        found = answer(system, w, force, tiled, added)
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources
         return FrequencyResponse(

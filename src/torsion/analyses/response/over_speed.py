@@ -1,6 +1,7 @@
 """Forced response: complex amplitudes of every order and fixed frequency over the speed range, and their synthesis."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -14,8 +15,15 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import Response, Synthesis, blocks, merged, refuse_too_large
-from torsion.analyses.response.harmonic_components import Excitation, excitations, excited_orders, lines, sources
-from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.response.harmonic_components import (
+    Excitation,
+    Sources,
+    excitations,
+    excited_orders,
+    lines,
+    sources,
+)
+from torsion.analyses.response.solver import Answer, answer, ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -151,16 +159,31 @@ def _solved(
         ground = ground_damping(system, here, known)
         if known is not None:
             mean[part] = known.torque.T
+        each_w = [one.line.circular_frequency(here) for one in found]
+        forces = [sources(system, one, here, known) for one in found]
+        added: Mapping[int, ComplexArray] = {}
+        if system.train.has_friction:
+            from torsion.analyses.response.dry_friction import friction_stiffness
+
+            added = friction_stiffness(system, each_w, partial(_answers, system, each_w, forces, ground))
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
-            w = one.line.circular_frequency(here)
-            answered = answer(system, w, sources(system, one, here, known), ground)
+            w = each_w[k]
+            answered = answer(system, w, forces[k], ground, added)
             frequency[part, k] = w / (2.0 * math.pi)
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
             joint_error[part, k] = joint_errors(system, one, answered.angle)
     each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
     return Response(speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system)
+
+
+def _answers(
+    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
+    added: Mapping[int, ComplexArray],
+) -> list[Answer]:  # fmt: skip
+    """Of every harmonic component, with a stiffness added to some spans."""
+    return [answer(system, own, force, ground, added) for own, force in zip(w, forces, strict=True)]
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:

@@ -1,20 +1,25 @@
 """The answer of the train to one harmonic at many frequencies, at the stations' own speeds."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
     from torsion.kernels.loops import Chords
+
+
+NOTHING: Mapping[int, ComplexArray] = {}
 
 
 @dataclass(frozen=True)
@@ -27,13 +32,19 @@ class Answer:
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
 
 
-def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray) -> Answer:
+def answer(
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, ComplexArray] = NOTHING
+) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
-    damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode.
+    damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode. added: as of
+    `swept`; raises SolveError where the train is damped by mode.
     """
     if not system.train.modal_damping:
-        return swept(system, w, sources, damping)
+        return swept(system, w, sources, damping, added)
+    if added:
+        message = "friction in the response changes the modes, and the train is damped by mode"
+        raise SolveError(message, "give the damping of the components", ("damping",))
     from torsion.analyses.response.modal_response import modal_sums
 
     def still(at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -51,12 +62,15 @@ def undamped(system: System) -> System:
     return replace(system, viscous=none, loss_factor=none, dampers=())
 
 
-def swept(system: System, w: FloatArray, sources: Sources, damping: FloatArray) -> Answer:
+def swept(
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, ComplexArray] = NOTHING
+) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
     The train is damped by its components.
 
-    damping: (stations, frequencies) N m s/rad to ground at own speed.
+    damping: (stations, frequencies) N m s/rad to ground at own speed. added: of some spans a stiffness (frequencies,)
+    N m/rad beside their own, at the driving station's speed. Raises SolveError where such a span closes a loop.
     """
     condensed = system.condensed
     tree = condensed.tree.cut(np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0))
@@ -65,6 +79,8 @@ def swept(system: System, w: FloatArray, sources: Sources, damping: FloatArray) 
     ground = np.zeros((tree.size, len(w)))
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
+    if added:
+        compliance = _with_added(system, compliance, added, len(w))
     acting: dict[str, Any] = {"twist": sources.twist, "ground_damping": ground, "compliance": compliance}
     if system.condensed_shafts is not None:
         tree, loss = replace(tree, shafts=system.condensed_shafts), condensed.loss_factor[system.condensed_shafts.node]
@@ -80,6 +96,21 @@ def swept(system: System, w: FloatArray, sources: Sources, damping: FloatArray) 
         torque = span_torques(system, found.torque, chords, found.chord_torque)
     angle = found.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
+
+
+def _with_added(
+    system: System, compliance: NDArray[Any], added: Mapping[int, ComplexArray], frequencies: int
+) -> ComplexArray:
+    """(tree stations, frequencies) rad/(N m)."""
+    whole = np.empty((len(compliance), frequencies), dtype=complex)
+    whole[:] = compliance.reshape(len(compliance), -1)
+    for span, stiffness in added.items():
+        node = int(system.condensed.span[span])
+        if node < 0:
+            message = f"'{system.spans[span].name}' closes a loop, and its friction in the response is not built"
+            raise SolveError(message, "leave its friction to motion over time")
+        whole[node] = 1.0 / (1.0 / whole[node] + stiffness * system.span_ratio[span] ** 2)
+    return whole
 
 
 def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> FloatArray:

@@ -36,6 +36,7 @@ class Point:
     mean: float = 0.0  # N m that drives it (positive) or that it absorbs, at that speed
     rated: float = 0.0  # N m, rated torque; 0 where it is not known
     blades: int = 0
+    is_clutch: bool = False
     folder: Path = Path()  # of the study's file
 
 
@@ -277,6 +278,42 @@ class Stop(Kind):
         return None if at.mean else (f"no mean torque acts at '{at.name}'", hint)
 
 
+class Clutch(Kind):
+    """A clutch closes or opens: its capacity over time from here on."""
+
+    key, meaning = "clutch", "{torque, close or open}: a coupling with `capacity` closes or opens; `at` names it"
+
+    torque: Rows | None = given("[[time, torque], ...]: its capacity, which stays as it is after the last row")
+    close: Time | None = given("time in which its capacity rises from nothing to that of the coupling")
+    open: Time | None = given("time in which it falls from that of the coupling to nothing")
+
+    def refuse_clashes(self) -> None:
+        if [self.torque, self.close, self.open].count(None) != 2:
+            raise refuse("a clutch has one of `torque`, `close` and `open`", "for example `close: 0.5 s`")
+        if self.torque is not None and any(torque < 0.0 for _, torque in self.torque):
+            raise refuse("the capacity of a clutch is not negative", "torques of 0 N*m and more", "torque")
+
+    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        """No torque by itself."""
+        yield from ()
+
+    def lacks(self, at: Point) -> Lack:
+        return None if at.is_clutch else (f"'{at.name}' is no clutch", "name a coupling with `capacity`")
+
+    def rows(self, begin: float, capacity: float) -> tuple[tuple[float, float], ...]:
+        """((s, N m), ...) its capacity, linear between rows and constant after the last."""
+        if self.torque is not None:
+            return tuple((begin + time, torque) for time, torque in self.torque)
+        late = (self.open if self.close is None else self.close) or 0.0
+        first, last = (capacity, 0.0) if self.close is None else (0.0, capacity)
+        return ((begin, first), (begin + late, last)) if late else ((begin, last),)
+
+    @property
+    def begins_open(self) -> bool:
+        """The clutch has no capacity before it."""
+        return self.open is None
+
+
 def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
     """Straight lines between (s, N m)."""
     for (begin, level), (end, later) in pairwise(rows):
@@ -284,14 +321,14 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
             yield Piece(begin, end, level, (later - level) / (end - begin))
 
 
-KINDS: tuple[type[Kind], ...] = (Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop)
+KINDS: tuple[type[Kind], ...] = (Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop, Clutch)
 UNBUILT = {"misfire": "it needs an engine; `stop: {share: 17 %}` takes a share of a mean torque away"}
 
 
 class _Event(Declared):
     """One event at a point; several add."""
 
-    at: str = required("name of the point at which it happens")
+    at: str = required("name of the point (of a clutch: the coupling) at which it happens")
     time: Time = given("time of its begin", 0.0)
 
     @model_validator(mode="before")

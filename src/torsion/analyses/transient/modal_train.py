@@ -39,10 +39,10 @@ def kept_modes(system: System, count: int | Literal["all"], place: Path = PATH) 
         return found, found
     number = BAND if count == "all" else count
     found = modes_as_discretised(system, 2 * number)
-    return _lowest(found, number), found
+    return lowest(found, number), found
 
 
-def _lowest(found: Modes, number: int) -> Modes:
+def lowest(found: Modes, number: int) -> Modes:
     """The lowest modes alone."""
     rows = {name: getattr(found, name)[:number] for name in ("frequency", "lower", "upper")}
     columns = {name: getattr(found, name)[:, :number] for name in ("shape", "torque")}
@@ -63,7 +63,7 @@ def modal_train(study: Study, system: System, found: Modes, shape: FloatArray, b
     damping = np.zeros((shape.shape[1],) * 2)
     damped = np.flatnonzero(system.viscous > 0)
     if damped.size:
-        twist = _twist(system, found, shape, damped)
+        twist = twists(system, found, shape, damped)
         damping += (system.viscous[damped, None] * twist).T @ twist
     if system.dampers:
         ground = ground_damping(system, np.array([before.speed]), before.mean)[:, 0]
@@ -71,7 +71,7 @@ def modal_train(study: Study, system: System, found: Modes, shape: FloatArray, b
     return ModalTrain(2.0 * math.pi * found.frequency, ratio, damping)
 
 
-def _twist(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> FloatArray:
+def twists(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> FloatArray:
     """(spans, rigid motions + modes) rad at the driving station's speed: from torques, as angles would cancel."""
     rigid = shape.shape[1] - found.torque.shape[1]
     slips = np.isinf(system.flexibility[spans])
@@ -99,7 +99,7 @@ def slowed_torques(study: Study, system: System, found: Modes, shape: FloatArray
     Raises SolveError for viscous damping at a point without inertia.
     """
     slowed, damped = np.zeros((len(system.spans), shape.shape[1])), np.flatnonzero(system.viscous > 0)
-    slowed[damped] = system.viscous[damped, None] * _twist(system, found, shape, damped)
+    slowed[damped] = system.viscous[damped, None] * twists(system, found, shape, damped)
     grounded = np.array([one.station for one in system.dampers], dtype=np.int64)
     without, ends = massless(system), np.concatenate([system.driving[damped], system.driven[damped], grounded])
     if without[ends].any():

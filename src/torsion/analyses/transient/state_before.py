@@ -1,8 +1,8 @@
 """How a train runs before its events: at rest, at a speed, in its steady state, or twisted and let go."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -29,10 +29,17 @@ class State:
     frequency: FloatArray  # (components,) rad/s of its steady vibration
     amplitude: ComplexArray  # (components, spans) N m
     twist: FloatArray  # (spans,) N m that twist it at rest and are released
+    speeds: Mapping[str, float] = field(default_factory=dict)  # rad/s of points whose parts turn by themselves
 
 
-def state_before(study: Study, system: System, settings: TransientSettings, place: Path = PATH) -> State:
-    """The state before the events."""
+def state_before(
+    study: Study, system: System, settings: TransientSettings, place: Path = PATH, *, vibrates: bool = True,
+    speed: float | None = None,
+) -> State:  # fmt: skip
+    """The state before the events; without its steady vibration where that is not `vibrates`.
+
+    speed: rad/s of the steady state, in place of the operation's.
+    """
     spans, operation = len(system.spans), study.operation
     initial = settings.initial if settings.initial is not None else "steady" if operation.speed else "rest"
     none = State(0.0, None, np.zeros(spans), np.empty(0), np.empty((0, spans), dtype=complex), np.zeros(spans))
@@ -48,14 +55,15 @@ def state_before(study: Study, system: System, settings: TransientSettings, plac
             twist[here] = torque
         return replace(none, twist=twist)
     if isinstance(initial, dict):
-        return replace(none, speed=initial["speed"])
-    if not operation.speed:
+        each = initial["speed"]
+        return replace(none, speeds=each) if isinstance(each, dict) else replace(none, speed=each)
+    if not (speed or operation.speed):
         fault = Fault((*place, "initial"), "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
-    at = np.array([operation.speed])
+    at = np.array([speed or operation.speed])
     mean = steady(study.train, system, operation, at) if operation.has_mean_torque else None
     state = replace(none, speed=float(at[0]), mean=mean, torque=none.torque if mean is None else mean.torque[:, 0])
-    if not study.excites:
+    if not (study.excites and vibrates):
         return state
     vibration = response(study, system, speeds=at, refine=False)
     if (vibration.status != Status.OK).any():
@@ -99,4 +107,4 @@ def point(study: Study, system: System, before: State, name: str) -> Point:
     torque = 0.0 if rated is None or power is None else power / (rated.speed * ratio)
     mean = 0.0 if before.mean is None else float(before.mean.applied[station, 0])
     blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
-    return Point(name, before.speed * ratio, mean, torque, blades, FilePath(study.file).parent)
+    return Point(name, before.speed * ratio, mean, torque, blades, part.is_clutch, FilePath(study.file).parent)

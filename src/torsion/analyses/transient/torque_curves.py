@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -22,6 +23,35 @@ EXPONENTIAL = 50  # products that take the time of one exponential
 MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
 
 
+class Readable(Protocol):
+    """Torques and speeds that can be read at any time."""
+
+    @property
+    def shape(self) -> FloatArray:
+        """(stations, rigid motions + modes)."""
+
+    @property
+    def slowed(self) -> FloatArray:
+        """(spans, rigid motions + modes)."""
+
+    @property
+    def cuts(self) -> FloatArray:
+        """Times at which a torque may jump."""
+
+    @property
+    def fastest(self) -> float:
+        """rad/s of the fastest mode."""
+
+    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Torques (spans, times), their rates, and speeds (rigid motions + modes, times)."""
+
+    def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torque and its rate (pairs,) of every span at a time of its own."""
+
+    def turning(self, speed: FloatArray) -> FloatArray:
+        """Speeds (stations, times) of the stations."""
+
+
 @dataclass(frozen=True)
 class Curves:
     """Torques and speeds at any time."""
@@ -33,6 +63,16 @@ class Curves:
     motion: Motion
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
     direct: FloatArray  # (spans, loads) share of the loads that a span carries at once
+
+    @property
+    def cuts(self) -> FloatArray:
+        """Times at which a torque of an event begins or ends."""
+        return self.motion.coordinates.history.begin
+
+    @property
+    def fastest(self) -> float:
+        """rad/s of the fastest mode."""
+        return float(self.motion.train.w.max(initial=0.0))
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Torques (spans, times) with the damping part, their rates, and speeds (rigid motions + modes, times)."""
@@ -83,7 +123,7 @@ def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
 
 
 def sampled(
-    curves: Curves, time: FloatArray, finer: int, progress: Progress
+    curves: Readable, time: FloatArray, finer: int, progress: Progress
 ) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
     """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative.
 
@@ -91,7 +131,7 @@ def sampled(
     """
     spans, stations = len(curves.slowed), len(curves.shape)
     torque, turning = np.empty((spans, len(time))), np.empty((stations, len(time)))
-    turn = float(time[1]) / finer * float(curves.motion.train.w.max(initial=0.0))  # rad of the fastest mode in a step
+    turn = float(time[1]) / finer * curves.fastest  # rad of the fastest mode in a step
     near = min(max(SAFETY * turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)  # the error of a cubic through values and rates
     high, low = Extremes.none(spans, near), Extremes.none(spans, near)
     size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations) // finer)
@@ -110,7 +150,7 @@ def sampled(
         value, rate = curves.torque_of(span, at)
         return -value, -rate
 
-    cuts = curves.motion.coordinates.history.begin
+    cuts = curves.cuts
     cuts = cuts[(cuts > 0.0) & (cuts < time[-1])][:MOST_CUTS]
     cuts = np.ravel(np.column_stack([np.nextafter(cuts, 0.0), cuts]))  # both sides of what may jump
     jumps = curves.torque(cuts)[0] if cuts.size else np.empty((spans, 0))
@@ -143,7 +183,21 @@ def times_finer(found: Modes, step: float, samples: int) -> int:
     return int(np.clip(np.ceil(PER_PERIOD * step * found.frequency.max(initial=0.0)), 1, max(most, 1)))
 
 
-def missed(found: Modes, moved: Motion, time: FloatArray, finer: int) -> FloatArray:
+class Moved(Protocol):
+    """A motion of rigid motions and modes."""
+
+    @property
+    def rigid_motions(self) -> int:
+        """Number of rigid motions."""
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places and speeds (rigid motions + modes, times)."""
+
+    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """(rigid motions + modes, times), of what `at` returned."""
+
+
+def missed(found: Modes, moved: Moved, time: FloatArray, finer: int) -> FloatArray:
     """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples.
 
     The amplitude is that about the place to which the torques of the moment would move the mode slowly: of its
@@ -153,7 +207,7 @@ def missed(found: Modes, moved: Motion, time: FloatArray, finer: int) -> FloatAr
     fast = np.flatnonzero(found.frequency * step > 1.0 / PER_PERIOD)
     if not fast.size:
         return np.zeros(len(found.torque))
-    chosen, rigid = time[:: max(1, len(time) // 1000)], moved.train.rigid
+    chosen, rigid = time[:: max(1, len(time) // 1000)], moved.rigid_motions
     place, speed = moved.at(chosen)
     gained, speed = (rows[rigid:][fast] for rows in (moved.acceleration(chosen, place, speed), speed))
     w = (2.0 * math.pi * found.frequency[fast])[:, None]

@@ -9,6 +9,7 @@ import numpy as np
 from torsion.analyses.steady import steady
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
+from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
 from torsion.analyses.transient.fatigue import damages
 from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
 from torsion.analyses.transient.state_before import State, loads_of_events, state_before
@@ -16,6 +17,7 @@ from torsion.analyses.transient.torque_curves import PER_PERIOD, Curves, missed,
 from torsion.analyses.transient.transient_settings import (
     DEFAULT_MOST,
     DEFAULT_PER_PERIOD,
+    MOST_SAMPLES,
     PATH,
     TransientSettings,
     cases,
@@ -69,6 +71,9 @@ class TransientMotion:
         "Pa", ("span",), "shear stress at the peak; null where it is no shaft", default=None
     )
     damage: FloatArray | None = result("1", ("span",), "Miner's sum; null where it was not requested", default=None)
+    switching: Switching | None = result(
+        "", (), "events of couplings with play, friction, stages or a capacity; null without them", default=None
+    )
 
     @property
     def peak(self) -> FloatArray:
@@ -85,6 +90,9 @@ class TransientMotion:
             found.append("modes too fast for the samples may add more than 5 % to a peak: give more `samples`")
         if self.change is not None and self.change > SETTLED:
             found.append(f"twice as many modes change a peak by {100.0 * self.change:.2g} %: give more `modes`")
+        if self.switching is not None and self.switching.band_change > SETTLED:
+            change = 100.0 * self.switching.band_change
+            found.append(f"twice the band of modes changes a torque by {change:.2g} %: compute a shorter time")
         return "; ".join(found) or "ok"
 
 
@@ -105,6 +113,9 @@ def transient(
     every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
     too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
     """
+    if study.train.has_nonlinear_couplings:
+        found = _event_driven(study, system, settings, place, damping_ratio, progress)
+        return _read(study, system, settings, found)
     kept, twice = kept_modes(system, settings.modes, place) if modes is None else modes
     needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
     if needed > study.memory:
@@ -149,6 +160,33 @@ def _solved(
     )  # fmt: skip
 
 
+def _event_driven(
+    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None,
+    progress: Progress,
+) -> TransientMotion:  # fmt: skip
+    """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
+    curves, balance, switching = event_driven_curves(study, system, settings, place, damping_ratio)
+    built, cuts = curves.built, curves.cuts
+    samples = _samples(settings, built.modes)
+    finer = max(1, min(times_finer(built.modes, settings.duration / samples, samples), MOST_SAMPLES // samples))
+    fine = np.linspace(0.0, settings.duration, samples * finer + 1)
+    every = np.union1d(fine, cuts[(cuts > 0.0) & (cuts < settings.duration)])
+    torque, turning, (top, bottom) = sampled(curves, every, 1, progress)
+    at = np.searchsorted(every, fine[::finer])
+    before = built.before
+    return TransientMotion(
+        every[at], torque[:, at], turning[:, at], *top, -bottom[0], bottom[1], before.torque,
+        np.array([_reversals(row) for row in torque], dtype=np.int64), missed(built.modes, curves, fine, 1),
+        balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
+    )  # fmt: skip
+
+
+def _reversals(torque: FloatArray) -> int:
+    """Changes of sign; a torque of nothing, within a play, has none."""
+    there = np.abs(torque) > 1e-9 * np.abs(torque).max(initial=0.0)
+    return int(np.count_nonzero(np.diff(np.sign(torque[there]))))
+
+
 def _samples(settings: TransientSettings, found: Modes) -> int:
     if settings.samples is not None:
         return settings.samples
@@ -176,12 +214,18 @@ def run(work: Work) -> None:
         title = f"motion over time {settings.name}".rstrip()
         try:
             with work.log.step(title, "requested") as step:
-                if settings.modes not in known:
+                is_nonlinear = work.study.train.has_nonlinear_couplings
+                if settings.modes not in known and not is_nonlinear:
                     known[settings.modes] = kept_modes(work.system, settings.modes, place)
                 one = transient(
-                    work.study, work.system, settings, place=place, modes=known[settings.modes], progress=work.progress
+                    work.study,
+                    work.system,
+                    settings,
+                    place=place,
+                    modes=known.get(settings.modes),
+                    progress=work.progress,
                 )
-                step.method = "exact propagation of the modes"
+                step.method = "exact, from event to event" if is_nonlinear else "exact propagation of the modes"
                 step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
             found.append(one)
         except (InputError, SolveError) as error:

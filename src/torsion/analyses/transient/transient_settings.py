@@ -23,7 +23,10 @@ def _read_initial(value: Any) -> Any:
     if value in ("rest", "steady"):
         return value
     if isinstance(value, dict) and set(value) == {"speed"}:
-        return {"speed": Quantity("rad/s", at_least=0).read(value["speed"])}
+        speed, each = Quantity("rad/s", at_least=0), value["speed"]
+        if isinstance(each, dict):
+            return {"speed": {str(name): speed.read(one) for name, one in each.items()}}
+        return {"speed": speed.read(each)}
     if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
         return {"torque": {str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()}}
     raise refuse("this is no initial state", "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}")
@@ -63,8 +66,9 @@ class TransientSettings(Declared):
     name: str = given("name of the motion, where there are several", "")
     duration: Length = required("how long the motion is computed")
     initial: Initial = given(
-        "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, or a static twist that is "
-        "released, {torque: {span: N*m}} (default: steady where the operation has a speed, else rest)"
+        "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, of parts that turn against "
+        "each other {speed: {point: rpm}} (others: at rest), or a static twist that is released, "
+        "{torque: {span: N*m}} (default: steady where the operation has a speed, else rest)"
     )
     events: tuple[Event, ...] = given(
         "what happens, each at a point: [{at: motor-1, step: {torque: 100 N*m}}, ...]", ()
@@ -114,14 +118,24 @@ def transient_faults(study: Study) -> list[Fault]:
 
 def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[Fault]:
     """Of one motion."""
-    if not settings.events and not (isinstance(settings.initial, dict) and "torque" in settings.initial):
+    each = settings.initial.get("speed") if isinstance(settings.initial, dict) else None
+    apart = each if isinstance(each, dict) else {}
+    if not settings.events and not apart and not (isinstance(settings.initial, dict) and "torque" in settings.initial):
         hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
         yield Fault(path, "nothing moves the train: no event, and no twist that is released", hint)
     known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
+    named = [name_fault(name, (*path, "initial", "speed", name), known) for name in apart]
+    yield from (fault for fault in named if fault is not None)
+    if apart and not study.train.has_nonlinear_couplings:
+        message = "speeds of several points need a clutch or a clearance between them"
+        yield Fault((*path, "initial"), message, "initial: {speed: 1500 rpm}")
     for number, event in enumerate(settings.events):
         place = (*path, "events", number)
-        if (fault := name_fault(event.at, (*place, "at"), known)) is not None:
+        is_clutch = getattr(event, "clutch", None) is not None
+        if (fault := name_fault(event.at, (*place, "at"), known, point=not is_clutch)) is not None:
             yield fault
+        elif is_clutch and not study.train.part(event.at).is_clutch:
+            yield Fault((*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
         if event.time >= settings.duration:
             hint = f"within {settings.duration:g} s, or a longer `duration`"
             yield Fault((*place, "time"), "the event begins after the end of the motion", hint)

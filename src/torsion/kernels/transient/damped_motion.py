@@ -50,6 +50,11 @@ class Motion:
     coordinates: FirstOrder
     read: tuple[np.ndarray, np.ndarray] | None  # rows of place and of speed; None: modes by themselves
 
+    @property
+    def rigid_motions(self) -> int:
+        """Number of rigid motions."""
+        return self.train.rigid
+
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Places and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
         y, root = self.coordinates.at(time), self.coordinates.root

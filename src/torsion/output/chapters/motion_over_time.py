@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
@@ -17,6 +18,11 @@ METHOD = (
     "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
     "modes. Losses of material act as modal damping, by their share of the energy."
 )
+FROM_EVENT_TO_EVENT = (
+    "Exact from event to event: between two changes of a coupling's regime the train is linear, and the time of each "
+    "is the root of the exact motion. Losses of material act as modal damping, by their share of the energy."
+)
+MOST_EVENTS = 20  # of the changes of regime that are listed
 Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
 
 
@@ -47,6 +53,8 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     if events:
         yield table("< At | < Event | Begins at [s] | < Settings", events, "Events; torques at the point's own speed")
     yield _peaks(found, rows, unit)
+    if found.switching is not None:
+        yield from _switching(found.switching)
     yield from _loads(findings, found, rows, settings)
     if found.unresolved.any():
         text = (
@@ -64,7 +72,8 @@ def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
     )
     return (
         f"{number(settings.duration)} s from a train {before}, in {counted(len(found.time), 'sample')}, of "
-        f"{counted(found.modes, 'elastic mode')}. {METHOD} {kept}The balance of energy holds to "
+        f"{counted(found.modes, 'elastic mode')}. {METHOD if found.switching is None else FROM_EVENT_TO_EVENT} "
+        f"{kept}The balance of energy holds to "
         f"{number(found.residual, 2)} of the largest energy."
     )
 
@@ -88,6 +97,26 @@ def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
         ))  # fmt: skip
     text = "Torques of the motion, mean torque included; where the torque of a gear reverses its teeth separate"
     return table(titles, cells, text, short=f"Motion over time: {found.name}" if found.name else "Motion over time")
+
+
+def _switching(found: Switching) -> Iterator[Block]:
+    """What the nonlinear couplings did, and how far single values can be relied upon."""
+    rows = [(one.coupling, one.contacts, one.separations, one.slips, number(one.heat)) for one in found.couplings]
+    titles = "< Coupling -> | Contacts -> | Separations -> | Slips -> | Heat [J] ->"
+    yield table(titles, rows, "Couplings with play, friction, stages or a capacity")
+    if found.events:
+        first = [(one.time, one.coupling, one.what) for one in found.events[:MOST_EVENTS]]
+        title = f"The first {len(first)} of {len(found.events)} events" if len(found.events) > len(first) else "Events"
+        yield table("Time [s] | < Coupling -> | < What", first, f"{title} of these couplings")
+    if found.sensitive_after is not None:
+        text = (
+            f"From {number(found.sensitive_after)} s on the motion is sensitive: impacts amplify rounding until halved "
+            "steps change torques by more than 1e-6 of their peak. Read peaks, counts and heat there, not the moment."
+        )
+        yield Paragraph(text, "note")
+    if found.band_change:
+        text = f"Twice the band of modes changes torques by {number(found.band_change, 2)} of their peaks."
+        yield Paragraph(text, "note")
 
 
 def _loads(

@@ -1,0 +1,164 @@
+"""A train with a clearance and friction from event to event, beside integrators: `python -m benchmarks.events`.
+
+It writes reports/events.md in two minutes. The reference is a Taylor series of extended precision in the angles of the
+stations, with a march of its own from event to event.
+"""
+
+import math
+from collections.abc import Callable
+from time import process_time
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from tests.kernels.transient.extended_precision import ten_stations
+
+from benchmarks.page_file import Report, verdict
+from torsion.arrays import FloatArray
+from torsion.kernels.transient.energy_balance import energy_balance
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, PiecewiseTrain, event_driven
+
+DURATION, SAMPLES = 2.0, 200
+WITHIN = (0.25, 0.5, 1.0, 2.0)  # s
+TIMES = np.arange(1, SAMPLES + 1) * (DURATION / SAMPLES)
+MORE_ACCURATE, FASTER = 1e6, 20.0  # than Newmark at the same time, than DOP853 with an error of USEFUL
+USEFUL = 1e-4
+WHAT = """\
+Ten stations, a clearance of 0.01 rad (1e5 N m/rad, 20 N m s/rad) in the middle, friction of 5 N m (5e4 N m/rad) beside
+a span, a torque of 120 N m that oscillates and decays against a steady load, from rest. Error: of the torques of both
+at 200 times, of their peak, up to 0.25, 0.5, 1 and 2 s. Newmark: average acceleration with Newton on both torques, in
+modal coordinates; DOP853: the same coordinates, its own steps, without events."""
+Solved = tuple[FloatArray, float, str]  # torques (2, times), s, what more there is to say
+
+
+def main() -> None:
+    """Measures, prints the page and writes it."""
+    report = Report(__doc__, "events", calls=3)
+    reference, train = ten_stations()
+    known = reference.torques(TIMES)
+    methods: dict[str, Callable[[], Solved]] = {
+        "from event to event": lambda: exact(train, 1.0),
+        "from event to event, steps halved": lambda: exact(train, 0.5),
+        **{f"Newmark, h = {h:g} s": lambda h=h: newmark(train, h) for h in (1e-3, 1e-4)},
+        **{f"DOP853, {tol:g}": lambda tol=tol: dop853(train, tol) for tol in (1e-4, 1e-7, 1e-8)},
+    }
+    rows, found = (
+        ["| method | " + " | ".join(f"error to {t:g} s" for t in WITHIN) + " | time, s | |", "|---" * 7 + "|"],
+        {},
+    )
+    for name, run in methods.items():
+        tries = [run() for _ in range(report.chosen.calls if name.startswith("from") else 1)]
+        torque, seconds, words = min(tries, key=lambda one: one[1])
+        errors = [np.abs((torque - known)[:, t >= TIMES]).max() / np.abs(known).max() for t in WITHIN]
+        found[name] = errors, seconds
+        rows.append(f"| {name} | " + " | ".join(f"{error:.1e}" for error in errors) + f" | {seconds:.2f} | {words} |")
+    (own, own_time), (classical, its_time) = found["from event to event"], found["Newmark, h = 0.001 s"]
+    accurate, loose = classical[-1] / own[-1], found["DOP853, 0.0001"]
+    free = [seconds for name, (error, seconds) in found.items() if name.startswith("DOP853") and error[-1] <= USEFUL]
+    faster = min(free, default=math.inf) / own_time
+    longer = f"Newmark with h = 1 ms, which takes {its_time / own_time:.1f} times as long"
+    lines = [
+        f"- more accurate than {longer}: {accurate:.1e}, meant >= {MORE_ACCURATE:g}: "
+        + verdict(accurate >= MORE_ACCURATE),
+        f"- faster than DOP853 with an error of {USEFUL:g} at most: {faster:.0f} times, meant >= {FASTER:g}: "
+        + verdict(faster >= FASTER),
+        f"- faster than DOP853 at tolerance 1e-4, which errs by {loose[0][-1]:.1g}: {loose[1] / own_time:.0f} times",
+    ]
+    report.publish("Play and friction from event to event", [WHAT, "\n".join(rows), "\n".join(lines)])
+
+
+def exact(train: PiecewiseTrain, fineness: float) -> Solved:
+    """Ours, with the balance of energy outside of the time."""
+    none = np.zeros(len(train.elements)), np.zeros(len(train.w)), np.zeros(len(train.damping))
+    start = process_time()
+    motion = event_driven(
+        train, (0, 0), twist=none[0], place=none[1], speed=none[2], duration=DURATION, fineness=fineness
+    )
+    found = torques(motion)
+    seconds = process_time() - start
+    return found, seconds, f"{len(motion.events)} events, energy to {energy_balance(motion).residual:.0e}"
+
+
+def torques(motion: EventDrivenMotion) -> FloatArray:
+    """(elements, times) N m."""
+    z, regime = motion.at(TIMES)
+    return np.stack([motion.regimes[r].torque @ z[:, k] for k, r in enumerate(regime.tolist())], axis=1)
+
+
+def _load(train: PiecewiseTrain, time: float) -> FloatArray:
+    """(modes,) of the oscillating and the steady torque."""
+    return np.asarray((train.force @ np.array([np.exp(complex(-0.05, 30.0) * time), 1.0])).real)
+
+
+def _laws(train: PiecewiseTrain, twist: FloatArray, speed: FloatArray, slip: float) -> tuple[FloatArray, FloatArray]:
+    """Torques of both elements, and their derivatives by twist and speed (2, 2)."""
+    play, dry = train.elements
+    beyond, slope = abs(twist[0]) - play.half, np.zeros((2, 2))
+    torque = np.zeros(2)
+    if beyond > 0.0:
+        side = math.copysign(1.0, twist[0])
+        push = play.stiffness * side * beyond + play.viscous * speed[0]
+        if push * side > 0.0:
+            torque[0], slope[0] = push, (play.stiffness, play.viscous)
+    pull = dry.stiffness * (twist[1] - slip)
+    torque[1] = min(max(pull, -dry.capacity), dry.capacity)
+    slope[1, 0] = dry.stiffness if abs(pull) < dry.capacity else 0.0
+    return torque, slope
+
+
+def newmark(train: PiecewiseTrain, h: float) -> Solved:
+    """Average acceleration; Newton on the torques of both elements."""
+    start = process_time()
+    play, dry = train.elements
+    ends, size = np.stack([play.ends, dry.ends]), len(train.damping)
+    rigid = train.rigid
+    w = np.concatenate([np.zeros(rigid), train.w])
+    left = np.linalg.inv(np.eye(size) + h / 2.0 * train.damping + h * h / 4.0 * np.diag(w**2))
+    yielding = ends @ left @ ends.T
+    q, v, a, slip, torque = np.zeros(size), np.zeros(size), _load(train, 0.0), 0.0, np.zeros(2)
+    every, found = round(TIMES[0] / h), np.empty((2, SAMPLES))
+    for step in range(1, round(DURATION / h) + 1):
+        place, fast = q + h * v + h * h / 4.0 * a, v + h / 2.0 * a
+        free = left @ (_load(train, step * h) - train.damping @ fast - w**2 * place)
+        for _ in range(30):
+            gained = free - left @ (ends.T @ torque)
+            twist, speed = ends @ (place + h * h / 4.0 * gained), ends @ (fast + h / 2.0 * gained)
+            given, slope = _laws(train, twist, speed, slip)
+            lack = torque - given
+            if np.abs(lack).max() < 1e-10:
+                break
+            rise = np.eye(2) + (slope[:, :1] * h * h / 4.0 + slope[:, 1:] * h / 2.0) * yielding
+            torque = torque - np.linalg.solve(rise, lack)
+        a = free - left @ (ends.T @ torque)
+        q, v = place + h * h / 4.0 * a, fast + h / 2.0 * a
+        slip = float(ends[1] @ q - torque[1] / dry.stiffness)
+        if step % every == 0:
+            found[:, step // every - 1] = torque
+    return found, process_time() - start, ""
+
+
+def dop853(train: PiecewiseTrain, tolerance: float) -> Solved:
+    """The library's integrator, which knows of no event."""
+    start = process_time()
+    play, dry = train.elements
+    ends, size, rigid = np.stack([play.ends, dry.ends]), len(train.damping), train.rigid
+    w2 = np.concatenate([np.zeros(rigid), train.w]) ** 2
+
+    def rate(time: float, state: FloatArray) -> FloatArray:
+        q, v, slip = state[:size], state[size:-1], float(state[-1])
+        speed = ends @ v
+        torque, _ = _laws(train, ends @ q, speed, slip)
+        slips = abs(torque[1]) >= dry.capacity and speed[1] * torque[1] > 0.0
+        gained = _load(train, time) - train.damping @ v - w2 * q - ends.T @ torque
+        return np.concatenate([v, gained, [speed[1] if slips else 0.0]])
+
+    done = solve_ivp(
+        rate, (0.0, DURATION), np.zeros(2 * size + 1), "DOP853", t_eval=TIMES, rtol=tolerance, atol=1e-5 * tolerance
+    )
+    found = np.stack(
+        [_laws(train, ends @ z[:size], ends @ z[size:-1], float(z[-1]))[0] for z in done.y.T], axis=1
+    )  # fmt: skip
+    return found, process_time() - start, f"{done.nfev} calls"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,223 @@
+"""A train with nonlinear couplings in the modes of its linear parts, ready to be moved from event to event."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from torsion.analyses.response.harmonic_components import amplitude, excitations
+from torsion.analyses.transient.direct_torques import direct_torques
+from torsion.analyses.transient.modal_train import (
+    kept_modes,
+    lowest,
+    modal_train,
+    shapes,
+    slowed_torques,
+    start,
+    twists,
+)
+from torsion.analyses.transient.nonlinear_couplings import (
+    Coupling,
+    Standing,
+    capacity_pieces,
+    couplings,
+    opened,
+    standing,
+)
+from torsion.analyses.transient.state_before import State, loads_of_events, state_before
+from torsion.analyses.transient.transient_settings import PATH, TransientSettings
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import Path, SolveError
+from torsion.kernels.spanning_forest import connected
+from torsion.kernels.transient.damped_motion import ModalTrain
+from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, PiecewiseTrain, event_driven
+from torsion.kernels.transient.generated_signals import Signals
+from torsion.kernels.transient.torque_history import Piece
+from torsion.study import Study
+
+LARGEST_ANGLE = 2e7  # rad of the fastest mode within the duration, up to which all modes are kept
+
+
+@dataclass(frozen=True)
+class Built:
+    """The train in modes of its linear parts, with its elements."""
+
+    system: System  # without the couplings that can part or slip
+    modes: Modes  # that are kept
+    before: State
+    shape: FloatArray  # (stations, rigid motions + modes)
+    slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad
+    direct: ComplexArray  # (spans, signals) carried at once
+    of_elements: FloatArray  # (spans, elements) of the torques of elements, carried at once and by themselves
+    couplings: tuple[Coupling, ...]
+    standing: tuple[Standing, ...]
+    train: PiecewiseTrain
+    is_band: bool  # modes were left out
+    place: FloatArray
+    speed: FloatArray
+
+    def run(self, duration: float, fineness: float = 1.0) -> EventDrivenMotion:
+        """The motion; raises SolveError where a coupling changes its regime without end."""
+        try:
+            return event_driven(
+                self.train, tuple(one.regime for one in self.standing), duration=duration, fineness=fineness,
+                twist=np.array([one.twist for one in self.standing]), place=self.place, speed=self.speed,
+            )  # fmt: skip
+        except Chatter as chatter:
+            name = self.couplings[self.standing[chatter.element].coupling].part.name
+            message = f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
+            raise SolveError(message, "give its contact damping, or its friction a stiffness", PATH) from None
+
+
+@dataclass(frozen=True)
+class Acting:
+    """The torques over time, and the capacities of clutches."""
+
+    pieces: tuple[tuple[Piece, ...], ...]
+    where: ComplexArray  # (stations, signals)
+    capacities: Mapping[int, tuple[int, bool]] = field(default_factory=dict)  # of a coupling: its signal; zero at first
+
+    def with_capacities(self, settings: TransientSettings, found: tuple[Coupling, ...]) -> "Acting":
+        """With those that events change, behind the others."""
+        pieces, signals = list(self.pieces), dict[int, tuple[int, bool]]()
+        for number, one in enumerate(found):
+            capacity = capacity_pieces(settings, one)
+            if capacity is not None:
+                signals[number] = len(pieces), not any(piece.begin == 0.0 for piece in capacity)
+                pieces.append(capacity)
+        none = np.zeros((len(self.where), len(signals)))
+        return Acting(tuple(pieces), np.concatenate([self.where, none], axis=1), signals)
+
+
+def build(
+    study: Study, system: System, settings: TransientSettings, place: Path, *, damping_ratio: float | None = None,
+    halved: bool = False, speed: float | None = None,
+) -> Built:  # fmt: skip
+    """The train in modes of its linear parts.
+
+    halved: with half the band of modes that would be kept. speed: of a steady state (rad/s of the reference station),
+    in place of the operation's.
+    """
+    found = couplings(study.train, system)
+    bare = opened(system, found)
+    if bare.bars is not None:
+        message = f"play and friction in motion over time take shafts as lumped masses, not the model {bare.model}"
+        raise SolveError(message, "model: lumped", place)
+    modes = kept_modes(bare, "all", place)[0]
+    before = state_before(study, system, settings, place, vibrates=False, speed=speed)
+    shape = shapes(bare, modes)
+    train = modal_train(study, bare, modes, shape, before)
+    if damping_ratio is not None:
+        train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
+    turning = _speeds(study, bare, before, shape)
+    acting = _signals(study, system, settings, before, place).with_capacities(settings, found)
+    ends = twists(bare, modes, shape, np.array([one.span for one in found]))
+    torque = before.torque + before.twist
+    carried, all_standing = torque.copy(), list[Standing]()
+    for number, one in enumerate(found):
+        signal = acting.capacities.get(number)
+        linear, elements = standing(number, one, ends[number], float(torque[one.span]), turning, signal)
+        carried[one.span] = linear
+        all_standing += elements
+    place_of, _ = start(bare, modes, replace(before, twist=carried), shape)
+    slowed = slowed_torques(study, bare, modes, shape, before)
+    parts = _Parts(bare, modes, before, shape, train, slowed, place_of, turning)
+    return _in_modes(parts, found, tuple(all_standing), acting, _kept(train.w, settings, halved=halved))
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """The linear parts of a train in all of their modes."""
+
+    bare: System
+    modes: Modes
+    before: State
+    shape: FloatArray
+    train: ModalTrain
+    slowed: FloatArray
+    place: FloatArray
+    speed: FloatArray
+
+
+def _in_modes(
+    parts: _Parts, found: tuple[Coupling, ...], all_standing: tuple[Standing, ...], acting: Acting, kept: int
+) -> Built:
+    """With as many modes kept, and the compliance of the others in series with the elements."""
+    bare, modes, rigid, w = parts.bare, parts.modes, parts.train.rigid, parts.train.w
+    own, others, is_band = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
+    spans = np.array([found[one.coupling].span for one in all_standing])
+    force, ends = parts.shape.T @ acting.where, np.array([one.element.ends for one in all_standing])
+    soft, answer = ends[:, others] / w[kept:] ** 2, force[others] / w[kept:, None] ** 2
+    higher = modes.torque[:, kept:]
+    of_elements = direct_torques(bare, modes, _pushed(bare, spans)) - higher @ soft.T
+    of_elements[spans, np.arange(len(spans))] += 1.0
+    elements = tuple(replace(one.element, ends=row[own]) for one, row in zip(all_standing, ends, strict=True))
+    compliance, rest = (soft @ ends[:, others].T, soft @ force[others]) if is_band else (None, None)
+    train = PiecewiseTrain(
+        w[:kept], parts.train.damping[own, own], elements, Signals(acting.pieces), force[own], compliance, rest
+    )
+    return Built(
+        bare, lowest(modes, kept), parts.before, parts.shape[:, own], parts.slowed[:, own],
+        _direct(bare, modes, acting.where) + higher @ answer, of_elements, found, all_standing, train, is_band,
+        parts.place[rigid : rigid + kept], parts.speed[own],
+    )  # fmt: skip
+
+
+def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
+    """How many modes are kept: as requested, and as the duration allows."""
+    kept, half = np.searchsorted(w, np.array([1.0, 0.5]) * LARGEST_ANGLE / settings.duration).tolist()
+    if settings.modes != "all":
+        kept, half = min(kept, settings.modes), min(half, settings.modes // 2)
+    return max(min(half, kept - 1), 0) if halved else int(kept)
+
+
+def _signals(study: Study, system: System, settings: TransientSettings, before: State, place: Path) -> Acting:
+    """The torques of events, mean torques and periodic ones."""
+    loads, acting = loads_of_events(study, system, settings, before, place)
+    pieces, columns = [tuple(one) for one in loads], list(acting.T.astype(complex))
+    if before.mean is not None:
+        pieces.append((Piece(0.0, math.inf, 1.0),))
+        columns.append(before.mean.applied[:, 0].astype(complex))
+    if settings.initial in (None, "steady") and before.speed:
+        at = np.array([before.speed])
+        for excitation in excitations(system):
+            if excitation.errors:
+                name = excitation.errors[0].name
+                message = f"the transmission error of '{name}' beside a nonlinear coupling is not built"
+                raise SolveError(message, "begin with `initial: {speed: ...}`", (*place, "initial"))
+            column = np.zeros(len(acting), dtype=complex)
+            for torque in excitation.torques:
+                column[torque.station] += amplitude(system, torque, at, before.mean)[0]
+            pieces.append((Piece(0.0, math.inf, 1.0, rate=1j * float(excitation.line.circular_frequency(at)[0])),))
+            columns.append(column)
+    return Acting(tuple(pieces), np.array(columns).reshape(-1, len(acting)).T)
+
+
+def _speeds(study: Study, bare: System, before: State, shape: FloatArray) -> FloatArray:
+    """(rigid motions + modes,) of parts that turn at speeds of their own, those of their named points."""
+    turning = np.zeros(len(shape))
+    finite = np.isfinite(bare.flexibility)
+    part = connected(len(turning), bare.driving[finite], bare.driven[finite])
+    for name, speed in before.speeds.items():
+        station = study.train.part(name).stations[0]
+        own = part == part[station]
+        turning[own] = speed * bare.speed_ratio[own] / bare.speed_ratio[station]
+    inertia = np.where(bare.held, 0.0, bare.lumped_inertia)
+    return np.asarray(shape.T @ (inertia * turning))
+
+
+def _pushed(bare: System, spans: IntArray) -> FloatArray:
+    """(stations, elements) N m at own speeds that an element in each span applies to its ends, for 1 N m in it."""
+    found, at, ratio = np.zeros((len(bare.stations), len(spans))), np.arange(len(spans)), bare.speed_ratio
+    np.add.at(found, (bare.driving[spans], at), -1.0)
+    np.add.at(found, (bare.driven[spans], at), ratio[bare.driving[spans]] / ratio[bare.driven[spans]])
+    return found
+
+
+def _direct(bare: System, modes: Modes, acting: ComplexArray) -> ComplexArray:
+    """(spans, signals)."""
+    real, imaginary = (direct_torques(bare, modes, part) for part in (acting.real, acting.imag))
+    return np.asarray(real + 1j * imaginary)

@@ -1,0 +1,93 @@
+"""The balance of energy of an event-driven motion: stored, put in by the torques, and lost, by Gauss quadrature of it.
+
+An element of torque T, of which e is elastic, takes T u' from the modes; what it does not store is its heat:
+    heat' = T (u' + rest' - (F T)') - e e'
+with what the modes that are left out add to its twist. The quadrature goes over the steps of every block.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+
+from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, PiecewiseTrain
+from torsion.kernels.transient.linear_regime import Regime
+
+GAUSS = 10  # nodes of a step: squares of its fastest motion turn by 4 rad in it
+COLUMNS = 4096  # states at once
+Piece = tuple[IntArray, FloatArray, FloatArray]  # blocks, states (states, columns) and lengths (s) of steps
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energies of the whole motion."""
+
+    work: float  # J, of the torques
+    heat: FloatArray  # (elements,) J
+    damped: float  # J, lost in the damping of the modes
+    stored: float  # J, gained
+    residual: float  # largest error at the begin of any block, of the largest energy
+
+
+def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
+    """The energies, and how far their balance is from zero."""
+    train = motion.train
+    gained = np.zeros((2 + len(train.elements), len(motion.begin)))  # work, damped, heat of each element
+    node, weight = np.polynomial.legendre.leggauss(GAUSS)
+    node, weight = (node + 1.0) / 2.0, weight / 2.0
+    for number, one in enumerate(motion.regimes):
+        whole = [expm(one.matrix * (share * one.step)) for share in node]
+        for block, start, length in _steps(motion, one, np.flatnonzero(motion.regime[:-1] == number)):
+            is_whole, powers = bool((length == one.step).all()), np.zeros((len(gained), len(block)))
+            for share, factor, matrix in zip(node, weight, whole, strict=True):
+                z = matrix @ start if is_whole else one.moved(start, share * length)
+                powers += factor * _powers(train, one, z)
+            gained[:, block] += powers * length
+    stored = _stored(motion)
+    total = np.concatenate([np.zeros((len(gained), 1)), np.cumsum(gained[:, :-1], axis=1)], axis=1)
+    total[2:] += (motion.released - motion.released[0]).T
+    error = stored - stored[0] - total[0] + total[1:].sum(axis=0)
+    largest = float(stored.max(initial=0.0))
+    residual = float(np.abs(error).max(initial=0.0)) / largest if largest else 0.0
+    return EnergyBalance(
+        float(total[0, -1]), total[2:, -1], float(total[1, -1]), float(stored[-1] - stored[0]), residual
+    )
+
+
+def _steps(motion: EventDrivenMotion, one: Regime, blocks: IntArray) -> Iterator[Piece]:
+    """Whole steps of the blocks of a regime, then what is left of each."""
+    length = motion.begin[blocks + 1] - motion.begin[blocks]
+    number = np.minimum((length / one.step).astype(int), len(one.steps) - 1)
+    for step in range(int(number.max(initial=0))):
+        chosen = blocks[number > step]
+        for part in np.array_split(chosen, len(chosen) // COLUMNS + 1):
+            yield part, one.steps[step] @ motion.state[part].T, np.full(len(part), one.step)
+    rest = length - number * one.step
+    left = rest > 0.0
+    yield blocks[left], motion.from_blocks(blocks[left], (number * one.step)[left]), rest[left]
+
+
+def _powers(train: PiecewiseTrain, one: Regime, z: FloatArray) -> FloatArray:
+    """(2 + elements, columns) W: work of the torques, loss in the damping of the modes, heat of every element."""
+    change = one.matrix @ z
+    speed, torque = z[train.layout[2]], one.torque @ z / train.root[:, None]
+    of_rest = train.resting @ change
+    own = train.relative_speed @ z + of_rest - train.series @ (one.torque @ change / train.root[:, None])
+    work = (train.rows(train.force) @ z * speed).sum(axis=0) + (torque * of_rest).sum(axis=0)
+    damped = (train.damping @ speed * speed).sum(axis=0)
+    return np.concatenate([work[None], damped[None], torque * own - one.elastic @ z * (one.elastic @ change)])
+
+
+def _stored(motion: EventDrivenMotion) -> FloatArray:
+    """(blocks,) J at the begin of each."""
+    train, found = motion.train, np.empty(len(motion.begin))
+    place, speed = train.layout[1:3]
+    for number, one in enumerate(motion.regimes):
+        here = motion.regime == number
+        z = motion.state[here].T
+        torque = one.torque @ z / train.root[:, None]
+        parts = (z[place] ** 2, z[speed] ** 2, (one.elastic @ z) ** 2, torque * (train.series @ torque))
+        found[here] = 0.5 * sum(part.sum(axis=0) for part in parts)
+    return found

@@ -1,0 +1,367 @@
+"""Exact motion of a train whose few nonlinear elements are linear between events.
+
+The state is z = (x of the elements, w q of the elastic modes, speeds of all motions, states of the torques, 1). x of an
+element is a state of its own, so that no twist is a difference of large angles; it is scaled by the root of the
+element's stiffness, as the modes are by their frequencies, so that A is balanced. A regime is one state of every
+element; its matrix, exponentials and rows are kept.
+
+Modes above a band may be left out: their `compliance` F is then in series with the elements, u = x + rest - F T.
+"""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.errors import SolveError
+from torsion.kernels.transient.generated_signals import Signals
+from torsion.kernels.transient.linear_regime import RADIANS, STEPS, Regime
+from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, Element, Friction, Law, Switch
+
+CHATTER = 50  # events of one element without progress
+MOST_EVENTS = 200_000
+State = tuple[int, ...]  # the regime of every element
+
+
+@dataclass(frozen=True)
+class PiecewiseTrain:
+    """Rigid motions and elastic modes of generalised inertia 1, the elements between them, and what acts on them."""
+
+    w: FloatArray  # (modes,) rad/s
+    damping: FloatArray  # (rigid motions + modes, the same) 1/s
+    elements: tuple[Element, ...]
+    signals: Signals
+    force: ComplexArray  # (rigid motions + modes, signals); the torque is Re(force * signal)
+    compliance: FloatArray | None = None  # (elements, elements) rad/(N m) of the modes that are left out
+    rest: ComplexArray | None = None  # (elements, signals) rad/(N m): their answer to the signals
+
+    @property
+    def rigid(self) -> int:
+        """Number of rigid motions."""
+        return len(self.damping) - len(self.w)
+
+    @cached_property
+    def layout(self) -> tuple[slice, slice, slice, slice]:
+        """Where x, w q, the speeds and the signals stand in a state; 1 stands last."""
+        ends = np.cumsum([0, len(self.elements), len(self.w), len(self.damping), self.signals.size]).tolist()
+        x, place, speed, signal = (slice(*pair) for pair in pairwise(ends))
+        return x, place, speed, signal
+
+    @property
+    def size(self) -> int:
+        """Of a state."""
+        return int(self.layout[3].stop) + 1
+
+    @cached_property
+    def root(self) -> FloatArray:
+        """(elements,) sqrt(N m/rad), by which x is scaled."""
+        return np.array([math.sqrt(one.stiffness) if math.isfinite(one.stiffness) else 1.0 for one in self.elements])
+
+    @cached_property
+    def ends(self) -> FloatArray:
+        """(elements, rigid motions + modes) scaled."""
+        rows = np.array([one.ends for one in self.elements]).reshape(-1, len(self.damping))
+        return np.asarray(self.root[:, None] * rows)
+
+    def rows(self, factor: ComplexArray | FloatArray) -> FloatArray:
+        """(rows, state) of Re(factor (rows, signals) * signals)."""
+        found = np.zeros((len(factor), self.size))
+        real, imaginary = self.signals.rows
+        found[:, self.layout[3]] = factor.real @ real - factor.imag @ imaginary
+        return found
+
+    @cached_property
+    def unforced(self) -> FloatArray:
+        """(state, state) A without elements."""
+        matrix, (_, place, speed, signal) = np.zeros((self.size, self.size)), self.layout
+        elastic = slice(speed.start + self.rigid, speed.stop)
+        matrix[place, elastic] = np.diag(self.w)
+        matrix[elastic, place] = -np.diag(self.w)
+        matrix[speed, speed] = -self.damping
+        matrix[speed] += self.rows(self.force)
+        matrix[signal, signal] = self.signals.matrix
+        return matrix
+
+    @cached_property
+    def relative_speed(self) -> FloatArray:
+        """(elements, state) scaled."""
+        rows = np.zeros((len(self.elements), self.size))
+        rows[:, self.layout[2]] = self.ends
+        return rows
+
+    @cached_property
+    def resting(self) -> FloatArray:
+        """(elements, state) scaled twists that the modes left out add by themselves."""
+        if self.rest is None:
+            return np.zeros((len(self.elements), self.size))
+        return np.asarray(self.root[:, None] * self.rows(self.rest))
+
+    @cached_property
+    def series(self) -> FloatArray:
+        """(elements, elements) scaled compliance of the modes that are left out."""
+        size = len(self.elements)
+        return np.zeros((size, size)) if self.compliance is None else self.root[:, None] * self.compliance * self.root
+
+    @cached_property
+    def capacity(self) -> FloatArray:
+        """(elements, state) N m."""
+        constant, chosen = np.zeros(len(self.elements)), np.zeros((len(self.elements), len(self.signals.pieces)))
+        for number, element in enumerate(self.elements):
+            if isinstance(element, Friction) and element.signal is not None:
+                chosen[number, element.signal] = 1.0
+            elif not isinstance(element, Clearance):
+                constant[number] = element.capacity
+        rows = self.rows(chosen)
+        rows[:, -1] = constant
+        return rows
+
+
+def regime(train: PiecewiseTrain, state: State, *, longest: float, fineness: float, dips: bool) -> Regime:
+    """The linear motion while every element stays in its regime; longest: s of a step at most."""
+    laws = [one.law(own) for one, own in zip(train.elements, state, strict=True)]
+    torque, elastic = _torques(train, laws)
+    matrix = train.unforced.copy()
+    matrix[train.layout[2]] -= train.ends.T @ torque
+    for number, law in enumerate(laws):
+        if law.moves:
+            matrix[number] = train.relative_speed[number]
+    twist = elastic + _offsets(train, laws)
+    events = [
+        _function(train, number, switch, twist, torque)
+        for number, (element, own) in enumerate(zip(train.elements, state, strict=True))
+        for switch in element.switches(own)
+    ]
+    fastest = float(np.abs(np.linalg.eigvals(matrix)).max(initial=0.0))
+    step = fineness * min(longest, RADIANS / fastest if fastest else math.inf)
+    for number, (law, element) in enumerate(zip(laws, train.elements, strict=True)):
+        if law.kind in ("free", "stuck") or math.isinf(element.stiffness):
+            elastic[number] = 0.0
+        elif law.kind == "given":
+            elastic[number] = torque[number]
+    return Regime(
+        matrix, np.array(events).reshape(-1, train.size), torque * train.root[:, None], elastic, step, dips
+    )  # fmt: skip
+
+
+def _offsets(train: PiecewiseTrain, laws: list[Law]) -> FloatArray:
+    rows = np.zeros((len(laws), train.size))
+    rows[:, -1] = [law.offset for law in laws] * train.root
+    return rows
+
+
+def _torques(train: PiecewiseTrain, laws: list[Law]) -> tuple[FloatArray, FloatArray]:
+    """Rows (elements, state) of the scaled torques, and of the scaled twists without offset (free and spring)."""
+    left, right = np.eye(len(laws)), np.zeros((len(laws), train.size))
+    elastic = train.resting - _offsets(train, laws)
+    elastic[:, train.layout[0]] += np.eye(len(laws))
+    for number, law in enumerate(laws):
+        if law.kind == "spring":
+            left[number] += train.series[number]
+            right[number] = elastic[number] + _lag(train, number) * train.relative_speed[number]
+        elif law.kind == "given":
+            right[number] = law.sign * train.capacity[number] / train.root[number]
+        elif law.kind == "stuck":
+            left[number] = train.ends @ train.ends[number]
+            right[number] = train.ends[number] @ train.unforced[train.layout[2]]
+    try:
+        torque = np.asarray(np.linalg.solve(left, right)) if len(laws) else right
+    except np.linalg.LinAlgError:
+        message = "rigid clutches stand beside each other, and nothing divides their torque"
+        raise SolveError(message, "give all but one a stiffness") from None
+    return torque, elastic - train.series @ torque
+
+
+def _lag(train: PiecewiseTrain, number: int) -> float:
+    """s, viscous damping of an element over its stiffness."""
+    element = train.elements[number]
+    return float(getattr(element, "viscous", 0.0)) / element.stiffness
+
+
+def _function(train: PiecewiseTrain, number: int, switch: Switch, twist: FloatArray, torque: FloatArray) -> FloatArray:
+    """(state,) a switching function; its size is of no account."""
+    root = train.root[number]
+    if switch.of == "speed":  # of the slider: that of the ends less what a changing capacity takes up in the spring
+        changing = train.capacity[number] @ train.unforced
+        row, unit = (
+            train.relative_speed[number] - switch.factor * changing * root / train.elements[number].stiffness,
+            root,
+        )
+    elif switch.of == "torque":
+        row, unit = torque[number], 1.0 / root
+    elif switch.of == "twist":
+        row, unit = twist[number], root
+    else:  # the torque that contact would have
+        row = twist[number] + _lag(train, number) * train.relative_speed[number]
+        offset = float(getattr(train.elements[number], "half", 0.0)) * root
+        row, unit = row - np.sign(-switch.factor) * offset * np.eye(train.size)[-1], 1.0 / root
+    function = switch.factor * row + switch.share * train.capacity[number] * unit
+    function[-1] += switch.level * unit
+    return np.asarray(function)
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of the regime of an element."""
+
+    time: float  # s
+    element: int
+    word: str  # contact, separation, slip, stuck, open
+
+
+@dataclass(frozen=True)
+class EventDrivenMotion:
+    """The motion: states at the begin of every block and after every event."""
+
+    train: PiecewiseTrain
+    begin: FloatArray  # (blocks,) s
+    state: FloatArray  # (blocks, states)
+    regime: IntArray  # (blocks,) which of `regimes`
+    regimes: tuple[Regime, ...]
+    states: tuple[State, ...]  # of every regime
+    events: tuple[Event, ...]
+    released: FloatArray  # (blocks, elements) J until then, elastic energy of friction that lost its capacity
+    end: float  # s
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, IntArray]:
+        """States (states, times) at times (s) that ascend, and the regime of each."""
+        block = np.maximum(np.searchsorted(self.begin, time, side="right") - 1, 0)
+        return self.from_blocks(block, time - self.begin[block]), self.regime[block]
+
+    def from_blocks(self, block: IntArray, late: FloatArray) -> FloatArray:
+        """States (states, columns), each a time (s) after the begin of a block."""
+        found = np.empty((self.train.size, len(block)))
+        for number, one in enumerate(self.regimes):
+            here = np.flatnonzero(self.regime[block] == number)
+            whole = np.minimum((late[here] / one.step).astype(int), STEPS)
+            start = self.state[block[here]].T
+            for step in np.unique(whole[whole > 0]).tolist():
+                start[:, whole == step] = one.steps[step] @ start[:, whole == step]
+            found[:, here] = one.moved(start, np.maximum(late[here] - whole * one.step, 0.0))
+        return found
+
+
+@dataclass
+class _March:
+    """The motion while it is computed."""
+
+    train: PiecewiseTrain
+    duration: float
+    fineness: float
+    dips: bool
+    released: FloatArray
+    kept: dict[State, Regime] = field(default_factory=dict)
+    blocks: list[tuple[float, FloatArray, State, FloatArray]] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+
+    def regime(self, state: State) -> Regime:
+        """Of a state of the elements, built once."""
+        if state not in self.kept:
+            longest = self.duration / 16.0
+            self.kept[state] = regime(self.train, state, longest=longest, fineness=self.fineness, dips=self.dips)
+        return self.kept[state]
+
+    def pair(self, state: State, function: int) -> tuple[int, int]:
+        """The element that a switching function is of, and the regime that it enters."""
+        return [
+            (number, switch.to)
+            for number, (element, own) in enumerate(zip(self.train.elements, state, strict=True))
+            for switch in element.switches(own)
+        ][function]
+
+    def enter(self, time: float, z: FloatArray, state: State, number: int, to: int) -> tuple[FloatArray, State]:
+        """An element in another regime, its own coordinate set to what it is exactly there."""
+        element, old = self.train.elements[number], state[number]
+        new = (*state[:number], to, *state[number + 1 :])
+        if word := element.word(old, to):
+            self.events.append(Event(time, number, word))
+        z = z.copy()
+        if (x := element.settled(old, to)) is not None:
+            z[number] = x * self.train.root[number]
+        elif element.law(old).kind == "given" and element.law(to).kind == "spring":
+            row = self.regime(new).torque[number]
+            z[number] += (element.law(old).sign * (self.train.capacity[number] @ z) - row @ z) / row[number]
+        elif element.law(to).kind == "stuck":  # its ends turn together, of which the root knows all digits but the last
+            speed, ends = self.train.layout[2], self.train.ends[number]
+            z[speed] -= ends * ((ends @ z[speed]) / (ends @ ends))
+        if isinstance(element, Friction) and element.signal is not None:
+            before, after = (float(self.regime(one).elastic[number] @ z) for one in (state, new))
+            self.released = self.released.copy()
+            self.released[number] += 0.5 * (before**2 - after**2)
+        return z, new
+
+    def rearm(self, time: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
+        """At a break: the signals that begin, and friction whose capacity ends or begins."""
+        z = z.copy()
+        z[self.train.layout[3]] = self.train.signals.state(time)
+        for number, element in enumerate(self.train.elements):
+            if isinstance(element, Friction) and element.signal is not None:
+                acts = self.train.signals.acting(element.signal, z[self.train.layout[3]])
+                if acts == (state[number] != OPEN):
+                    continue
+                to = self._closing(number, z) if acts else OPEN
+                z, state = self.enter(time, z, state, number, to)
+                z[number] = 0.0
+        return z, state
+
+    def _closing(self, number: int, z: FloatArray) -> int:
+        """The regime of friction that gains a capacity: it slips, unless its ends turn together to rounding."""
+        row = self.train.relative_speed[number]
+        slipping = float(row @ z)
+        return 0 if abs(slipping) <= 1e-12 * float(np.abs(row) @ np.abs(z)) else int(np.sign(slipping))
+
+    def to(self, time: float, end: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
+        """From one break to the next."""
+        idle, last = 0, -math.inf
+        while time < end:
+            one = self.regime(state)
+            self.blocks.append((time, z, state, self.released))
+            length = min(STEPS * one.step, end - time)
+            found = one.first_event(z, length)
+            if found is None:
+                z, time = one.after(z, length), end if length == end - time else time + length
+                continue
+            late, function = found
+            z, time = one.after(z, late), time + late
+            number, to = self.pair(state, function)
+            z, state = self.enter(time, z, state, number, to)
+            near = max(1e-12 * one.step, 4.0 * math.ulp(time))
+            idle, last = (idle + 1, last) if time - last <= near else (0, time)
+            if idle > CHATTER * len(state) or len(self.events) > MOST_EVENTS:
+                raise Chatter(time, number)
+        return z, state
+
+
+class Chatter(SolveError):
+    """An element switches without end."""
+
+    def __init__(self, time: float, element: int) -> None:
+        super().__init__(f"from {time:.6g} s on, a coupling changes between its regimes without end")
+        self.time, self.element = time, element
+
+
+def event_driven(
+    train: PiecewiseTrain, state: State, *, twist: FloatArray, place: FloatArray, speed: FloatArray, duration: float,
+    fineness: float = 1.0, dips: bool = True,
+) -> EventDrivenMotion:  # fmt: skip
+    """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
+
+    fineness: of the steps, of those that the fastest motion of a regime allows. dips: look for functions that fall
+    below zero and rise again between two samples. Raises Chatter where events follow each other without progress.
+    """
+    march = _March(train, duration, fineness, dips, np.zeros(len(train.elements)))
+    z = np.concatenate([train.root * twist, train.w * place, speed, np.zeros(train.signals.size), [1.0]])
+    breaks = [float(one) for one in train.signals.breaks if one < duration]
+    for begin, end in zip([0.0, *breaks], [*breaks, duration], strict=True):
+        z, state = march.rearm(begin, z, state)
+        z, state = march.to(begin, end, z, state)
+    march.blocks.append((duration, z, state, march.released))
+    march.regime(state)
+    times, states, regimes, released = zip(*march.blocks, strict=True)
+    numbers = {one: number for number, one in enumerate(march.kept)}
+    return EventDrivenMotion(
+        train, np.array(times), np.array(states), np.array([numbers[one] for one in regimes]),
+        tuple(march.kept.values()), tuple(march.kept), tuple(march.events), np.array(released), duration,
+    )  # fmt: skip

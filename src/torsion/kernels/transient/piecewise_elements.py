@@ -1,0 +1,152 @@
+"""Elements that are linear between events: clearance, dry friction, and dry friction behind a clearance.
+
+Every element has one coordinate x of its own, a twist in rad that moves with the relative angle u of its ends or stands
+still, and in every regime one law of its torque:
+    free   T = 0
+    parted T = 0 while its spring, which the damping outruns, gives up its energy
+    spring T = k (x - offset) + c u'
+    given  T = sign * capacity
+    stuck  the torque that keeps u' = 0 (friction without elasticity)
+A regime lasts while its switching functions, factor * quantity + level + share * capacity, stay positive. In contact
+the torque never pulls: with damping a contact ends before the faces part, so that "leaving" (open beyond the play) is
+a regime; without it the march would switch without end.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+
+Quantity = Literal["twist", "speed", "torque", "contact"]
+OPEN = 9  # regime of friction that has no capacity at present
+
+
+@dataclass(frozen=True)
+class Law:
+    """What gives the torque in a regime, and whether x moves with the ends."""
+
+    kind: Literal["free", "parted", "spring", "given", "stuck"]
+    moves: bool
+    offset: float = 0.0  # rad
+    sign: int = 0
+
+
+@dataclass(frozen=True)
+class Switch:
+    """One switching function of a regime, and the regime that begins where it falls below zero."""
+
+    of: Quantity
+    factor: float
+    to: int
+    level: float = 0.0  # in the unit of the quantity
+    share: float = 0.0  # of the capacity
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """A spring with play: T = k (x - s half) + c u' in contact on side s, 0 between."""
+
+    ends: FloatArray  # (modes,) rad, relative angle of its ends in every mode
+    stiffness: float  # N m/rad
+    half: float  # rad, half the play
+    viscous: float = 0.0  # N m s/rad
+
+    def law(self, regime: int) -> Law:
+        """0 open, +-1 contact, +-2 leaving."""
+        side = int(np.sign(regime))
+        return Law(("free", "spring", "parted")[abs(regime)], True, side * self.half)
+
+    def switches(self, regime: int) -> tuple[Switch, ...]:
+        """Of a regime."""
+        side = int(np.sign(regime))
+        if regime == 0:
+            return Switch("twist", -1.0, 1, self.half), Switch("twist", 1.0, -1, self.half)
+        if abs(regime) == 1:
+            return (Switch("torque", side, 2 * side if self.viscous else 0),)
+        return Switch("twist", side, 0, -self.half), Switch("contact", -side, side)
+
+    def settled(self, old: int, new: int) -> float | None:
+        """x (rad) at a switch where it is known exactly."""
+        return None if 2 in (abs(old), abs(new)) and 0 not in (old, new) else float(np.sign(old + new)) * self.half
+
+    def word(self, old: int, new: int) -> str:
+        """What a switch is called; empty for one that nobody needs to know of."""
+        if abs(new) == 1:
+            return "contact"
+        return "separation" if abs(old) == 1 else ""
+
+
+@dataclass(frozen=True)
+class Friction:
+    """A spring in series with a slider: T = k x, |T| <= capacity; k infinite: the slider alone."""
+
+    ends: FloatArray
+    stiffness: float
+    capacity: float = 0.0  # N m
+    signal: int | None = None  # the signal that is its capacity over time, in place of a constant
+
+    def law(self, regime: int) -> Law:
+        """0 stick, +-1 slip, OPEN without capacity."""
+        if regime == OPEN:
+            return Law("free", False)
+        if regime:
+            return Law("given", False, sign=regime)
+        return Law("stuck", False) if math.isinf(self.stiffness) else Law("spring", True)
+
+    def switches(self, regime: int) -> tuple[Switch, ...]:
+        """Of a regime."""
+        if regime == OPEN:
+            return ()
+        if regime:
+            return (Switch("speed", regime, 0),)
+        return Switch("torque", -1.0, 1, share=1.0), Switch("torque", 1.0, -1, share=1.0)
+
+    def settled(self, old: int, new: int) -> float | None:
+        """Nothing: sticking begins with the torque of slipping."""
+        return None
+
+    def word(self, old: int, new: int) -> str:
+        """What a switch is called."""
+        return "stuck" if new == 0 else "open" if new == OPEN else "slip"
+
+
+@dataclass(frozen=True)
+class DelayedFriction:
+    """Friction that takes part beyond a play: x counts from the middle of the play, which slipping carries along."""
+
+    ends: FloatArray
+    stiffness: float
+    capacity: float
+    half: float
+
+    def law(self, regime: int) -> Law:
+        """0 open, +-1 stick in contact, +-2 slip."""
+        side = int(np.sign(regime))
+        if abs(regime) == 2:
+            return Law("given", False, sign=side)
+        return Law("spring" if regime else "free", True, side * self.half)
+
+    def switches(self, regime: int) -> tuple[Switch, ...]:
+        """Of a regime."""
+        side = int(np.sign(regime))
+        if regime == 0:
+            return Switch("twist", -1.0, 1, self.half), Switch("twist", 1.0, -1, self.half)
+        if abs(regime) == 1:
+            return Switch("torque", -side, 2 * side, share=1.0), Switch("torque", side, 0)
+        return (Switch("speed", side, side),)
+
+    def settled(self, old: int, new: int) -> float | None:
+        """x (rad) where the faces meet or part."""
+        return float(np.sign(old + new)) * self.half if 0 in (old, new) else None
+
+    def word(self, old: int, new: int) -> str:
+        """What a switch is called."""
+        if abs(new) == 2:
+            return "slip"
+        return "separation" if new == 0 else "stuck" if abs(old) == 2 else "contact"
+
+
+Element = Clearance | Friction | DelayedFriction
