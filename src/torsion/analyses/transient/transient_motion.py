@@ -117,6 +117,10 @@ def transient(
         found = _event_driven(study, system, settings, place, damping_ratio, progress)
         return _read(study, system, settings, found)
     kept, twice = kept_modes(system, settings.modes, place) if modes is None else modes
+    needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
+    if needed > study.memory:
+        message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
+        raise SolveError(message, "fewer `samples`, or run with more `memory`", (*place, "samples"))
     before = state_before(study, system, settings, place)
     solved = partial(_solved, study, system, settings, place, before, damping_ratio, progress)
     found = solved(kept, is_band=system.bars is not None or kept is not twice)
