@@ -78,14 +78,15 @@ def test_a_clutch_with_a_ramp_under_load_sticks_when_the_speeds_meet() -> None:
     assert found.residual < 1e-12
 
 
-@pytest.mark.parametrize("coupling", ["flexibility: 0", "stiffness: 1e6"])
-def test_a_clutch_that_opens_slips_and_lets_go(coupling: str) -> None:
+@pytest.mark.parametrize("late", [0.1, 0.0])
+@pytest.mark.parametrize("coupling", ["flexibility: 0", "stiffness: 1e6", "stiffness: 2e3"])
+def test_a_clutch_that_opens_slips_and_lets_go(coupling: str, late: float) -> None:
     events = (
         {"at": "clutch", "clutch": {"close": 0.0}}, {"at": "engine", "step": {"torque": 100}},
-        {"at": "clutch", "time": 2.5, "clutch": {"open": 0.1}},
+        {"at": "clutch", "time": 2.5, "clutch": {"open": late}},
     )  # fmt: skip
     found = clutch(f"{coupling}, capacity: 400", *events)
-    assert whats(found)[-1] == (2.6, "open")
+    assert whats(found)[-1] == (2.5 + late, "open")
     momentum = 5.0 * 150.0 + 100.0 * 3.0
     assert np.array([5.0, 20.0]) @ found.speed[:, -1] == pytest.approx(momentum, rel=1e-13)
     assert found.torque[0, found.time > 2.6] == pytest.approx(0.0, abs=1e-9)

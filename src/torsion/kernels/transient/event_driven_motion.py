@@ -294,15 +294,18 @@ class _March:
 
     def rearm(self, time: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
         """At a break: the signals that begin, and friction whose capacity ends or begins."""
+        before, signals = self.regime(state).elastic @ z, self.train.layout[3]
         z = z.copy()
-        z[self.train.layout[3]] = self.train.signals.state(time)
+        z[signals] = self.train.signals.state(time)
+        if time > 0.0:  # what slips gives up the energy that a lower capacity does not hold
+            self.released = self.released + 0.5 * (before**2 - (self.regime(state).elastic @ z) ** 2)
         for number, element in enumerate(self.train.elements):
             if isinstance(element, Friction) and element.signal is not None:
-                acts = self.train.signals.acting(element.signal, z[self.train.layout[3]])
+                acts = self.train.signals.acting(element.signal, z[signals])
                 if acts == (state[number] != OPEN):
                     continue
-                to = self._closing(number, z) if acts else OPEN
-                z, state = self.enter(time, z, state, number, to)
+                z[number] = 0.0 if acts else z[number]
+                z, state = self.enter(time, z, state, number, self._closing(number, z) if acts else OPEN)
                 z[number] = 0.0
         return z, state
 
