@@ -37,7 +37,7 @@ def found() -> Findings:
 
 
 def check(verdict: str = "pass", **changed: object) -> Check:
-    made = Check("rule", "clause", "tail", "what", 12.345, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(3, 2))
+    made = Check("stability", "clause", "tail", "what", 12.345, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(3, 2))
     return replace(made, **changed)
 
 
