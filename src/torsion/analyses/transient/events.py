@@ -11,11 +11,11 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
+from torsion.analyses.transient.following_events import Length, Load, SpeedProgram, Start
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.transient.torque_history import Piece
 
 Time = Annotated[float, Quantity("s", at_least=0, usual=(None, 1e5))]
-Length = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
 SignedTorque = Annotated[float, Quantity("N*m")]
 ICE_CASES = {  # factor C_q, contact angle in deg by number of blades; FSICR 2017, from memory: to be verified
     1: (0.75, {3: 90.0, 4: 90.0, 5: 72.0, 6: 60.0}), 2: (1.0, {3: 135.0, 4: 135.0, 5: 135.0, 6: 135.0}),
@@ -32,6 +32,7 @@ class Point:
     mean: float = 0.0  # N m that drives it (positive) or that it absorbs, at that speed
     rated: float = 0.0  # N m, rated torque
     blades: int = 0
+    rated_speed: float = 0.0  # rad/s of its own shaft
 
 
 def _read_rows(value: Any) -> tuple[tuple[float, float], ...]:
@@ -210,6 +211,7 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
 
 KINDS = {
     "step": Step, "table": Table, "pulse": Pulse, "sine": Sine, "short_circuit": ShortCircuit, "ice": Ice, "stop": Stop,
+    "start": Start, "load": Load, "speed": SpeedProgram,
 }  # fmt: skip
 
 
@@ -227,6 +229,11 @@ class Event(Declared):
     )
     ice: Ice | None = given("{torque, case or angle and factor, turns, ramp}: a propeller that mills ice")
     stop: Stop | None = given("{ramp}: the point's mean torque ends")
+    start: Start | None = given(
+        "{torque or pull_out, slip, synchronous; pulsation, slip_pulsation, line, off}: a motor is switched on"
+    )
+    load: Load | None = given("{law, torque, speed, off}: what brakes the point, by its speed")
+    speed: SpeedProgram | None = given("{program: [[s, rpm], ...]}: the speed of a fixed point is prescribed")
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -241,11 +248,18 @@ class Event(Declared):
         """Its key in the file."""
         return next(kind for kind in KINDS if getattr(self, kind) is not None).replace("_", "-")
 
+    @property
+    def body(self) -> Any:
+        """Its settings."""
+        return getattr(self, self.kind.replace("-", "_"))
+
     def words(self) -> str:
         """Its settings, those that are not left at their defaults, in SI."""
-        body = getattr(self, self.kind.replace("-", "_")).model_dump(exclude_defaults=True)
+        body = self.body.model_dump(exclude_defaults=True)
         return ", ".join(f"{key} {value}" for key, value in body.items())
 
     def pieces(self, at: Point) -> tuple[Piece, ...]:
-        """Its torque over time, N m at own speed, positive in the sense of rotation."""
-        return tuple(getattr(self, self.kind.replace("-", "_")).pieces(self.time, at))
+        """What of its torque is known by time alone, N m at own speed, positive in the sense of rotation."""
+        if isinstance(self.body, Start | Load):
+            return tuple(self.body.pieces(self.time, at.mean))
+        return () if isinstance(self.body, SpeedProgram) else tuple(self.body.pieces(self.time, at))

@@ -1,7 +1,6 @@
 """How a train runs before its events: at rest, at a speed, in its steady state, or twisted and let go."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,11 +8,11 @@ import numpy as np
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.transient.events import Event, Point
+from torsion.analyses.transient.following_events import RatedPoint
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.transient.torque_history import Piece
 from torsion.kernels.tree_response import Status
 from torsion.study import Study
 
@@ -28,6 +27,7 @@ class State:
     frequency: FloatArray  # (components,) rad/s of its steady vibration
     amplitude: ComplexArray  # (components, spans) N m
     twist: FloatArray  # (spans,) N m that twist it at rest and are released
+    angle: ComplexArray | None = None  # (components, stations) rad of its steady vibration, own shafts
 
 
 def state_before(study: Study, system: System, settings: TransientSettings) -> State:
@@ -60,24 +60,20 @@ def state_before(study: Study, system: System, settings: TransientSettings) -> S
         message = "its steady vibration at the operating speed has no finite value"
         raise SolveError(message, "give the damping of the train, or `initial: {speed: ...}`", (*PATH, "initial"))
     own = int(np.flatnonzero(vibration.speed == at[0])[0])
-    return replace(state, frequency=2.0 * math.pi * vibration.frequency[own], amplitude=vibration.torque[own])
+    return replace(state, frequency=2.0 * math.pi * vibration.frequency[own], amplitude=vibration.torque[own],
+                   angle=vibration.angle[own])  # fmt: skip
 
 
-def loads_of_events(
-    study: Study, system: System, settings: TransientSettings, before: State, shape: FloatArray
-) -> tuple[Sequence[Sequence[Piece]], FloatArray]:
-    """The torque of every event, and the force of each per N m on rigid motions and modes, (both, events)."""
-    loads, columns = list[tuple[Piece, ...]](), list[FloatArray]()
-    for number, event in enumerate(settings.events):
-        station = study.train.part(event.at).stations[0]
-        loads.append(event.pieces(_point(study, system, before, event, number, station)))
-        columns.append(shape[station])
-    return loads, np.array(columns).reshape(-1, shape.shape[1]).T
+def points_of_events(study: Study, system: System, settings: TransientSettings, before: State) -> list[Point]:
+    """The train where every event acts; raises InputError for one that it cannot have."""
+    return [_point(study, system, before, event, number) for number, event in enumerate(settings.events)]
 
 
-def _point(study: Study, system: System, before: State, event: Event, number: int, station: int) -> Point:
+def _point(study: Study, system: System, before: State, event: Event, number: int) -> Point:
     """The train where an event acts."""
-    part, ratio = study.train.part(event.at), abs(float(system.speed_ratio[station]))
+    part = study.train.part(event.at)
+    station = part.stations[0]
+    ratio = abs(float(system.speed_ratio[station]))
     rated = study.operation.rated
     power = part.power if part.power is not None else None if rated is None else rated.power
     blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
@@ -92,4 +88,8 @@ def _point(study: Study, system: System, before: State, event: Event, number: in
             [Fault(path, f"no mean torque acts at '{event.at}'", "name a motor or a load of a steady train")]
         )
     torque = 0.0 if rated is None or power is None else power / (rated.speed * ratio)
-    return Point(before.speed * ratio, mean, torque, blades)
+    at = Point(before.speed * ratio, mean, torque, blades, 0.0 if rated is None else rated.speed * ratio)
+    if event.load is not None and event.load.lacks(RatedPoint(at.rated, at.rated_speed)):
+        hint = "give `torque` and `speed` of the load, or `operation: {rated: {speed, power}}`"
+        raise InputError([Fault(path, "the load has no size", hint)])
+    return at

@@ -1,28 +1,41 @@
-"""Motion over time of a linear train, exactly from its modes: torques, their peaks and reversals, and speeds."""
+"""Motion over time of a train, exactly from its modes: torques, their peaks and reversals, and speeds."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.transient.peaks import Extremes
-from torsion.analyses.transient.state_before import State, loads_of_events, state_before
+from torsion.analyses.transient.following_events import Load
+from torsion.analyses.transient.following_torques import Carrier, following
+from torsion.analyses.transient.joint_cuts import JointCut, joint_cuts, parts_of
+from torsion.analyses.transient.known_loads import known_loads, start
+from torsion.analyses.transient.state_before import State, points_of_events, state_before
+from torsion.analyses.transient.train_curves import TrainCurves, sampled
 from torsion.analyses.transient.transient_settings import DEFAULT_MOST, PATH, PER_PERIOD, TransientSettings
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, Work, silent
+from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.damped_motion import ModalTrain, Motion, motion
-from torsion.kernels.transient.torque_history import value
+from torsion.kernels.transient.driven_motion import DrivenMotion
 from torsion.results import reported, result
 from torsion.study import Study
 
 MOST_MODES = 3000
-BLOCK = 2**21  # values of one array at once
 CHECKED = 64  # windows in which the balance of energy is verified
 GAUSS = 8
+
+
+@reported
+class Change:
+    """A change of the law of a torque."""
+
+    time: float = result("s", (), "when")
+    what: str = result("", (), "the torque")
 
 
 @reported
@@ -48,6 +61,12 @@ class TransientMotion:
     residual: float = result("1", (), "largest error of the balance of energy, of the largest energy of the motion")
     speed_before: float = result("rad/s", (), "reference speed before the events")
     modes: int = result("", (), "elastic modes that were kept: all")
+    steps: int = result("", (), "steps for the torques that follow the motion; 0: there are none", default=0)
+    following: tuple[str, ...] = result("", (), "torques that follow the motion", default=())
+    left_in_series: float = result(
+        "1", (), "largest last term of their series over a step, of the largest of them", default=0.0
+    )
+    changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
     system: System | None = None
 
     @property
@@ -66,30 +85,64 @@ def transient(
     Raises InputError for an event that the train cannot have, and SolveError where a mode is not certified or the train
     is of a kind that is not built.
     """
-    found = _all_modes(system) if modes is None else modes
     before = state_before(study, system, settings)
-    shape = _shapes(system, found)
-    train = _modal_train(study, system, found, shape, before)
+    cuts = joint_cuts(system, before.mean)
+    parts = parts_of(system) if cuts else system
+    found = _all_modes(parts, len(cuts)) if modes is None or cuts else modes
+    shape = _shapes(parts, found)
+    points = points_of_events(study, system, settings, before)
+    follows = following(study, system, settings.events, before, cuts, points, lambda cut: _inertia(shape, cut))
+    train = _modal_train(parts, found, shape, before, _loaded(study, settings) if follows else None)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    loads, force = loads_of_events(study, system, settings, before, shape)
-    place, speed = _start(system, found, before, shape)
-    moved = motion(train, force, loads, place, speed)
+    loads, force = known_loads(study, system, settings.events, points, shape, follows)
+    place, speed = start(system, found, before, shape, vibrates=follows is not None and not cuts)
+    added: dict[str, Any] = {}
+    moved: Motion | DrivenMotion = motion(train, force, loads, place, speed)
+    if follows is not None and isinstance(moved, Motion):
+        moved, solved = follows.solve(system, moved, shape, settings.duration, settings.tolerance)
+        changed = dict.fromkeys((time, follows.words[law]) for time, law, _ in solved.changes)
+        changes = tuple(Change(*one) for one in changed)
+        added = {
+            "steps": len(solved.steps.begin),
+            "following": tuple(dict.fromkeys(follows.words)),
+            "left_in_series": solved.lack,
+            "changes": changes,
+        }
+        before = replace(before, frequency=np.empty(0), amplitude=before.amplitude[:0])
     time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
-    torque, turning, (top, bottom) = _sampled(
-        _Curves(system, found, before, shape, moved, _slowed(system, found, shape)), time, progress
-    )
+    carrier = standing_still(system, before) if follows is None else follows.carrier
+    curves = TrainCurves(system, found, before, shape, moved, _slowed(parts, found, shape), carrier, follows)
+    torque, turning, (top, bottom) = sampled(curves, time, progress)
     reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
     missed = _missed(found, moved, time)
     checked = _residual(moved, time)
     return TransientMotion(
         time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, missed, checked, before.speed,
-        len(found.frequency), system,
+        len(found.frequency), **added, system=system,
     )  # fmt: skip
 
 
-def _all_modes(system: System) -> Modes:
-    """Every elastic mode, certified."""
+def standing_still(system: System, before: State) -> Carrier:
+    """How a train turns whose speed no event changes by itself."""
+    ratio = np.abs(system.speed_ratio)
+    return Carrier(np.zeros(len(ratio)), before.speed * ratio, ratio)
+
+
+def _inertia(shape: FloatArray, cut: JointCut) -> float:
+    """kg m2 of both sides of a joint, as they take a sudden torque."""
+    return 1.0 / float((shape[[cut.front, cut.behind]] ** 2).sum())
+
+
+def _loaded(study: Study, settings: TransientSettings) -> frozenset[int]:
+    """Stations that the law of a load brakes, in place of their dampers to ground."""
+    return frozenset(
+        study.train.part(event.at).stations[0] for event in settings.events if isinstance(event.body, Load)
+    )
+
+
+def _all_modes(system: System, joints: int) -> Modes:
+    """Every elastic mode, certified, of a train cut at so many joints."""
     if system.bars is not None:
         message = f"motion over time is not built for the model {system.model}"
         raise SolveError(message, "model: lumped", PATH)
@@ -97,7 +150,7 @@ def _all_modes(system: System) -> Modes:
         message = f"motion over time takes all modes, and the train has {size} stations, more than {MOST_MODES}"
         raise SolveError(message, "give long shafts fewer `segments`", PATH)
     found = modes_as_discretised(system, None)
-    if found.rigid > 1:
+    if found.rigid > 1 + joints:
         message = "parts of the train turn freely against each other, and their motion over time is not built"
         raise SolveError(message, "join them by a stiffness", PATH)
     return found
@@ -105,24 +158,40 @@ def _all_modes(system: System) -> Modes:
 
 def _shapes(system: System, found: Modes) -> FloatArray:
     """(stations, rigid motions + modes) rad at own speed, generalised inertia 1."""
-    ratio = system.speed_ratio
-    total = float((np.where(system.held, 0.0, system.lumped_inertia) * ratio**2).sum())
-    rigid = (ratio / math.sqrt(total))[:, None] if found.rigid else np.empty((len(ratio), 0))
-    return np.concatenate([rigid, found.shape], axis=1)
+    ratio, heavy = system.speed_ratio, np.where(system.held, 0.0, system.lumped_inertia) * system.speed_ratio**2
+    elastic = np.isfinite(system.flexibility)
+    part = connected(len(ratio), system.driving[elastic], system.driven[elastic])
+    loose = [one for one in np.unique(part[heavy > 0.0]).tolist() if not system.held[part == one].any()]
+    rigid = [np.where(part == one, ratio / math.sqrt(float(heavy[part == one].sum())), 0.0) for one in loose]
+    return np.concatenate([np.array(rigid).reshape(-1, len(ratio)).T, found.shape], axis=1)
 
 
-def _modal_train(study: Study, system: System, found: Modes, shape: FloatArray, before: State) -> ModalTrain:
-    """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is."""
+def _modal_train(
+    system: System, found: Modes, shape: FloatArray, before: State, loaded: frozenset[int] | None
+) -> ModalTrain:
+    """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is.
+
+    loaded: where the speed changes by itself, dampers to ground damp the deviation from the mean motion of the whole
+    train, but for those of these stations, whose load follows their speed.
+    """
     ratio = 0.5 * system.loss_factor @ found.elastic
     damping = np.zeros((shape.shape[1],) * 2)
     damped = np.flatnonzero(system.viscous > 0)
     if damped.size:
         twist = _twist(system, found, shape, damped)
         damping += (system.viscous[damped, None] * twist).T @ twist
+    system = replace(system, dampers=tuple(one for one in system.dampers if one.station not in (loaded or ())))
     if system.dampers:
         ground = ground_damping(system, np.array([before.speed]), before.mean)[:, 0]
-        damping += (ground[:, None] * shape).T @ shape
+        deviation = shape if loaded is None or system.held.any() else shape - _mean_motion(system, shape)
+        damping += (ground[:, None] * deviation).T @ deviation
     return ModalTrain(2.0 * math.pi * found.frequency, ratio, damping)
+
+
+def _mean_motion(system: System, shape: FloatArray) -> FloatArray:
+    """(stations, rigid motions + modes) of the shapes: what of them turns all stations alike."""
+    weight = system.lumped_inertia * system.speed_ratio
+    return np.asarray(np.outer(system.speed_ratio, weight @ shape) / float(weight @ system.speed_ratio))
 
 
 def _twist(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> FloatArray:
@@ -135,64 +204,11 @@ def _twist(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> 
     return np.where(slips[:, None], ends, twist)
 
 
-def _start(system: System, found: Modes, before: State, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
-    rigid = shape.shape[1] - found.torque.shape[1]
-    place, speed = np.zeros(shape.shape[1]), np.zeros(shape.shape[1])
-    if before.twist.any():
-        flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
-        place[rigid:] = found.torque.T @ (flexibility * before.twist) / (2.0 * math.pi * found.frequency) ** 2
-    return place, speed
-
-
 def _samples(settings: TransientSettings, found: Modes) -> int:
     if settings.samples is not None:
         return settings.samples
     highest = float(found.frequency.max(initial=1.0 / settings.duration))
     return int(min(max(PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
-
-
-@dataclass(frozen=True)
-class _Curves:
-    """Torques and speeds at any time."""
-
-    system: System
-    found: Modes
-    before: State
-    shape: FloatArray  # (stations, rigid motions + modes)
-    motion: Motion
-    slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
-
-    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times) with the damping part, their rates, and speeds (stations, times) of the stations."""
-        place, speed = self.motion.at(time)
-        vibration, its_rate = _vibration(self.before, time)
-        elastic = self.found.torque @ place[self.motion.train.rigid :]
-        torque = self.before.torque[:, None] + elastic + self.slowed @ speed + vibration
-        rate = self.found.torque @ speed[self.motion.train.rigid :] + its_rate
-        if self.slowed.any():
-            rate += self.slowed @ self.motion.acceleration(time, place, speed)
-        return torque, rate, self.before.speed * np.abs(self.system.speed_ratio)[:, None] + self.shape @ speed
-
-    def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Torque and its rate (pairs,) of every span at a time of its own."""
-        order = np.argsort(at, kind="stable")
-        place, speed, gained = np.empty((3, self.shape.shape[1], len(at)))
-        place[:, order], speed[:, order] = self.motion.at(at[order])
-        vibration, its_rate = _vibration(self.before, at, span)
-        elastic, slowed = self.found.torque[span], self.slowed[span]
-        rigid = self.motion.train.rigid
-        torque = self.before.torque[span] + _paired(elastic, place[rigid:]) + _paired(slowed, speed) + vibration
-        rate = _paired(elastic, speed[rigid:]) + its_rate
-        if slowed.any():
-            gained[:, order] = self.motion.acceleration(at[order], place[:, order], speed[:, order])
-            rate = rate + _paired(slowed, gained)
-        return torque, rate
-
-
-def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
-    """Of row k and column k."""
-    return np.asarray(np.einsum("km,mk->k", rows, columns))
 
 
 def _slowed(system: System, found: Modes, shape: FloatArray) -> FloatArray:
@@ -202,46 +218,7 @@ def _slowed(system: System, found: Modes, shape: FloatArray) -> FloatArray:
     return slowed
 
 
-def _sampled(
-    curves: _Curves, time: FloatArray, progress: Progress
-) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
-    """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative."""
-    spans, stations = len(curves.slowed), len(curves.shape)
-    torque, turning = np.empty((spans, len(time))), np.empty((stations, len(time)))
-    high, low = Extremes.none(spans), Extremes.none(spans)
-    size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations))
-    for first in range(0, len(time) - 1, size):
-        part = slice(first, min(first + size, len(time) - 1) + 1)  # a block begins with the last sample before it
-        torque[:, part], rate, turning[:, part] = curves.torque(time[part])
-        high.add(time[part], torque[:, part], rate)
-        low.add(time[part], -torque[:, part], -rate)
-        progress("motion over time", part.stop / len(time))
-
-    def negative(span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-        value, rate = curves.torque_of(span, at)
-        return -value, -rate
-
-    ends = []
-    for sampled, extremes, function in ((torque, high, curves.torque_of), (-torque, low, negative)):
-        top, when = extremes.exact(function)
-        best = sampled.argmax(axis=1)
-        of_samples = sampled[np.arange(spans), best]
-        ends.append((np.maximum(top, of_samples), np.where(top >= of_samples, when, time[best])))
-    return torque, turning, tuple(ends)
-
-
-def _vibration(before: State, time: FloatArray, span: IntArray | None = None) -> tuple[FloatArray, FloatArray]:
-    """Torque of the steady vibration and its rate of change, (spans, times); with `span` of its pairs with times."""
-    turned = np.exp(1j * np.multiply.outer(before.frequency, time))
-    growing = 1j * before.frequency[:, None] * turned
-    if span is None:
-        torque, rate = (before.amplitude.T @ wave for wave in (turned, growing))
-    else:
-        torque, rate = ((before.amplitude[:, span] * wave).sum(axis=0) for wave in (turned, growing))
-    return torque.real, rate.real
-
-
-def _missed(found: Modes, moved: Motion, time: FloatArray) -> FloatArray:
+def _missed(found: Modes, moved: Motion | DrivenMotion, time: FloatArray) -> FloatArray:
     """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples."""
     step = float(time[1] - time[0])
     fast = np.flatnonzero(found.frequency * step > 0.25)
@@ -253,22 +230,21 @@ def _missed(found: Modes, moved: Motion, time: FloatArray) -> FloatArray:
     return np.asarray(np.abs(found.torque[:, fast]) @ amplitude)
 
 
-def _residual(moved: Motion, time: FloatArray) -> float:
+def _residual(moved: Motion | DrivenMotion, time: FloatArray) -> float:
     """Largest error of energy + losses - work over short windows, by Gauss quadrature, of the largest energy."""
     w, damping = moved.train.w_of_all, moved.train.damping
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
     starts = np.linspace(0.0, float(time[-1]), CHECKED, endpoint=False)
     length = min(1.0 / float(w.max(initial=1.0 / time[-1])), float(time[-1]) / CHECKED)
     worst, largest = 0.0, 0.0
-    cuts = moved.coordinates.history.begin
+    cuts = moved.cuts
     for begin in starts.tolist():
         later = cuts[(cuts > begin)]
         end = min(begin + length, float(later[0]) if later.size else math.inf, float(time[-1]))
         at = np.concatenate([[begin], begin + (nodes + 1.0) / 2.0 * (end - begin), [end]])
         place, speed = moved.at(at)
         energy = 0.5 * (speed**2 + (w[:, None] * place) ** 2).sum(axis=0)
-        acting = np.array([value(pieces, at) for pieces in moved.loads]).reshape(-1, len(at))
-        power = ((moved.force @ acting - damping @ speed) * speed).sum(axis=0)[1:-1]
+        power = ((moved.force_at(at) - damping @ speed) * speed).sum(axis=0)[1:-1]
         worst = max(worst, abs(energy[-1] - energy[0] - (end - begin) / 2.0 * float(weights @ power)))
         largest = max(largest, float(energy.max()))
     return worst / largest if largest else 0.0

@@ -4,7 +4,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from torsion.analyses.transient.events import Event, Length
+from torsion.analyses.transient.events import Event
+from torsion.analyses.transient.following_events import Length
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.study import Study
@@ -43,6 +44,10 @@ class TransientSettings(Declared):
     samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
         "samples of the curves; peaks are found between them, and nothing else depends on them "
         f"(default: {PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
+    )
+    tolerance: Annotated[float, Quantity("1", at_least=1e-12, at_most=1e-2)] = given(
+        "of torques that follow the motion: largest term of a step that is left in their series, of the largest torque",
+        1e-6,
     )
 
 

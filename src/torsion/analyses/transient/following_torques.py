@@ -1,0 +1,190 @@
+"""Torques that follow the motion: starts, loads, orders and ice by the angle of their point, and joints.
+
+They are there where an event changes the speed by itself, or a joint does. Then the periodic torques of the file follow
+the angle of their station too.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.response.harmonic_components import amplitude
+from torsion.analyses.steady import steady_if_known
+from torsion.analyses.transient.events import Event, Ice, Point, Sine
+from torsion.analyses.transient.following_events import Load, RatedPoint, SpeedProgram, Start
+from torsion.analyses.transient.joint_cuts import JointCut, standing
+from torsion.analyses.transient.joint_laws import turned
+from torsion.analyses.transient.state_before import State
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.kernels.transient import torque_laws as laws
+from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
+from torsion.kernels.transient.damped_motion import Motion
+from torsion.kernels.transient.driven_motion import DrivenMotion
+from torsion.kernels.transient.interface_motion import interfaces
+from torsion.kernels.transient.torque_history import history
+from torsion.primitives import Torque
+from torsion.study import Study
+
+FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """How all stations turn without any torque: from where they stand, at their speeds, and as one is made to."""
+
+    offset: FloatArray  # (stations,) rad, own shafts
+    speed: FloatArray  # (stations,) rad/s at time 0
+    ratio: FloatArray  # (stations,)
+    rates: tuple[tuple[float, float, float], ...] = ()  # begin and end (s) and rate (rad/s2) of the reference
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Angles, speeds and accelerations (stations, times)."""
+        angle, speed, rate = np.zeros((3, len(time)))
+        for begin, end, gain in self.rates:
+            lasts = np.clip(time - begin, 0.0, end - begin)
+            angle += gain * lasts * (lasts / 2.0 + np.maximum(time - end, 0.0))
+            speed += gain * lasts
+            rate += gain * ((time >= begin) & (time < end))
+        turned = self.offset[:, None] + np.multiply.outer(self.speed, time)
+        outer = np.multiply.outer
+        return (turned + outer(self.ratio, angle), self.speed[:, None] + outer(self.ratio, speed),
+                outer(self.ratio, rate))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Following:
+    """The laws of torques with their interfaces, what they carry, and how the train turns."""
+
+    laws: tuple[Law, ...]
+    station: IntArray  # (interfaces,)
+    carrier: Carrier
+    cuts: tuple[JointCut, ...]
+    first: tuple[int, ...]  # interface of every joint
+    words: tuple[str, ...]  # what follows, of every law
+
+    def carried(self, system: System) -> FloatArray:
+        """(spans, interfaces): torques of the spans that the torques at the interfaces are."""
+        found = np.zeros((len(system.spans), len(self.station)))
+        for cut, first in zip(self.cuts, self.first, strict=True):
+            for span, which, factor in cut.carried(system):
+                found[span, first + which] = factor
+        return found
+
+    def solve(
+        self, system: System, moved: Motion, shape: FloatArray, duration: float, tolerance: float
+    ) -> tuple[DrivenMotion, Collocated]:
+        """The motion; the last loads of `moved` are nothing, and stand for the interfaces."""
+        column, ratio = shape[self.station], system.speed_ratio[self.station]
+
+        def given(time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+            place, speed = moved.at(time)
+            rates = (place, speed, moved.acceleration(time, place, speed) if self.cuts else np.zeros_like(place))
+            turns = (one[self.station] for one in self.carrier.at(time))
+            angle, turning, gaining = (turn + column @ one for turn, one in zip(turns, rates, strict=True))
+            return angle, turning, gaining
+
+        kinks = (*moved.cuts.tolist(), *(end for line in self.carrier.rates for end in line[:2]))
+        scheme = Scheme(duration, tolerance, FIRST * duration, LONGEST * duration, np.abs(ratio), kinks)
+        found = march(interfaces(moved, column), self.laws, given, scheme)
+        return DrivenMotion(moved, found.steps, column.T), found
+
+    def patched(self, system: System, angle: FloatArray, speed: FloatArray) -> None:
+        """Fill in the speeds (stations, times) of stations without inertia between a joint and its span."""
+        for cut in self.cuts:
+            if cut.massless:
+                slope = turned(cut.joint, angle[cut.front])[1]
+                there = system.driven[cut.span] if system.driving[cut.span] == cut.front else system.driving[cut.span]
+                inside = list(cut.massless)
+                scale = system.speed_ratio[inside] / system.speed_ratio[there]
+                speed[inside] = scale[:, None] * (slope * speed[cut.front])
+
+
+def following(
+    study: Study, system: System, events: Sequence[Event], before: State, cuts: tuple[JointCut, ...],
+    points: Sequence[Point], inertia: Callable[[JointCut], float],
+) -> Following | None:  # fmt: skip
+    """What follows the motion; None where nothing does, or only at the constant speed before the events."""
+    programs = [event for event in events if isinstance(event.body, SpeedProgram)]
+    swept = any(torque.order is not None for torque in study.train.torques) or any(map(_turns, events))
+    if not (cuts or any(isinstance(event.body, Start | Load) for event in events) or (programs and swept)):
+        return None
+    found, station, words, first = list[Law](), list[int](), list[str](), list[int]()
+    for event, point in zip(events, points, strict=True):
+        for law in _of_event(event, point):
+            found.append(replace(law, interface=len(station)))  # type: ignore[type-var]
+            station.append(study.train.part(event.at).stations[0])
+            words.append(f"{event.kind} at {event.at}")
+    for torque in system.train.torques:
+        if torque.order is not None:
+            size = _size(study, system, torque)
+            found.append(laws.Wave(len(station), size, float(torque.order), torque.phase))
+            station.append(torque.station)
+            words.append(f"order {torque.order} at {torque.name}")
+    for cut in cuts:
+        first.append(len(station))
+        found.append(cut.law(len(station), system, inertia(cut)))
+        station += [cut.front, cut.behind]
+        words.append(f"joint {system.spans[cut.span].name}")
+    offset, speed = standing(system, cuts, before.speed)
+    carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
+    return Following(tuple(found), np.array(station, dtype=np.int64), carrier, cuts, tuple(first), tuple(words))
+
+
+def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tuple[float, float, float], ...]:
+    """Begin, end (s) and rate (rad/s2, of the reference) of every line of the programs of speed."""
+    found = []
+    for event in events:
+        if isinstance(event.body, SpeedProgram):
+            ratio = abs(float(system.speed_ratio[study.train.part(event.at).stations[0]]))
+            found += [(begin, end, rate / ratio) for begin, end, rate in event.body.rates(event.time)]
+    return tuple(found)
+
+
+def _turns(event: Event) -> bool:
+    """The event acts by the angle of its point."""
+    return event.ice is not None or (event.sine is not None and event.sine.order is not None)
+
+
+def by_time(event: Event, *, follows: bool) -> bool:
+    """The event is known by time alone, or in part."""
+    return not (follows and _turns(event))
+
+
+def _of_event(event: Event, at: Point) -> list[Law]:
+    body: Any = event.body
+    if isinstance(body, Start | Load):
+        return list(body.laws(event.time, RatedPoint(at.rated, at.rated_speed)))
+    if isinstance(body, Ice):
+        pieces = [replace(one, rate=one.rate) for one in body.pieces(0.0, replace(at, speed=1.0))]
+        return [laws.ByAngle(0, history([pieces]), laws.Window(event.time))]
+    if isinstance(body, Sine) and body.order is not None:
+        end = math.inf if body.until is None else event.time + body.until
+        rate = 0.0 if body.decay is None else -1.0 / body.decay
+        size = laws.constant(body.torque)
+        phase = body.phase - math.pi / 2.0
+        return [laws.Wave(0, size, float(body.order), phase, rate, laws.Window(event.time, end), from_begin=True)]
+    return []
+
+
+def _size(study: Study, system: System, torque: Torque) -> laws.Parts:
+    """Amplitude of a periodic torque over the speed of its own shaft."""
+    operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
+    if torque.table:
+        return laws.table(torque.table)
+    if not torque.of_mean:
+        return laws.constant(torque.torque)
+    speed = np.array([operation.speed or 1.0])
+    share = replace(torque, torque=0.0, phase=0.0)
+    size = float(amplitude(system, share, speed, steady_if_known(study, system, speed))[0].real)
+    if operation.load == "propeller":
+        square = size / (float(speed[0]) * ratio) ** 2
+        return laws.Parts(np.empty(0), np.array([[0.0, 0.0, square]]), float(speed[0]) * ratio)
+    if operation.load == "constant":
+        return laws.constant(size)
+    rows = np.array(operation.load, dtype=float)
+    there = float(np.interp(speed[0], rows[:, 0], rows[:, 1]))
+    return laws.table([(at * ratio, size * torque_there / there) for at, torque_there in rows.tolist()])
