@@ -5,7 +5,7 @@ the angle of their station too.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,46 +13,23 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
+from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.events import Event, Ice, Point, Sine
 from torsion.analyses.transient.following_events import Load, RatedPoint, SpeedProgram, Start
 from torsion.analyses.transient.joint_cuts import JointCut, standing
-from torsion.analyses.transient.joint_laws import turned
 from torsion.analyses.transient.state_before import State
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
 from torsion.kernels.transient.damped_motion import Motion
-from torsion.kernels.transient.driven_motion import DrivenMotion
+from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.interface_motion import interfaces
 from torsion.kernels.transient.torque_history import history
-from torsion.primitives import Torque
+from torsion.primitives import Damper, Torque
 from torsion.study import Study
 
 FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
-
-
-@dataclass(frozen=True)
-class Carrier:
-    """How all stations turn without any torque: from where they stand, at their speeds, and as one is made to."""
-
-    offset: FloatArray  # (stations,) rad, own shafts
-    speed: FloatArray  # (stations,) rad/s at time 0
-    ratio: FloatArray  # (stations,)
-    rates: tuple[tuple[float, float, float], ...] = ()  # begin and end (s) and rate (rad/s2) of the reference
-
-    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Angles, speeds and accelerations (stations, times)."""
-        angle, speed, rate = np.zeros((3, len(time)))
-        for begin, end, gain in self.rates:
-            lasts = np.clip(time - begin, 0.0, end - begin)
-            angle += gain * lasts * (lasts / 2.0 + np.maximum(time - end, 0.0))
-            speed += gain * lasts
-            rate += gain * ((time >= begin) & (time < end))
-        turned = self.offset[:, None] + np.multiply.outer(self.speed, time)
-        outer = np.multiply.outer
-        return (turned + outer(self.ratio, angle), self.speed[:, None] + outer(self.ratio, speed),
-                outer(self.ratio, rate))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -66,13 +43,12 @@ class Following:
     first: tuple[int, ...]  # interface of every joint
     words: tuple[str, ...]  # what follows, of every law
 
-    def carried(self, system: System) -> FloatArray:
-        """(spans, interfaces): torques of the spans that the torques at the interfaces are."""
-        found = np.zeros((len(system.spans), len(self.station)))
+    def carried(self, system: System, direct: FloatArray) -> None:
+        """Add the torques at the interfaces, the last loads of `direct` (spans, loads), to spans that carry them."""
+        behind = direct.shape[1] - len(self.station)
         for cut, first in zip(self.cuts, self.first, strict=True):
             for span, which, factor in cut.carried(system):
-                found[span, first + which] = factor
-        return found
+                direct[span, behind + first + which] += factor
 
     def solve(
         self, system: System, moved: Motion, shape: FloatArray, duration: float, tolerance: float
@@ -90,22 +66,12 @@ class Following:
         kinks = (*moved.cuts.tolist(), *(end for line in self.carrier.rates for end in line[:2]))
         scheme = Scheme(duration, tolerance, FIRST * duration, LONGEST * duration, np.abs(ratio), kinks)
         found = march(interfaces(moved, column), self.laws, given, scheme)
-        return DrivenMotion(moved, found.steps, column.T), found
-
-    def patched(self, system: System, angle: FloatArray, speed: FloatArray) -> None:
-        """Fill in the speeds (stations, times) of stations without inertia between a joint and its span."""
-        for cut in self.cuts:
-            if cut.massless:
-                slope = turned(cut.joint, angle[cut.front])[1]
-                there = system.driven[cut.span] if system.driving[cut.span] == cut.front else system.driving[cut.span]
-                inside = list(cut.massless)
-                scale = system.speed_ratio[inside] / system.speed_ratio[there]
-                speed[inside] = scale[:, None] * (slope * speed[cut.front])
+        return driven(moved, found.steps), found
 
 
 def following(
     study: Study, system: System, events: Sequence[Event], before: State, cuts: tuple[JointCut, ...],
-    points: Sequence[Point], inertia: Callable[[JointCut], float],
+    points: Sequence[Point], shape: FloatArray,
 ) -> Following | None:  # fmt: skip
     """What follows the motion; None where nothing does, or only at the constant speed before the events."""
     programs = [event for event in events if isinstance(event.body, SpeedProgram)]
@@ -126,12 +92,19 @@ def following(
             words.append(f"order {torque.order} at {torque.name}")
     for cut in cuts:
         first.append(len(station))
-        found.append(cut.law(len(station), system, inertia(cut)))
+        inertia = 1.0 / float((shape[[cut.front, cut.behind]] ** 2).sum())  # as they take a sudden torque
+        found.append(cut.law(len(station), system, inertia))
         station += [cut.front, cut.behind]
         words.append(f"joint {system.spans[cut.span].name}")
     offset, speed = standing(system, cuts, before.speed)
     carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
     return Following(tuple(found), np.array(station, dtype=np.int64), carrier, cuts, tuple(first), tuple(words))
+
+
+def dampers_beside_loads(study: Study, system: System, events: Sequence[Event]) -> tuple[Damper, ...]:
+    """The dampers to ground but for those of stations that a load brakes: its law damps them."""
+    loaded = {study.train.part(event.at).stations[0] for event in events if isinstance(event.body, Load)}
+    return tuple(one for one in system.dampers if one.station not in loaded)
 
 
 def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tuple[float, float, float], ...]:

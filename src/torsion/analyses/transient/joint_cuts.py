@@ -47,17 +47,26 @@ class JointCut:
         if self.elastic is not None:
             yield self.elastic, 1, 1.0 if int(system.driven[self.elastic]) == self.behind else -1.0
 
+    def patched(self, system: System, angle: FloatArray, speed: FloatArray) -> None:
+        """Fill in the speeds (stations, times) of the stations without inertia, from the others' angles and speeds."""
+        inside = list(self.massless)
+        there = system.driven[self.span] if int(system.driving[self.span]) == self.front else system.driving[self.span]
+        scale = system.speed_ratio[inside] / system.speed_ratio[there]
+        speed[inside] = scale[:, None] * (turned(self.joint, angle[self.front])[1] * speed[self.front])
+
 
 def joint_spans(system: System) -> IntArray:
     """(joints,) spans that turn unevenly."""
     return np.array([number for number, span in enumerate(system.own_spans) if span.error], dtype=np.int64)
 
 
-def parts_of(system: System) -> System:
-    """The train with its uneven joints taken out."""
-    flexibility = system.flexibility.copy()
-    flexibility[joint_spans(system)] = np.inf
-    return replace(system, flexibility=flexibility)
+def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
+    """The train without its uneven joints; an elastic span that is taken along stays, and carries nothing."""
+    flexibility, viscous, loss = system.flexibility.copy(), system.viscous.copy(), system.loss_factor.copy()
+    flexibility[[cut.span for cut in cuts]] = np.inf
+    for one in (viscous, loss):
+        one[[cut.elastic for cut in cuts if cut.elastic is not None]] = 0.0
+    return replace(system, flexibility=flexibility, viscous=viscous, loss_factor=loss)
 
 
 def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:

@@ -20,22 +20,20 @@ Loads = list[tuple[Piece, ...]]
 
 
 def known_loads(
-    study: Study, system: System, events: Sequence[Event], points: Sequence[Point], shape: FloatArray,
-    follows: Following | None,
-) -> tuple[Loads, FloatArray]:  # fmt: skip
-    """The torque of every event, and the force of each per N m on rigid motions and modes, (both, events).
+    study: Study, system: System, events: Sequence[Event], points: Sequence[Point], follows: Following | None
+) -> tuple[Loads, FloatArray]:
+    """The torque of every event, and where each acts, (stations, loads) per N m.
 
     Behind them stand the inertia of a train whose speed is prescribed, torques of a fixed frequency, and one load of
     nothing for every interface of what follows the motion.
     """
-    loads, columns = list[tuple[Piece, ...]](), list[FloatArray]()
+    loads, columns, here = list[tuple[Piece, ...]](), list[FloatArray](), np.eye(len(system.stations))
     for event, point in zip(events, points, strict=True):
         loads.append(event.pieces(point) if by_time(event, follows=follows is not None) else ())
-        columns.append(shape[study.train.part(event.at).stations[0]])
+        columns.append(here[study.train.part(event.at).stations[0]])
     if rates := rates_of(study, system, events):
-        inertia = np.where(system.held, 0.0, system.lumped_inertia) * np.abs(system.speed_ratio)
         loads.append(tuple(Piece(begin, end, -rate) for begin, end, rate in rates))
-        columns.append(shape.T @ inertia)
+        columns.append(np.where(system.held, 0.0, system.lumped_inertia) * np.abs(system.speed_ratio))
     if follows is not None:
         speed = np.array([study.operation.speed or 0.0])
         for torque in system.train.torques:
@@ -43,31 +41,24 @@ def known_loads(
                 mean = steady_if_known(study, system, speed) if torque.of_mean else None
                 size = complex(amplitude(system, torque, speed, mean)[0])
                 loads.append((Piece(0.0, math.inf, size, rate=2j * math.pi * torque.frequency),))
-                columns.append(shape[torque.station])
+                columns.append(here[torque.station])
         loads += [()] * len(follows.station)
-        columns += list(shape[follows.station])
-    return loads, np.array(columns).reshape(-1, shape.shape[1]).T
+        columns += list(here[follows.station])
+    return loads, np.array(columns).reshape(-1, len(system.stations)).T
 
 
-def start(
-    system: System, found: Modes, before: State, shape: FloatArray, *, vibrates: bool
-) -> tuple[FloatArray, FloatArray]:
-    """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0.
-
-    vibrates: its steady vibration is among them, and is not added afterwards.
-    """
+def vibration_before(system: System, found: Modes, before: State, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Places and speeds of rigid motions and modes at time 0 that its steady vibration is."""
     rigid = shape.shape[1] - found.torque.shape[1]
     place, speed = np.zeros((2, shape.shape[1]))
-    flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
+    if before.angle is None:
+        return place, speed
+    flexibility, w = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0), before.frequency[:, None]
+    twist = flexibility * before.amplitude / (1.0 + 1j * (system.loss_factor + w * flexibility * system.viscous))
+    inertia = np.where(system.held, 0.0, system.lumped_inertia)
+    turned = before.angle @ (inertia[:, None] * shape[:, :rigid])
     square = (2.0 * math.pi * found.frequency) ** 2
-    if before.twist.any():
-        place[rigid:] = found.torque.T @ (flexibility * before.twist) / square
-    if vibrates and before.angle is not None:
-        w = before.frequency[:, None]
-        twist = flexibility * before.amplitude / (1.0 + 1j * (system.loss_factor + w * flexibility * system.viscous))
-        inertia = np.where(system.held, 0.0, system.lumped_inertia)
-        turned = before.angle @ (inertia[:, None] * shape[:, :rigid])
-        for one, factor in ((place, 1.0), (speed, 1j * w)):
-            one[:rigid] += np.real(factor * turned).sum(axis=0)
-            one[rigid:] += found.torque.T @ np.real(factor * twist).sum(axis=0) / square
+    for one, factor in ((place, 1.0), (speed, 1j * w)):
+        one[:rigid] = np.real(factor * turned).sum(axis=0)
+        one[rigid:] = found.torque.T @ np.real(factor * twist).sum(axis=0) / square
     return place, speed

@@ -60,8 +60,8 @@ def state_before(study: Study, system: System, settings: TransientSettings) -> S
         message = "its steady vibration at the operating speed has no finite value"
         raise SolveError(message, "give the damping of the train, or `initial: {speed: ...}`", (*PATH, "initial"))
     own = int(np.flatnonzero(vibration.speed == at[0])[0])
-    return replace(state, frequency=2.0 * math.pi * vibration.frequency[own], amplitude=vibration.torque[own],
-                   angle=vibration.angle[own])  # fmt: skip
+    frequency, amplitude = 2.0 * math.pi * vibration.frequency[own], vibration.torque[own]
+    return replace(state, frequency=frequency, amplitude=amplitude, angle=vibration.angle[own])
 
 
 def points_of_events(study: Study, system: System, settings: TransientSettings, before: State) -> list[Point]:

@@ -1,33 +1,29 @@
 """Motion over time of a train, exactly from its modes: torques, their peaks and reversals, and speeds."""
 
-import math
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.transient.following_events import Load
-from torsion.analyses.transient.following_torques import Carrier, following
-from torsion.analyses.transient.joint_cuts import JointCut, joint_cuts, parts_of
-from torsion.analyses.transient.known_loads import known_loads, start
-from torsion.analyses.transient.state_before import State, points_of_events, state_before
-from torsion.analyses.transient.train_curves import TrainCurves, sampled
-from torsion.analyses.transient.transient_settings import DEFAULT_MOST, PATH, PER_PERIOD, TransientSettings
-from torsion.analyses.undamped_modes import Modes, modes_as_discretised
+from torsion.analyses.transient.carrier import even
+from torsion.analyses.transient.direct_torques import direct_torques
+from torsion.analyses.transient.energy_balance import residual
+from torsion.analyses.transient.following_torques import Following, dampers_beside_loads, following
+from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
+from torsion.analyses.transient.known_loads import known_loads, vibration_before
+from torsion.analyses.transient.modal_train import all_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.state_before import points_of_events, state_before
+from torsion.analyses.transient.torque_curves import Curves, missed, sampled
+from torsion.analyses.transient.transient_settings import DEFAULT_MOST, PER_PERIOD, TransientSettings
+from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import SolveError
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.spanning_forest import connected
-from torsion.kernels.transient.damped_motion import ModalTrain, Motion, motion
-from torsion.kernels.transient.driven_motion import DrivenMotion
+from torsion.kernels.transient.collocation import Collocated
+from torsion.kernels.transient.damped_motion import ModalTrain, motion
 from torsion.results import reported, result
 from torsion.study import Study
-
-MOST_MODES = 3000
-CHECKED = 64  # windows in which the balance of energy is verified
-GAUSS = 8
 
 
 @reported
@@ -87,121 +83,50 @@ def transient(
     """
     before = state_before(study, system, settings)
     cuts = joint_cuts(system, before.mean)
-    parts = parts_of(system) if cuts else system
-    found = _all_modes(parts, len(cuts)) if modes is None or cuts else modes
-    shape = _shapes(parts, found)
+    parts = replace(parts_of(system, cuts), dampers=dampers_beside_loads(study, system, settings.events))
+    found = all_modes(parts) if modes is None or cuts else modes
+    shape = shapes(parts, found)
     points = points_of_events(study, system, settings, before)
-    follows = following(study, system, settings.events, before, cuts, points, lambda cut: _inertia(shape, cut))
-    train = _modal_train(parts, found, shape, before, _loaded(study, settings) if follows else None)
+    follows = following(study, system, settings.events, before, cuts, points, shape)
+    turns = follows is not None
+    train = modal_train(study, parts, found, shape, before, turns=turns)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    loads, force = known_loads(study, system, settings.events, points, shape, follows)
-    place, speed = start(system, found, before, shape, vibrates=follows is not None and not cuts)
-    added: dict[str, Any] = {}
-    moved: Motion | DrivenMotion = motion(train, force, loads, place, speed)
-    if follows is not None and isinstance(moved, Motion):
-        moved, solved = follows.solve(system, moved, shape, settings.duration, settings.tolerance)
-        changed = dict.fromkeys((time, follows.words[law]) for time, law, _ in solved.changes)
-        changes = tuple(Change(*one) for one in changed)
-        added = {
-            "steps": len(solved.steps.begin),
-            "following": tuple(dict.fromkeys(follows.words)),
-            "left_in_series": solved.lack,
-            "changes": changes,
-        }
-        before = replace(before, frequency=np.empty(0), amplitude=before.amplitude[:0])
+    loads, acting = known_loads(study, parts, settings.events, points, follows)
+    place, speed = start(parts, found, before, shape)
+    direct, added = direct_torques(parts, found, acting), dict[str, Any]()
+    if follows is None:
+        moved, carrier = motion(train, shape.T @ acting, loads, place, speed), even(system, before.speed)
+    else:
+        if not cuts:
+            shaken = vibration_before(parts, found, before, shape)
+            place, speed = place + shaken[0], speed + shaken[1]
+        before = replace(before, frequency=before.frequency[:0], amplitude=before.amplitude[:0])
+        given, carrier = motion(train, shape.T @ acting, loads, place, speed), follows.carrier
+        moved, solved = follows.solve(system, given, shape, settings.duration, settings.tolerance)
+        follows.carried(system, direct)
+        added = _of_steps(follows, solved)
     time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
-    carrier = standing_still(system, before) if follows is None else follows.carrier
-    curves = TrainCurves(system, found, before, shape, moved, _slowed(parts, found, shape), carrier, follows)
+    slowed = slowed_torques(study, parts, found, shape, before, turns=turns)
+    patches = [partial(cut.patched, system) for cut in cuts if cut.massless]
+    curves = Curves(system, found, before, shape, moved, slowed, direct, carrier, patches)
     torque, turning, (top, bottom) = sampled(curves, time, progress)
     reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
-    missed = _missed(found, moved, time)
-    checked = _residual(moved, time)
+    lacking = missed(found, moved, time)
+    checked = residual(moved, time)
     return TransientMotion(
-        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, missed, checked, before.speed,
+        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, lacking, checked, before.speed,
         len(found.frequency), **added, system=system,
     )  # fmt: skip
 
 
-def standing_still(system: System, before: State) -> Carrier:
-    """How a train turns whose speed no event changes by itself."""
-    ratio = np.abs(system.speed_ratio)
-    return Carrier(np.zeros(len(ratio)), before.speed * ratio, ratio)
-
-
-def _inertia(shape: FloatArray, cut: JointCut) -> float:
-    """kg m2 of both sides of a joint, as they take a sudden torque."""
-    return 1.0 / float((shape[[cut.front, cut.behind]] ** 2).sum())
-
-
-def _loaded(study: Study, settings: TransientSettings) -> frozenset[int]:
-    """Stations that the law of a load brakes, in place of their dampers to ground."""
-    return frozenset(
-        study.train.part(event.at).stations[0] for event in settings.events if isinstance(event.body, Load)
-    )
-
-
-def _all_modes(system: System, joints: int) -> Modes:
-    """Every elastic mode, certified, of a train cut at so many joints."""
-    if system.bars is not None:
-        message = f"motion over time is not built for the model {system.model}"
-        raise SolveError(message, "model: lumped", PATH)
-    if (size := system.condensed.tree.size) > MOST_MODES:
-        message = f"motion over time takes all modes, and the train has {size} stations, more than {MOST_MODES}"
-        raise SolveError(message, "give long shafts fewer `segments`", PATH)
-    found = modes_as_discretised(system, None)
-    if found.rigid > 1 + joints:
-        message = "parts of the train turn freely against each other, and their motion over time is not built"
-        raise SolveError(message, "join them by a stiffness", PATH)
-    return found
-
-
-def _shapes(system: System, found: Modes) -> FloatArray:
-    """(stations, rigid motions + modes) rad at own speed, generalised inertia 1."""
-    ratio, heavy = system.speed_ratio, np.where(system.held, 0.0, system.lumped_inertia) * system.speed_ratio**2
-    elastic = np.isfinite(system.flexibility)
-    part = connected(len(ratio), system.driving[elastic], system.driven[elastic])
-    loose = [one for one in np.unique(part[heavy > 0.0]).tolist() if not system.held[part == one].any()]
-    rigid = [np.where(part == one, ratio / math.sqrt(float(heavy[part == one].sum())), 0.0) for one in loose]
-    return np.concatenate([np.array(rigid).reshape(-1, len(ratio)).T, found.shape], axis=1)
-
-
-def _modal_train(
-    system: System, found: Modes, shape: FloatArray, before: State, loaded: frozenset[int] | None
-) -> ModalTrain:
-    """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is.
-
-    loaded: where the speed changes by itself, dampers to ground damp the deviation from the mean motion of the whole
-    train, but for those of these stations, whose load follows their speed.
-    """
-    ratio = 0.5 * system.loss_factor @ found.elastic
-    damping = np.zeros((shape.shape[1],) * 2)
-    damped = np.flatnonzero(system.viscous > 0)
-    if damped.size:
-        twist = _twist(system, found, shape, damped)
-        damping += (system.viscous[damped, None] * twist).T @ twist
-    system = replace(system, dampers=tuple(one for one in system.dampers if one.station not in (loaded or ())))
-    if system.dampers:
-        ground = ground_damping(system, np.array([before.speed]), before.mean)[:, 0]
-        deviation = shape if loaded is None or system.held.any() else shape - _mean_motion(system, shape)
-        damping += (ground[:, None] * deviation).T @ deviation
-    return ModalTrain(2.0 * math.pi * found.frequency, ratio, damping)
-
-
-def _mean_motion(system: System, shape: FloatArray) -> FloatArray:
-    """(stations, rigid motions + modes) of the shapes: what of them turns all stations alike."""
-    weight = system.lumped_inertia * system.speed_ratio
-    return np.asarray(np.outer(system.speed_ratio, weight @ shape) / float(weight @ system.speed_ratio))
-
-
-def _twist(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> FloatArray:
-    """(spans, rigid motions + modes) rad at the driving station's speed: from torques, as angles would cancel."""
-    rigid = shape.shape[1] - found.torque.shape[1]
-    slips = np.isinf(system.flexibility[spans])
-    twist = np.zeros((len(spans), shape.shape[1]))
-    twist[:, rigid:] = np.where(slips, 0.0, system.flexibility[spans])[:, None] * found.torque[spans]
-    ends = shape[system.driving[spans]] - shape[system.driven[spans]] / system.span_ratio[spans, None]
-    return np.where(slips[:, None], ends, twist)
+def _of_steps(follows: Following, solved: Collocated) -> dict[str, Any]:
+    """What the result says of torques that follow the motion."""
+    changed = dict.fromkeys((time, follows.words[law]) for time, law, _ in solved.changes)
+    return {
+        "steps": len(solved.steps.begin), "following": tuple(dict.fromkeys(follows.words)),
+        "left_in_series": solved.lack, "changes": tuple(Change(*one) for one in changed),
+    }  # fmt: skip
 
 
 def _samples(settings: TransientSettings, found: Modes) -> int:
@@ -209,45 +134,6 @@ def _samples(settings: TransientSettings, found: Modes) -> int:
         return settings.samples
     highest = float(found.frequency.max(initial=1.0 / settings.duration))
     return int(min(max(PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
-
-
-def _slowed(system: System, found: Modes, shape: FloatArray) -> FloatArray:
-    """(spans, rigid motions + modes) N m s/rad."""
-    slowed, damped = np.zeros((len(system.spans), shape.shape[1])), np.flatnonzero(system.viscous > 0)
-    slowed[damped] = system.viscous[damped, None] * _twist(system, found, shape, damped)
-    return slowed
-
-
-def _missed(found: Modes, moved: Motion | DrivenMotion, time: FloatArray) -> FloatArray:
-    """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples."""
-    step = float(time[1] - time[0])
-    fast = np.flatnonzero(found.frequency * step > 0.25)
-    if not fast.size:
-        return np.zeros(len(found.torque))
-    chosen = time[:: max(1, len(time) // 1000)]
-    place, speed = (rows[rows.shape[0] - len(found.frequency) :][fast] for rows in moved.at(chosen))
-    amplitude = np.hypot(place, speed / (2.0 * math.pi * found.frequency[fast])[:, None]).max(axis=1)
-    return np.asarray(np.abs(found.torque[:, fast]) @ amplitude)
-
-
-def _residual(moved: Motion | DrivenMotion, time: FloatArray) -> float:
-    """Largest error of energy + losses - work over short windows, by Gauss quadrature, of the largest energy."""
-    w, damping = moved.train.w_of_all, moved.train.damping
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
-    starts = np.linspace(0.0, float(time[-1]), CHECKED, endpoint=False)
-    length = min(1.0 / float(w.max(initial=1.0 / time[-1])), float(time[-1]) / CHECKED)
-    worst, largest = 0.0, 0.0
-    cuts = moved.cuts
-    for begin in starts.tolist():
-        later = cuts[(cuts > begin)]
-        end = min(begin + length, float(later[0]) if later.size else math.inf, float(time[-1]))
-        at = np.concatenate([[begin], begin + (nodes + 1.0) / 2.0 * (end - begin), [end]])
-        place, speed = moved.at(at)
-        energy = 0.5 * (speed**2 + (w[:, None] * place) ** 2).sum(axis=0)
-        power = ((moved.force_at(at) - damping @ speed) * speed).sum(axis=0)[1:-1]
-        worst = max(worst, abs(energy[-1] - energy[0] - (end - begin) / 2.0 * float(weights @ power)))
-        largest = max(largest, float(energy.max()))
-    return worst / largest if largest else 0.0
 
 
 def run(work: Work) -> None:

@@ -46,7 +46,7 @@ class Motion:
     train: "ModalTrain"
     force: FloatArray  # (rigid motions + modes, loads)
     loads: Sequence[Sequence[Piece]]
-    rigid: RigidMotion | None  # None where damping takes hold of them
+    rigid: RigidMotion | None  # of the first of them, up to one that damping takes hold of
     coordinates: FirstOrder
     read: tuple[np.ndarray, np.ndarray] | None  # rows of place and of speed; None: modes by themselves
 
@@ -80,10 +80,18 @@ class Motion:
         """(cuts,) s, where the torques have kinks."""
         return self.coordinates.history.begin
 
+    def loads_at(self, time: FloatArray) -> FloatArray:
+        """(loads, times)."""
+        return np.array([value(pieces, time) for pieces in self.loads]).reshape(-1, len(time))
+
+    def load_rates_at(self, time: FloatArray) -> FloatArray:
+        """(loads, times) per second."""
+        rates = [[piece.rate_of_change() for piece in pieces] for pieces in self.loads]
+        return np.array([value(pieces, time) for pieces in rates]).reshape(-1, len(time))
+
     def force_at(self, time: FloatArray) -> FloatArray:
-        """(rigid motions + modes, times) of all torques."""
-        acting = np.array([value(pieces, time) for pieces in self.loads]).reshape(-1, len(time))
-        return np.asarray(self.force @ acting)
+        """(rigid motions + modes, times) of all loads."""
+        return np.asarray(self.force @ self.loads_at(time))
 
     def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """(rigid motions + modes, times) by the balance of torques, of what `at` returned."""
@@ -95,14 +103,14 @@ def motion(
     train: ModalTrain, force: FloatArray, loads: Sequence[Sequence[Piece]], place: FloatArray, speed: FloatArray
 ) -> Motion:
     """The motion of rigid motions and modes under `force` (both, loads) from a place and speed (both,) at time 0."""
-    history, count = cut(loads), train.rigid
-    loose = not train.viscous[:count].any()
-    rigid = rigid_motion(force[:count], history, place[:count], speed[:count]) if loose else None
-    kept = slice(count if loose else 0, None)
+    history = cut(loads)
+    count = int(np.argmax(np.append(train.viscous[: train.rigid].any(axis=1), True)))  # rigid motions nothing damps
+    rigid = rigid_motion(force[:count], history, place[:count], speed[:count]) if count else None
+    kept = slice(count, None)
     w, damping = train.w_of_all[kept], train.damping[kept, kept]
     q, v, f = place[kept], speed[kept], force[kept]
     each = np.diag(damping) / 2.0
-    if loose and not (damping - np.diag(np.diag(damping))).any() and (each < NEARLY_CRITICAL * w).all():
+    if count == train.rigid and not (damping - np.diag(np.diag(damping))).any() and (each < NEARLY_CRITICAL * w).all():
         root = -each + 1j * np.sqrt(w**2 - each**2)
         found = first_order(root, f.astype(complex), history, v - root.conj() * q)
         return Motion(train, force, loads, rigid, found, None)

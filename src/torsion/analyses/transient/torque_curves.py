@@ -1,11 +1,12 @@
-"""Torques of the spans and speeds of the stations of a train at any times, and their samples with the peaks between."""
+"""Torques of spans and speeds of stations over time, from the motion of the modes: at samples, and between them."""
 
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from torsion.analyses.transient.following_torques import Carrier, Following
+from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.peaks import Extremes
 from torsion.analyses.transient.state_before import State
 from torsion.analyses.undamped_modes import Modes
@@ -13,29 +14,25 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.findings import Progress
 from torsion.kernels.transient.damped_motion import Motion
-from torsion.kernels.transient.driven_motion import DrivenMotion
 
 BLOCK = 2**21  # values of one array at once
+MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
+Patch = Callable[[FloatArray, FloatArray], None]  # angles (stations, times), and speeds that it changes
 
 
 @dataclass(frozen=True)
-class TrainCurves:
+class Curves:
     """Torques and speeds at any time."""
 
     system: System
     found: Modes
     before: State
     shape: FloatArray  # (stations, rigid motions + modes)
-    motion: Motion | DrivenMotion
+    motion: Motion
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
+    direct: FloatArray  # (spans, loads) share of the loads that a span carries at once
     carrier: Carrier
-    follows: Following | None
-
-    @cached_property
-    def carried(self) -> FloatArray | None:
-        """(spans, interfaces): torques that joints carry; None where there are none."""
-        carried = None if self.follows is None else self.follows.carried(self.system)
-        return None if carried is None or not carried.any() else carried
+    patches: Sequence[Patch] = ()  # speeds of stations without inertia beside a joint
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Torques (spans, times) with the damping part, their rates, and speeds (stations, times) of the stations."""
@@ -46,12 +43,13 @@ class TrainCurves:
         rate = self.found.torque @ speed[self.motion.train.rigid :] + its_rate
         if self.slowed.any():
             rate += self.slowed @ self.motion.acceleration(time, place, speed)
+        if self.direct.any():
+            torque = torque + self.direct @ self.motion.loads_at(time)
+            rate = rate + self.direct @ self.motion.load_rates_at(time)
         angle, turning, _ = self.carrier.at(time)
         turning += self.shape @ speed
-        if self.carried is not None and self.follows is not None and isinstance(self.motion, DrivenMotion):
-            torque += self.carried @ self.motion.steps.torque(time)
-            rate += self.carried @ self.motion.steps.torque_rate(time)
-            self.follows.patched(self.system, angle + self.shape @ place, turning)
+        for patch in self.patches:
+            patch(angle + self.shape @ place, turning)
         return torque, rate, turning
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -67,9 +65,9 @@ class TrainCurves:
         if slowed.any():
             gained[:, order] = self.motion.acceleration(at[order], place[:, order], speed[:, order])
             rate = rate + _paired(slowed, gained)
-        if self.carried is not None and isinstance(self.motion, DrivenMotion):
-            torque = torque + _paired(self.carried[span], self.motion.steps.torque(at))
-            rate = rate + _paired(self.carried[span], self.motion.steps.torque_rate(at))
+        if self.direct.any():
+            torque = torque + _paired(self.direct[span], self.motion.loads_at(at))
+            rate = rate + _paired(self.direct[span], self.motion.load_rates_at(at))
         return torque, rate
 
 
@@ -79,7 +77,7 @@ def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
 
 
 def sampled(
-    curves: TrainCurves, time: FloatArray, progress: Progress
+    curves: Curves, time: FloatArray, progress: Progress
 ) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
     """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative."""
     spans, stations = len(curves.slowed), len(curves.shape)
@@ -97,12 +95,19 @@ def sampled(
         value, rate = curves.torque_of(span, at)
         return -value, -rate
 
+    cuts = curves.motion.cuts
+    cuts = cuts[(cuts > 0.0) & (cuts < time[-1])][:MOST_CUTS]
+    cuts = np.ravel(np.column_stack([np.nextafter(cuts, 0.0), cuts]))  # both sides of what may jump
+    jumps = curves.torque(cuts)[0] if cuts.size else np.empty((spans, 0))
     ends = []
-    for sampled, extremes, function in ((torque, high, curves.torque_of), (-torque, low, negative)):
+    for sense, extremes, function in ((1.0, high, curves.torque_of), (-1.0, low, negative)):
         top, when = extremes.exact(function)
-        best = sampled.argmax(axis=1)
-        of_samples = sampled[np.arange(spans), best]
-        ends.append((np.maximum(top, of_samples), np.where(top >= of_samples, when, time[best])))
+        for values, at in ((torque, time), (jumps, cuts)):
+            if at.size:
+                best = (sense * values).argmax(axis=1)
+                found = sense * values[np.arange(spans), best]
+                when, top = np.where(found > top, at[best], when), np.maximum(top, found)
+        ends.append((top, when))
     return torque, turning, tuple(ends)
 
 
@@ -115,3 +120,15 @@ def _vibration(before: State, time: FloatArray, span: IntArray | None = None) ->
     else:
         torque, rate = ((before.amplitude[:, span] * wave).sum(axis=0) for wave in (turned, growing))
     return torque.real, rate.real
+
+
+def missed(found: Modes, moved: Motion, time: FloatArray) -> FloatArray:
+    """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples."""
+    step = float(time[1] - time[0])
+    fast = np.flatnonzero(found.frequency * step > 0.25)
+    if not fast.size:
+        return np.zeros(len(found.torque))
+    chosen = time[:: max(1, len(time) // 1000)]
+    place, speed = (rows[rows.shape[0] - len(found.frequency) :][fast] for rows in moved.at(chosen))
+    amplitude = np.hypot(place, speed / (2.0 * math.pi * found.frequency[fast])[:, None]).max(axis=1)
+    return np.asarray(np.abs(found.torque[:, fast]) @ amplitude)

@@ -1,0 +1,124 @@
+"""A train as rigid motions and modes for its motion over time: their shapes, what damps them, where they begin."""
+
+import math
+
+import numpy as np
+
+from torsion.analyses.response.solver import ground_damping
+from torsion.analyses.transient.direct_torques import direct_torques, massless
+from torsion.analyses.transient.state_before import State
+from torsion.analyses.transient.transient_settings import PATH
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.kernels.spanning_forest import connected
+from torsion.kernels.transient.damped_motion import ModalTrain
+from torsion.study import Study
+
+MOST_MODES = 3000
+
+
+def all_modes(system: System) -> Modes:
+    """Every elastic mode, certified."""
+    if system.bars is not None:
+        message = f"motion over time is not built for the model {system.model}"
+        raise SolveError(message, "model: lumped", PATH)
+    if (size := system.condensed.tree.size) > MOST_MODES:
+        message = f"motion over time takes all modes, and the train has {size} stations, more than {MOST_MODES}"
+        raise SolveError(message, "give long shafts fewer `segments`", PATH)
+    return modes_as_discretised(system, None)
+
+
+def shapes(system: System, found: Modes) -> FloatArray:
+    """(stations, rigid motions + modes) rad at own speed, generalised inertia 1.
+
+    Of the rigid motions that of the whole train comes first, where nothing holds it; then those of parts that turn
+    against each other.
+    """
+    ratio, finite = system.speed_ratio, np.isfinite(system.flexibility)
+    part = connected(len(ratio), system.driving[finite], system.driven[finite])
+    loose = np.setdiff1d(part, part[system.held])
+    each = np.where(part[:, None] == loose, ratio[:, None], 0.0)
+    if not system.held.any():
+        each[:, 0] = ratio
+    upper = np.linalg.qr(np.sqrt(np.where(system.held, 0.0, system.lumped_inertia))[:, None] * each, "r")
+    rigid = np.linalg.solve((upper * np.sign(np.diag(upper))[:, None]).T, each.T).T
+    if rigid.shape[1] != found.rigid:
+        raise SolveError("a part of the train turns freely and has no inertia", "give it one", PATH)
+    return np.concatenate([rigid, found.shape], axis=1)
+
+
+def modal_train(
+    study: Study, system: System, found: Modes, shape: FloatArray, before: State, *, turns: bool = False
+) -> ModalTrain:
+    """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is.
+
+    turns: the speed changes by itself; dampers to ground then damp the deviation from the motion of the train as one.
+    """
+    ratio = 0.5 * system.loss_factor @ found.elastic
+    damping = np.zeros((shape.shape[1],) * 2)
+    damped = np.flatnonzero(system.viscous > 0)
+    if damped.size:
+        twist = _twist(system, found, shape, damped)
+        damping += (system.viscous[damped, None] * twist).T @ twist
+    if system.dampers:
+        ground = ground_damping(system, np.array([before.speed]), before.mean)[:, 0]
+        deviation = deviations(system, shape) if turns else shape
+        damping += (ground[:, None] * deviation).T @ deviation
+    return ModalTrain(2.0 * math.pi * found.frequency, ratio, damping)
+
+
+def deviations(system: System, shape: FloatArray) -> FloatArray:
+    """The shapes without the motion of the whole train as one, from which dampers to ground count."""
+    return shape if system.held.any() else np.column_stack([np.zeros(len(shape)), shape[:, 1:]])
+
+
+def _twist(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> FloatArray:
+    """(spans, rigid motions + modes) rad at the driving station's speed: from torques, as angles would cancel."""
+    rigid = shape.shape[1] - found.torque.shape[1]
+    slips = np.isinf(system.flexibility[spans])
+    twist = np.zeros((len(spans), shape.shape[1]))
+    whole = 0 if system.held.any() else 1
+    twist[:, rigid:] = np.where(slips, 0.0, system.flexibility[spans])[:, None] * found.torque[spans]
+    ends = system.twist(shape / system.speed_ratio[:, None])[spans]
+    ends[:, :whole] = 0.0
+    return np.where(slips[:, None], ends, twist)
+
+
+def start(system: System, found: Modes, before: State, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
+    rigid = shape.shape[1] - found.torque.shape[1]
+    place, speed = np.zeros(shape.shape[1]), np.zeros(shape.shape[1])
+    if before.twist.any():
+        flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
+        place[rigid:] = found.torque.T @ (flexibility * before.twist) / (2.0 * math.pi * found.frequency) ** 2
+    return place, speed
+
+
+def slowed_torques(
+    study: Study, system: System, found: Modes, shape: FloatArray, before: State, *, turns: bool = False
+) -> FloatArray:
+    """(spans, rigid motions + modes) N m s/rad: viscous torques in their spans, and what others carry of them at once.
+
+    Raises SolveError for viscous damping at a point without inertia.
+    """
+    slowed, damped = np.zeros((len(system.spans), shape.shape[1])), np.flatnonzero(system.viscous > 0)
+    slowed[damped] = system.viscous[damped, None] * _twist(system, found, shape, damped)
+    grounded = np.array([one.station for one in system.dampers], dtype=np.int64)
+    without, ends = massless(system), np.concatenate([system.driving[damped], system.driven[damped], grounded])
+    if without[ends].any():
+        name = study.train.parts[system.station_part[ends[without[ends]][0]]].name
+        message = f"viscous damping acts at '{name}', a point without inertia"
+        raise SolveError(message, "give the point an inertia, or use `loss_factor`", PATH)
+    acting, ratio = np.zeros((len(system.stations), len(damped))), system.speed_ratio
+    acting[system.driving[damped], np.arange(len(damped))] -= 1.0
+    acting[system.driven[damped], np.arange(len(damped))] += (
+        ratio[system.driving[damped]] / ratio[system.driven[damped]]
+    )
+    slowed += direct_torques(system, found, acting) @ slowed[damped]
+    if grounded.size:
+        stations, moves = np.unique(grounded), deviations(system, shape) if turns else shape
+        ground = ground_damping(system, np.array([before.speed]), before.mean)[stations, 0]
+        slowed -= direct_torques(system, found, np.eye(len(without))[:, stations]) @ (ground[:, None] * moves[stations])
+    return slowed
