@@ -75,7 +75,8 @@ class Law(Protocol):
         """Margins (points,) of order 1, negative where the regime has been left, and the regime that follows."""
 
 
-Given = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+Known = tuple[FloatArray, FloatArray, FloatArray]  # angle, speed and acceleration, each (interfaces, times)
+Given = Callable[[FloatArray], Known]
 
 
 @dataclass(frozen=True)
@@ -126,8 +127,7 @@ class _Trial:
     """A step that was tried."""
 
     torque: FloatArray  # (interfaces, nodes)
-    begin: Points
-    end: Points  # at the nodes and at the end of the step
+    points: Points  # at the nodes and at the end of the step
     after: Place
     last: float  # weighted coefficient
 
@@ -141,7 +141,7 @@ def march(train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme) 
     time, length, start, waits = 0.0, min(scheme.first, scheme.longest), Place.still(train), 0
     torque = np.zeros((train.number, POINTS))
     rows, changes = list[tuple[float, float, Place, FloatArray]](), list[tuple[float, int, int]]()
-    here = _at_begin(state, time, start, torque[:, -1:])
+    here = _at_one_time(state, np.zeros(1), start, torque[:, -1:])
     state.regimes = [law.first(here.of(law.at)) for law in laws]
     every = {*scheme.cuts, *(cut for law in laws for cut in law.cuts)}
     cuts = sorted({cut for cut in every if 0.0 < cut < scheme.duration} | {scheme.duration})
@@ -167,7 +167,7 @@ def march(train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme) 
         start, torque = tried.after, np.repeat(tried.torque[:, -1:], POINTS, axis=1)
         length = _next_length(state, tried.last, own, length)
         if time in cuts:
-            here = _at_begin(state, time, start, torque[:, -1:])
+            here = _at_one_time(state, np.array([time]), start, torque[:, -1:])
             for number, one in enumerate(laws):
                 if time in one.cuts:
                     state.regimes[number] = one.first(here.of(one.at))
@@ -203,7 +203,8 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
     """A step by Newton's method; None where that does not converge."""
     train, own = state.train, state.influence(length)
     times = time + length * ENDS
-    free = [one + two for one, two in zip(going_on(train, start, own), state.given(times), strict=True)]
+    known = state.given(times)
+    free = [one + two for one, two in zip(going_on(train, start, own), known, strict=True)]
     size, torque, before = train.number * POINTS, guess, math.inf
     moved = (own.angle, own.speed, own.acceleration)
     flat = [one.reshape(size, size) for one in moved]
@@ -235,34 +236,30 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
         return None
     after = own.after(train, start, torque)
     last = np.abs(SERIES[-2:] @ torque.T) * state.scheme.weight
-    points = _whole(state, time, free, own, torque, after)
-    return _Trial(torque, _at_begin(state, time, start, torque[:, :1]), points, after,
-                  float(max(last[1].max(initial=0.0), BEFORE_LAST * last[0].max(initial=0.0))))  # fmt: skip
+    end = _at_one_time(state, times[-1:], after, torque[:, -1:], known)
+    left = max(float(last[1].max(initial=0.0)), BEFORE_LAST * float(last[0].max(initial=0.0)))
+    return _Trial(torque, _whole(times, free, own, torque, end), after, left)
 
 
-def _whole(
-    state: _March, time: float, free: list[FloatArray], own: Influence, torque: FloatArray, after: Place
-) -> Points:
+def _whole(times: FloatArray, free: list[FloatArray], own: Influence, torque: FloatArray, end: Points) -> Points:
     """At the nodes and at the end of a step; the torque at its last node stands for that at its end."""
-    times, ends = time + own.length * ENDS, np.concatenate([torque, torque[:, -1:]], axis=1)
+    ends = np.concatenate([torque, torque[:, -1:]], axis=1)
     inside = [
         np.concatenate([one[:, :-1] + np.einsum("ecfl,fl->ec", matrix, torque), np.zeros((len(one), 1))], axis=1)
         for one, matrix in zip(free, (own.angle, own.speed, own.acceleration), strict=True)
     ]
-    end = _at_begin(state, float(times[-1]), after, torque[:, -1:])
     for part, last in zip(inside, (end.angle, end.speed, end.acceleration), strict=True):
         part[:, -1] = last[:, 0]
     return Points(times, ends, *inside)
 
 
-def _at_begin(state: _March, time: float, start: Place, torque: FloatArray) -> Points:
-    """One time, (interfaces, 1)."""
-    train, at = state.train, np.array([time])
-    angle, speed, acceleration = state.given(at)
-    y = start.y[:, None]
+def _at_one_time(state: _March, at: FloatArray, place: Place, torque: FloatArray, known: Known | None = None) -> Points:
+    """(interfaces, 1), where the coordinates are known; known: the given motion, its last column at that time."""
+    train, y = state.train, place.y[:, None]
+    angle, speed, acceleration = (one[:, -1:] for one in known or state.given(at))
     return Points(
-        at, torque, angle + train.rigid.T @ start.turned[:, None] + np.real(train.angle @ y),
-        speed + train.rigid.T @ start.turning[:, None] + np.real(train.speed @ y), acceleration,
+        at, torque, angle + train.rigid.T @ place.turned[:, None] + np.real(train.angle @ y),
+        speed + train.rigid.T @ place.turning[:, None] + np.real(train.speed @ y), acceleration,
     )  # fmt: skip
 
 
@@ -284,22 +281,21 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
 def _left(state: _March, time: float, start: Place, tried: _Trial, length: float) -> tuple[float, int, int] | None:
     """The first change of regime in a step: the share of it, the law, and the regime that follows."""
     found: tuple[float, int, int] | None = None
-    own = steps(state.train, [(time, length, start, tried.torque)])
     for number, (law, regime) in enumerate(zip(state.laws, state.regimes, strict=True)):
-        margins = law.limits(regime, tried.end.of(law.at))
-        for which, (margin, follows) in enumerate(margins):
+        for which, (margin, follows) in enumerate(law.limits(regime, tried.points.of(law.at))):
             below = np.flatnonzero(margin < -AT_LIMIT)
             if not below.size:
                 continue
-            at = int(below[0])
+            high = int(below[0])
+            own = steps(state.train, [(time, length, start, tried.torque)])
 
-            def rest(share: float, law: Law = law, regime: int = regime, which: int = which) -> float:
+            def rest(share: float, law: Law = law, regime: int = regime, which: int = which, own: Steps = own) -> float:
                 there = _inside(state, own, time + share * length)
                 return float(law.limits(regime, there.of(law.at))[which][0][0])
 
-            first = float(law.limits(regime, tried.begin.of(law.at))[which][0][0]) if at == 0 else float(margin[at - 1])
-            low = 0.0 if at == 0 else float(ENDS[at - 1])
-            share = 0.0 if at == 0 and first <= AT_LIMIT else low if first <= 0.0 else _root(rest, low, float(ENDS[at]))
+            low = 0.0 if high == 0 else float(ENDS[high - 1])
+            first = rest(low)
+            share = low if first <= (AT_LIMIT if high == 0 else 0.0) else _root(rest, low, float(ENDS[high]))
             if found is None or share < found[0]:
                 found = share, number, follows
     return found
