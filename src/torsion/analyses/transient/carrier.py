@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.system import System
 
 
 @dataclass(frozen=True)
@@ -29,9 +28,3 @@ class Carrier:
         outer = np.multiply.outer
         return (turned + outer(self.ratio, angle), self.speed[:, None] + outer(self.ratio, speed),
                 outer(self.ratio, rate))  # fmt: skip
-
-
-def even(system: System, speed: float) -> Carrier:
-    """At one reference speed (rad/s)."""
-    ratio = np.abs(system.speed_ratio)
-    return Carrier(np.zeros(len(ratio)), speed * ratio, ratio)

@@ -12,14 +12,16 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude
-from torsion.analyses.steady import steady_if_known
+from torsion.analyses.steady import SAME_SPEED, steady_if_known
 from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.events import Event, Ice, Point, Sine
 from torsion.analyses.transient.following_events import Load, RatedPoint, SpeedProgram, Start
 from torsion.analyses.transient.joint_cuts import JointCut, standing
 from torsion.analyses.transient.state_before import State
+from torsion.analyses.transient.transient_settings import PATH
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
 from torsion.kernels.transient.damped_motion import Motion
@@ -77,6 +79,11 @@ def following(
     programs = [event for event in events if isinstance(event.body, SpeedProgram)]
     swept = any(torque.order is not None for torque in study.train.torques) or any(map(_turns, events))
     if not (cuts or any(isinstance(event.body, Start | Load) for event in events) or (programs and swept)):
+        for number, event in enumerate(events):
+            if event.sine is not None and event.sine.order is not None and not before.speed:
+                hint = "give `frequency`, a speed in `initial`, or what turns it: `start`, `speed`"
+                message = f"an order at '{event.at}', and the train stands still"
+                raise InputError([Fault((*PATH, "events", number, "sine", "order"), message, hint)])
         return None
     found, station, words, first = list[Law](), list[int](), list[str](), list[int]()
     for event, point in zip(events, points, strict=True):
@@ -99,6 +106,27 @@ def following(
     offset, speed = standing(system, cuts, before.speed)
     carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
     return Following(tuple(found), np.array(station, dtype=np.int64), carrier, cuts, tuple(first), tuple(words))
+
+
+def carrier_of(
+    study: Study, system: System, events: Sequence[Event], before: State, cuts: tuple[JointCut, ...] = ()
+) -> Carrier:
+    """How the train turns without any torque."""
+    offset, speed = standing(system, cuts, before.speed)
+    return Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
+
+
+def refuse_beyond_tables(study: Study, events: Sequence[Event], speed: FloatArray) -> None:
+    """Raises SolveError where a station of speeds (stations, times) outruns the table of its load."""
+    for number, event in enumerate(events):
+        if event.load is not None:
+            reached = float(np.abs(speed[study.train.part(event.at).stations[0]]).max())
+            if reached > event.load.ends * (1.0 + SAME_SPEED):
+                found, ends = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (reached, event.load.ends))
+                message = f"the load at '{event.at}' reaches {found}, and its table ends at {ends}"
+                raise SolveError(
+                    message, "extend the table; nothing is extrapolated", (*PATH, "events", number, "load")
+                )
 
 
 def dampers_beside_loads(study: Study, system: System, events: Sequence[Event]) -> tuple[Damper, ...]:

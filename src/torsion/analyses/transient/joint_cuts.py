@@ -77,6 +77,13 @@ def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
     rigid = system.flexibility == 0
     rigid[spans] = False
     body = connected(len(system.stations), system.driving[rigid], system.driven[rigid])
+    if system.groups is not None:
+        raise SolveError("joints in motion over time are not built beside shafts of so many segments", "give fewer")
+    joined = np.ones(len(rigid), dtype=bool)
+    joined[spans] = False
+    part = connected(len(system.stations), system.driving[joined], system.driven[joined])
+    if len(np.unique(part)) < len(spans) + 1:
+        raise SolveError("joints close a loop, and their motion over time is not built", "leave one out")
     weight = np.zeros(len(body))
     np.add.at(weight, body, system.inertia)
     return tuple(_cut(system, span, body, weight[body] > 0.0, mean) for span in spans.tolist())

@@ -82,6 +82,12 @@ def _point(study: Study, system: System, before: State, event: Event, number: in
         raise InputError([Fault(path, "a short circuit needs the rated torque", "give `operation: rated`")])
     if event.ice is not None and not (blades and before.speed):
         raise InputError([Fault(path, "ice needs a turning propeller with `blades`", "give `blades` and a speed")])
+    if event.speed is not None and not math.isclose(event.speed.program[0][1], before.speed * ratio, abs_tol=1e-12):
+        found, runs = (
+            f"{value * 30.0 / math.pi:.6g} rpm" for value in (event.speed.program[0][1], before.speed * ratio)
+        )
+        message = f"the program begins at {found}, and '{event.at}' runs at {runs}"
+        raise InputError([Fault(path, message, "begin with that speed, or give `initial`")])
     mean = 0.0 if before.mean is None else float(before.mean.applied[station, 0])
     if event.stop is not None and not mean:
         raise InputError(

@@ -6,10 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.transient.carrier import even
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
-from torsion.analyses.transient.following_torques import Following, dampers_beside_loads, following
+from torsion.analyses.transient.following_torques import (
+    Following,
+    carrier_of,
+    dampers_beside_loads,
+    following,
+    refuse_beyond_tables,
+)
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.modal_train import all_modes, modal_train, shapes, slowed_torques, start
@@ -96,21 +101,23 @@ def transient(
     place, speed = start(parts, found, before, shape)
     direct, added = direct_torques(parts, found, acting), dict[str, Any]()
     if follows is None:
-        moved, carrier = motion(train, shape.T @ acting, loads, place, speed), even(system, before.speed)
+        moved = motion(train, shape.T @ acting, loads, place, speed)
     else:
         if not cuts:
             shaken = vibration_before(parts, found, before, shape)
             place, speed = place + shaken[0], speed + shaken[1]
         before = replace(before, frequency=before.frequency[:0], amplitude=before.amplitude[:0])
-        given, carrier = motion(train, shape.T @ acting, loads, place, speed), follows.carrier
+        given = motion(train, shape.T @ acting, loads, place, speed)
         moved, solved = follows.solve(system, given, shape, settings.duration, settings.tolerance)
         follows.carried(system, direct)
         added = _of_steps(follows, solved)
     time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
     slowed = slowed_torques(study, parts, found, shape, before, turns=turns)
+    carrier = carrier_of(study, system, settings.events, before, cuts)
     patches = [partial(cut.patched, system) for cut in cuts if cut.massless]
     curves = Curves(system, found, before, shape, moved, slowed, direct, carrier, patches)
     torque, turning, (top, bottom) = sampled(curves, time, progress)
+    refuse_beyond_tables(study, settings.events, turning)
     reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
     lacking = missed(found, moved, time)
     checked = residual(moved, time)

@@ -1,12 +1,13 @@
 """Settings of the motion over time, and what a file says wrongly in them."""
 
+import math
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
 from torsion.analyses.transient.events import Event
 from torsion.analyses.transient.following_events import Length
-from torsion.errors import Fault
+from torsion.errors import Fault, Path
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.study import Study
 from torsion.train import name_fault
@@ -69,4 +70,26 @@ def transient_faults(study: Study) -> list[Fault]:
         if event.time >= settings.duration:
             hint = f"within {settings.duration:g} s, or a longer `duration`"
             found.append(Fault((*path, "time"), "the event begins after the end of the motion", hint))
+        elif fault is None:
+            found += _faults_of_fixed_points(study, event, (*path, event.kind))
     return found
+
+
+def _faults_of_fixed_points(study: Study, event: Event, path: Path) -> list[Fault]:
+    """A program of speed where nothing is fixed or more is, a torque at a fixed point, a start that cannot turn."""
+    train = study.train
+    held = {one.station for one in train.inertias if math.isinf(one.inertia)}
+    here = train.part(event.at).stations[0]
+    if event.speed is not None:
+        if here in held and len(held) == 1:
+            return []
+        message = f"the speed of '{event.at}' is prescribed, and " + (
+            "others are fixed" if here in held else "it turns freely"
+        )
+        return [Fault(path, message, "`held: true` there, and nowhere else")]
+    if here in held:
+        return [Fault(path, f"a torque at '{event.at}', which is fixed, does nothing", "name a point that can turn")]
+    if event.start is not None and held:
+        names = ", ".join(train.parts[train.stations[one].part].name for one in sorted(held))
+        return [Fault(path, f"a start turns the train, and it is fixed at {names}", "leave `held` out")]
+    return []
