@@ -32,6 +32,7 @@ class JointCut:
     massless: tuple[int, ...] = ()  # stations between the joint and that span
     mean: float = 0.0  # N m on `behind`
     viscous: float = 0.0  # N m s/rad of the elastic span, of its loss factor too
+    orders: tuple[int, ...] = ()  # of its error, per revolution of its shaft
 
     def law(self, first: int, system: System, inertia: float) -> ElasticJoint | RigidJoint:
         """Of the interfaces `first` and the next; inertia: kg m2 of both sides together."""
@@ -95,8 +96,9 @@ def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Ste
     carried = 0.0 if mean is None else float(mean.torque[span, 0])
     if mean is not None:
         joint = _shifted(joint, float(mean.twist[driving, 0]))
+    orders = tuple(order for order, _ in system.spans[span].error)
     if heavy[driving] and heavy[driven]:
-        return JointCut(span, joint, driving, driven, mean=carried)
+        return JointCut(span, joint, driving, driven, mean=carried, orders=orders)
     if not heavy[driving] and not heavy[driven]:
         message = f"the joint '{name}' has an inertia on neither side"
         raise SolveError(message, "give one of its yokes an inertia: `inertia: [driving, driven]`")
@@ -119,7 +121,7 @@ def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Ste
         raise SolveError(message, "give the yokes of the joint an inertia: `inertia: [driving, driven]`")
     joint = joint if sign > 0.0 else joint.undone()
     viscous = float(system.viscous[elastic]) + _of_losses(system, elastic)
-    return JointCut(span, joint, front, behind, elastic, tuple(inside.tolist()), sign * carried, viscous)
+    return JointCut(span, joint, front, behind, elastic, tuple(inside.tolist()), sign * carried, viscous, orders)
 
 
 def _of_losses(system: System, span: int) -> float:

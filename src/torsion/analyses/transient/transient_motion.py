@@ -18,7 +18,8 @@ from torsion.analyses.transient.following_torques import (
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.modal_train import all_modes, modal_train, shapes, slowed_torques, start
-from torsion.analyses.transient.state_before import points_of_events, state_before
+from torsion.analyses.transient.resonances_passed import Passage, passages
+from torsion.analyses.transient.state_before import State, points_of_events, state_before
 from torsion.analyses.transient.torque_curves import Curves, missed, sampled
 from torsion.analyses.transient.transient_settings import DEFAULT_MOST, PER_PERIOD, TransientSettings
 from torsion.analyses.undamped_modes import Modes
@@ -67,6 +68,7 @@ class TransientMotion:
     left_in_series: float = result(
         "1", (), "largest last term of their series over a step, of the largest of them", default=0.0
     )
+    passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
     system: System | None = None
 
@@ -118,6 +120,9 @@ def transient(
     curves = Curves(system, found, before, shape, moved, slowed, direct, carrier, patches)
     torque, turning, (top, bottom) = sampled(curves, time, progress)
     refuse_beyond_tables(study, settings.events, turning)
+    if follows is not None:
+        straight = _straight(study, system, before) if cuts else train
+        added["passages"] = passages(system, follows, straight, time, turning)
     reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
     lacking = missed(found, moved, time)
     checked = residual(moved, time)
@@ -125,6 +130,12 @@ def transient(
         time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, lacking, checked, before.speed,
         len(found.frequency), **added, system=system,
     )  # fmt: skip
+
+
+def _straight(study: Study, system: System, before: State) -> ModalTrain:
+    """The modes of a train with its joints straight, whose resonances are passed."""
+    found = all_modes(system)
+    return modal_train(study, system, found, shapes(system, found), before, turns=True)
 
 
 def _of_steps(follows: Following, solved: Collocated) -> dict[str, Any]:

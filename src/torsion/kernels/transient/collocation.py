@@ -17,6 +17,7 @@ from torsion.errors import SolveError
 from torsion.kernels.transient.interface_motion import Influence, Interfaces, Place, Steps, going_on, influence, steps
 from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES
 
+EACH = np.arange(POINTS)
 NEWTON = 12
 CONVERGED, STALLED = 1e-13, 1e-11  # relative change of the torques; the latter where rounding lets it fall no further
 SHORTEST = 2.0**-44  # of the whole motion: a step below it is given up
@@ -39,8 +40,8 @@ class Points:
 
     def of(self, at: Sequence[int]) -> "Points":
         """Those of a law."""
-        rows = list(at)
-        return Points(self.time, *(one[rows] for one in (self.torque, self.angle, self.speed, self.acceleration)))
+        own = slice(at[0], at[-1] + 1)
+        return Points(self.time, self.torque[own], self.angle[own], self.speed[own], self.acceleration[own])
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Law(Protocol):
 
     @property
     def at(self) -> tuple[int, ...]:
-        """Its interfaces."""
+        """Its interfaces, one after the other."""
 
     @property
     def cuts(self) -> tuple[float, ...]:
@@ -215,7 +216,7 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
         ]
         lack, slopes = _assembled(state, Points(times[:-1], torque, *now))
         jacobian = np.zeros((train.number, POINTS, train.number, POINTS))
-        jacobian[:, np.arange(POINTS), :, np.arange(POINTS)] = np.moveaxis(slopes[0], 2, 0)
+        jacobian[:, EACH, :, EACH] = slopes[0].transpose(2, 0, 1)
         for slope, matrix in zip(slopes[1:], moved, strict=True):
             if slope.any():
                 jacobian += np.einsum("egc,gcfl->ecfl", slope, matrix)
@@ -229,7 +230,8 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
         ratio /= max(float(np.abs(torque * weight).max(initial=0.0)), state.largest, np.finfo(float).tiny)
         if not math.isfinite(ratio):
             return None
-        if ratio <= CONVERGED or (count > 1 and ratio < STALLED and ratio > 0.1 * before):
+        quadratic = count > 0 and ratio**3 <= CONVERGED * before**2  # then the next change is below it
+        if ratio <= CONVERGED or quadratic or (count > 1 and ratio < STALLED and ratio > 0.1 * before):
             break
         before = ratio
     else:
@@ -268,13 +270,13 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
     number = state.train.number
     lack, slopes = np.zeros_like(points.torque), [np.zeros((number, number, len(points.time))) for _ in range(4)]
     for law, regime in zip(state.laws, state.regimes, strict=True):
-        found, rows = law.conditions(regime, points.of(law.at)), list(law.at)
-        lack[rows] = found.lack
-        slopes[0][rows, rows] = -1.0
+        found, own = law.conditions(regime, points.of(law.at)), slice(law.at[0], law.at[-1] + 1)
+        lack[own] = found.lack
+        slopes[0][law.at, law.at] = -1.0
         parts = (found.by_torque, found.by_angle, found.by_speed, found.by_acceleration)
         for slope, part in zip(slopes, parts, strict=True):
             if part is not None:
-                slope[np.ix_(rows, rows)] = part
+                slope[own, own] = part
     return lack, slopes
 
 

@@ -79,7 +79,9 @@ def influence(train: Interfaces, length: float) -> Influence:
     """Of a step of that length."""
     root, rigid = train.root, train.rigid
     z = np.asarray(np.multiply.outer(root, length * ENDS), dtype=complex)
-    answer = np.stack([length * ENDS * answers(z, ENDS, one[:, None, None]) for one in SERIES.T], axis=2)
+    every = np.repeat(SERIES, len(ENDS), axis=1)[:, None]  # of a torque of 1 at each node, to every end
+    answer = np.tile(length * ENDS, POINTS) * answers(np.tile(z, POINTS), np.tile(ENDS, POINTS), every)
+    answer = answer.reshape(len(root), POINTS, len(ENDS)).transpose(0, 2, 1)
     once, twice = (np.array(rows) for rows in zip(*(integrals(one[:, None], ENDS) for one in SERIES.T), strict=True))
     once, twice = length * once.T, length**2 * twice.T
     inside = answer[:, :-1]
