@@ -7,7 +7,9 @@ import pytest
 from tests.analyses.transient.test_given_cases import chain, moved
 
 import torsion
-from torsion.analyses.transient.transient_motion import TransientMotion
+from torsion.analyses.transient.transient_motion import TransientMotion, transient
+from torsion.analyses.transient.transient_settings import TransientSettings
+from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
 
 KLOSS = {"pull_out": 900, "slip": 0.2, "synchronous": "1500 rpm"}
@@ -130,6 +132,91 @@ def test_a_slow_sweep_reaches_the_steady_peak_but_for_what_falls_with_the_accele
         short.append(1.0 - found.peak[0] / (0.5e-5 / (2.0 * ratio * math.sqrt(1.0 - ratio**2))))
     assert 0.0 < short[1] < 3e-4
     assert short[0] / short[1] == pytest.approx(4.0, rel=0.05)
+
+
+def test_ice_takes_the_work_of_its_torque_over_the_angle() -> None:
+    ice = {"torque": 90.0, "angle": "60 deg", "factor": 0.5, "turns": 3, "ramp": "270 deg"}
+    idle = {"torque": [["0 rpm", 0.0], ["9000 rpm", 0.0]]}
+    events = [{"at": "p", "time": 0.25, "ice": ice}, {"at": "m", "start": idle}]
+    body = {"duration": 2.0, "initial": {"speed": "20 rad/s"}, "events": events, "tolerance": 1e-9}
+    found = moved("motor: {name: m, inertia: 1}, propeller: {name: p, inertia: 2, blades: 3}", body)
+    angle = np.linspace(0.0, 6.0 * math.pi, 2_000_001)
+    within = np.mod(angle, 2.0 * math.pi / 3.0)
+    torque = np.where(within < math.pi / 3.0, 45.0 * np.sin(3.0 * within), 0.0)
+    torque *= np.interp(angle, [0.0, 1.5 * math.pi, 4.5 * math.pi, 6.0 * math.pi], [0.0, 1.0, 1.0, 0.0])
+    work = float(((torque[:-1] + torque[1:]) / 2.0).sum() * (angle[1] - angle[0]))
+    assert found.speed[0, -1] == pytest.approx(math.sqrt(400.0 - 2.0 * work / 3.0), rel=1e-10)
+    assert len(found.changes) > 15
+
+
+def test_a_steady_train_goes_on_as_it_was_when_its_load_follows_its_speed() -> None:
+    study = torsion.parse("""
+name: x
+operation: {speeds: {from: 500 rpm, to: 1500 rpm}, rated: {speed: 1200 rpm, power: 20 kW}, load: constant}
+train:
+- motor: {name: m, inertia: 1, ripple: [{order: 2, torque: 0.001, phase: 20 deg}]}
+- coupling: {stiffness: 2e4, viscous: 10}
+- gear: {teeth: [20, 41], inertia: [0.1, 0.3]}
+- coupling: {stiffness: 4e4, viscous: 5}
+- propeller: {name: p, inertia: 2}
+excitations: [{at: m, frequency: 31 Hz, torque: 0.002}]
+""")
+    system = assemble(study.train, model="lumped")
+    events = [{"at": "p", "load": {"law": "constant"}}]
+    settings = TransientSettings.model_validate({"duration": 0.3, "events": events, "tolerance": 1e-12})
+    found = transient(study, system, settings)
+    speed = 40.0 * math.pi
+    known = torsion.response(study, system, speeds=np.array([speed]))
+    row = int(np.flatnonzero(known.speed == speed)[0])
+    waves = np.exp(2j * math.pi * np.multiply.outer(known.frequency[row], found.time))
+    exact = np.einsum("cs,ct->st", known.torque[row], waves).real
+    vibration = found.torque - known.mean[row][:, None]
+    assert np.abs(vibration - exact).max() <= 1e-7 * np.abs(exact).max()
+    assert found.steps > 0
+
+
+def test_a_ripple_follows_the_speed_of_a_start() -> None:
+    rows = [["0 rpm", 10], ["9000 rpm", 10]]
+    text = """
+name: x
+operation: {speeds: {from: 300 rpm, to: 3000 rpm}, rated: {speed: 3000 rpm, power: 10 kW}, load: LOAD}
+train: [motor: {name: m, inertia: 2, ripple: [{order: 3, torque: RIPPLE}]}, propeller: {name: p, inertia: 1}]
+"""
+    rated = 10e3 / (100.0 * math.pi)
+    events = [{"at": "m", "start": {"torque": rows}}]
+    settings = TransientSettings.model_validate(
+        {"duration": 4.0, "initial": "rest", "events": events, "tolerance": 1e-10}
+    )
+    for load, ripple, size in (
+        ("propeller", "0.01 %", lambda w: 1e-4 * rated * (w / (100.0 * math.pi)) ** 2),
+        ("constant", "0.01 %", lambda w: 1e-4 * rated),
+        ("[[0 rpm, 0 N*m], [3000 rpm, 60 N*m], [6000 rpm, 60 N*m]]", "0.01 %", lambda w: 60e-4 * w / (100.0 * math.pi)),
+        ("constant", "0.003", lambda w: 0.003),
+    ):
+        study = torsion.parse(text.replace("LOAD", load).replace("RIPPLE", ripple))
+        found = transient(study, assemble(study.train, model="lumped"), settings)
+        w, angle = 10.0 / 3.0 * found.time, 5.0 / 3.0 * found.time**2  # without the ripple
+        t = np.linspace(0.0, 4.0, 400_001)
+        wave = size(10.0 / 3.0 * t) * np.cos(5.0 * t**2) * np.ones_like(t) / 3.0
+        gained = float(((wave[1:] + wave[:-1]) / 2.0).sum() * (t[1] - t[0]))
+        assert found.speed[0, -1] - w[-1] == pytest.approx(gained, rel=2e-3, abs=1e-9)
+        assert angle[-1] > 20.0
+
+
+def test_a_resonance_that_a_start_passes_is_said() -> None:
+    rows = [["0 rpm", 40], ["9000 rpm", 40]]
+    operation = "operation: {speeds: {from: 300 rpm, to: 1800 rpm}}\n"
+    motor = "motor: {name: m, inertia: 2, ripple: [{order: 2, torque: 0.01}]}"
+    parts = f"{motor}, coupling: {{stiffness: 1e4, loss_factor: 0.02}}, propeller: {{name: p, inertia: 2}}"
+    events = [{"at": "m", "start": {"torque": rows}}]
+    found = moved(parts, {"duration": 8.0, "initial": "rest", "events": events}, operation)
+    (passage,) = found.passages
+    w = 100.0
+    assert (passage.mode, passage.what) == (1, "order 2 at m")
+    assert passage.speed == pytest.approx(w / 2.0, rel=1e-3)
+    assert passage.time == pytest.approx(5.0, rel=1e-2)  # 10 rad/s2
+    assert passage.seconds == pytest.approx(2.0 * 0.01 * w / 20.0, rel=2e-2)
+    assert passage.share == pytest.approx(0.494, abs=5e-3)  # p = 0.01 * 100 / sqrt(20)
 
 
 def test_a_program_turns_a_fixed_point_and_its_train_with_it() -> None:
