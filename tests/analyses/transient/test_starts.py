@@ -11,6 +11,7 @@ from torsion.analyses.transient.transient_motion import TransientMotion, transie
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
+from torsion.kernels.transient.resonance_passage import share_of_steady
 
 KLOSS = {"pull_out": 900, "slip": 0.2, "synchronous": "1500 rpm"}
 FAN = {"law": "propeller", "torque": 300, "speed": "1500 rpm"}
@@ -216,7 +217,7 @@ def test_a_resonance_that_a_start_passes_is_said() -> None:
     assert passage.speed == pytest.approx(w / 2.0, rel=1e-3)
     assert passage.time == pytest.approx(5.0, rel=1e-2)  # 10 rad/s2
     assert passage.seconds == pytest.approx(2.0 * 0.01 * w / 20.0, rel=2e-2)
-    assert passage.share == pytest.approx(0.494, abs=5e-3)  # p = 0.01 * 100 / sqrt(20)
+    assert passage.share == pytest.approx(share_of_steady(0.01 * w / math.sqrt(20.0)), rel=5e-3)
 
 
 def test_a_program_turns_a_fixed_point_and_its_train_with_it() -> None:
