@@ -101,6 +101,12 @@ class FiniteElements(Declared):
     )
 
 
+class Several(Declared):
+    """The settings of an analysis that the file names more than once, in a list."""
+
+    each: tuple[Any, ...]
+
+
 class ShaftModel(Declared):
     """The model of the shafts, in `analyses`."""
 

@@ -21,7 +21,6 @@ TAKEN = {  # of the results of a scene
     "damped_modes": ("frequency_Hz", "damping_ratio"),
     "synthesis": ("half_range_Nm", "peak_Nm"),
     "stability": ("growth_per_s",),
-    "transient": ("greatest_Nm", "least_Nm"),
 }
 Digits = list[Any]  # digest of every bit; how many numbers, their sum, the sum of their magnitudes
 
@@ -43,6 +42,8 @@ def of_scene(found: Findings) -> dict[str, Digits]:
     if made["response"] is not None:
         for place, line in enumerate(made["response"]["lines"]):
             taken[f"response.lines[{place}].torque_Nm"] = digits(line["torque_Nm"])
+    for place, one in enumerate(made["transient"] or ()):
+        taken |= {f"transient[{place}].{name}": digits(one[name]) for name in ("greatest_Nm", "least_Nm")}
     if made["checks"]:
         taken["checks"] = digits([[line["value"], line["limit"]] for line in made["checks"]])
         taken["verdicts"] = [line["verdict"] for line in made["checks"]]

@@ -41,6 +41,7 @@ class Analysis:
     wanted: Callable[["Study"], bool] = named  # by a study that does not name it
     chapters: tuple[str, ...] = ()  # of the report, in output/chapters; where none, its results as they are declared
     place: tuple[str, ...] = ()  # key of the file that is at fault where it has no answer; () for its own
+    is_listed: bool = False  # a list of settings may stand in the file, one for each time it is run
 
     def function(self) -> Callable[[Any], None]:
         """What runs it."""
@@ -129,7 +130,7 @@ ANALYSES: dict[str, Analysis] = {
     "transient": Analysis(
         "motion over time", "torsion.analyses.transient.transient_motion",
         settings="torsion.analyses.transient.transient_settings:TransientSettings",
-        needs=("steady",), results={"transient": "TransientMotion"}, chapters=("motion_over_time",),
+        needs=("steady",), results={"transient": "Transients"}, chapters=("motion_over_time",), is_listed=True,
     ),
     "check": Analysis(
         "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",

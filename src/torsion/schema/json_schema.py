@@ -5,7 +5,7 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
 from pydantic_core import core_schema
 
-from torsion.analyses import MODELS, settings_classes
+from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.components import KINDS
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
@@ -57,6 +57,8 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     link = _one_of({kind: refs[kind] for kind in LINKS}, more={"between": ends})
     settings = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in ("fem", *settings_classes())}
+    for name in settings_classes():
+        settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
     return {
         "materials": {"type": "object", "additionalProperties": refs["material"]},
         "operation": refs["operation"],

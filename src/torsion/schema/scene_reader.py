@@ -24,7 +24,7 @@ from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unk
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
-from torsion.study import FiniteElements, Operation, ShaftModel, Study
+from torsion.study import FiniteElements, Operation, Several, ShaftModel, Study
 from torsion.train import Link, Train, lowered, name_fault, taken
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
@@ -186,6 +186,9 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
         elif name not in ANALYSES or not ANALYSES[name].settings:
             known = [key for key, analysis in ANALYSES.items() if analysis.settings]
             faults.append(unknown(path, "analysis", name, [*ShaftModel.model_fields, *known]))
+        elif isinstance(body, list) and ANALYSES[name].is_listed:
+            each = [declared(ANALYSES[name].settings_class(), one, (*path, k), faults) for k, one in enumerate(body)]
+            read[name] = Several(each=tuple(one for one in each if one is not None))
         elif (settings := declared(ANALYSES[name].settings_class(), body, path, faults)) is not None:
             read[name] = settings
     return read

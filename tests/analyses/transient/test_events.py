@@ -73,12 +73,29 @@ def test_a_stop_takes_the_mean_torque_away_along_its_ramp() -> None:
     ("body", "words"),
     [
         ("events: [{at: screw}]", "an event is of one kind, and none is given"),
-        ("events: [{at: screw, step: {torque: 1}, stop: {}}]", "and 2 is given"),
+        ("events: [{at: screw, step: {torque: 1}, stop: {}}]", "step and stop is given"),
         ("events: [{at: scrw, step: {torque: 1}}]", "no component is called 'scrw'"),
         ("events: [{at: coupling-1, step: {torque: 1}}]", "'coupling-1' is a coupling, not a point"),
         ("events: [{at: screw, time: 1 s, step: {torque: 1}}]", "begins after the end"),
         ("events: [{at: screw, table: {rows: [[0 s, 1], [0 s, 2]]}}]", "rising times"),
         ("events: [{at: screw, sine: {torque: 1}}]", "a sine has a `frequency` or an `order`"),
+        ("events: [{at: screw, table: {}}]", "`rows` or a `file`"),
+        ("events: [{at: screw, table: {rows: [[0 s, 1], [.nan, 2]]}}]", "not a finite number"),
+        ("events: [{at: screw, table: {file: nowhere.csv}}]", "cannot be read"),
+        ("events: [{at: screw, misfire: {}}]", "`misfire` is part of the format but not built yet"),
+        ("events: [{at: screw, ice: {torque: 1}}]", "ice has a `case`, or an `angle`"),
+        ("events: [{at: screw, stop: {share: 120 %}}]", "must be at most"),
+        ("events: [{at: screw, short-circuit: {coefficients: {line: 8}, decay: [1, 1], reclose: 2}}]", "after `clear`"),
+        ("events: [{at: screw, step: {torque: 1}}], samples: 10", "at least 100"),
+        ("events: [{at: screw, step: {torque: 1}}], modes: none", "`all` or how many"),
+        ("events: [{at: screw, step: {torque: 1}}], plot: [nothing]", "no component is called 'nothing'"),
+        ("events: [{at: screw, step: {torque: 1}}], export: xls", "none of 'npz'"),
+        ("events: [{at: screw, step: {torque: 1}}], fatigue: {amplitude: 1, cycles: 1, slope: 5, at: no}", "'no'"),
+        (
+            "events: [{at: screw, step: {torque: 1}}], fatigue: {amplitude: 1, cycles: 1, slope: 5, mean: goodman}",
+            "both",
+        ),
+        ("initial: {torque: {coupling-1: lots}}", "does not begin with a number"),
         ("initial: rest", "nothing moves the train"),
         ("initial: {speed: 100}", "has no unit"),
     ],
@@ -94,9 +111,86 @@ def test_a_faulty_event_is_refused_at_its_place(body: str, words: str) -> None:
     ("event", "words"),
     [
         ("{at: screw, ice: {torque: 1 kN*m, case: 1}}", "ice needs a turning propeller with `blades`"),
-        ("{at: motor-1, step: {torque: 1}}, {at: coupling-2, step: {torque: 1}}", "no component is called"),
+        ("{at: wheel, stop: {}}", "no mean torque acts at 'wheel'"),
+        ("{at: wall, step: {torque: 1}}", "'wall' is fixed, and no torque moves it"),
     ],
 )
-def test_what_an_event_lacks_of_its_train_is_said(event: str, words: str) -> None:
+def test_what_an_event_lacks_of_its_train_is_said_at_its_place(event: str, words: str) -> None:
+    parts = ", disc: {name: wheel, inertia: 1}]"
+    text = SCENE.format(f"events: [{event}]").replace("inertia: 2}]", "inertia: 2}" + parts)
+    if "wall" in event:
+        text = text.replace(
+            "wheel, inertia: 1}", "wheel, inertia: 1}, coupling: {stiffness: 1}, disc: {name: wall, held: true}"
+        )
+    with pytest.raises(InputError) as refused:
+        torsion.run(
+            torsion.parse(
+                text.replace(
+                    "propeller: {name: screw, inertia: 2}, ",
+                    "propeller: {name: screw, inertia: 2}, coupling: {stiffness: 1e4}, ",
+                )
+            )
+        )
+    assert words in str(refused.value)
+    assert refused.value.faults[0].line == 4
+
+
+@pytest.mark.parametrize(
+    ("event", "words"),
+    [
+        ("{at: d1, sine: {torque: 1, order: 2}}", "a train that stands still"),
+        ("{at: d1, short-circuit: {coefficients: {line: 8}, decay: [1, 1]}}", "needs the rated torque"),
+    ],
+)
+def test_what_needs_a_speed_or_a_power_is_refused_at_rest(event: str, words: str) -> None:
+    text = f"""name: x
+train: [disc: {{name: d1, inertia: 1}}, coupling: {{stiffness: 1e4}}, disc: {{inertia: 2}}]
+analyses: {{transient: {{duration: 1 s, events: [{event}]}}}}
+"""
     with pytest.raises(InputError, match=words):
-        torsion.run(torsion.parse(SCENE.format(f"events: [{event}]")))
+        torsion.run(torsion.parse(text))
+
+
+def test_ice_cases_are_of_three_to_six_blades() -> None:
+    ice = Event.model_validate({"at": "x", "ice": {"torque": 1.0, "case": 1}}).body
+    assert ice.lacks(Point(speed=10.0, blades=4)) is None
+    assert "3 to 6 blades, not 7" in ice.lacks(Point(speed=10.0, blades=7))[0]
+
+
+def test_a_table_from_a_file_is_that_of_its_rows_in_the_units_of_its_first_line(tmp_path) -> None:
+    (tmp_path / "torque.csv").write_text("time [ms]; torque [kN*m]\n100; 0\n500; 0.008\n\n900; -0.004\n")
+    rows = ((0.1, 0.0), (0.5, 8.0), (0.9, -4.0))
+    found = torque("table", {"file": "torque.csv"}, Point(folder=tmp_path))
+    assert found == pytest.approx(torque("table", {"rows": rows}), abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("time [s], torque [N*m], more\n0, 1\n1, 2\n", "3 columns in line 1, not 2"),
+        ("time [s], torque [N*m]\n0, 1\n1, 2, 3\n", "line 3: 3 columns, not 2"),
+        ("time, torque [N*m]\n0, 1\n1, 2\n", "line 1: 'time' has no unit of s"),
+        ("time [s], torque [N]\n0, 1\n1, 2\n", "line 1: 'torque [N]' has no unit of N*m"),
+        ("0, 1\n1, 2\n2, 3\n", "line 1: '0' has no unit of s"),
+        ("s, N*m\n0, 1\n0, 2\n", "line 3: the time does not rise"),
+        ("s, N*m\n0, 1\n1, nan\n", "line 3: a finite torque"),
+        ("s, N*m\n0, 1\n1, inf\n", "line 3: a finite torque"),
+        ("s, N*m\n-1, 1\n1, 2\n", "line 2: a finite torque at a finite time from 0 on"),
+        ("s, N*m\n0, 1\n1, two\n", "line 3: '1, two' is no pair of numbers"),
+        ("s, N*m\n0, 1\n", "has 1 rows"),
+    ],
+)
+def test_a_faulty_file_of_torques_is_refused_with_its_line(text: str, words: str, tmp_path) -> None:
+    (tmp_path / "torque.csv").write_text(text)
+    (tmp_path / "train.yaml").write_text(SCENE.format("events: [{at: screw, table: {file: torque.csv}}]"))
+    with pytest.raises(InputError) as refused:
+        torsion.read(tmp_path / "train.yaml")
+    assert words in str(refused.value)
+    assert refused.value.faults[0].line == 4
+
+
+def test_a_share_of_the_mean_torque_ends_for_a_while() -> None:
+    found = torque("stop", {"share": 0.25, "ramp": 0.2, "until": 0.5}, Point(mean=40.0), time=0.5)
+    inside = np.where(TIME < 1.2 - 1e-9, -10.0 * np.clip((TIME - 0.5) / 0.2, 0.0, 1.0), 0.0)
+    away = np.abs(TIME - 1.2) > 1e-6
+    assert found[away] == pytest.approx(inside[away], abs=1e-12)

@@ -98,7 +98,7 @@ def test_after_the_decay_a_sine_is_the_response(parts: str) -> None:
         f"name: x\ntrain: [{parts}]\nexcitations: [{{at: d1, torque: 7}}]\n"
         "analyses: {response: {frequencies: {from: 30, to: 31, steps: 2}}}\n"
     )
-    body = {"duration": 30.0, "initial": "rest", "events": events, "samples": 4000}
+    body = {"duration": 30.0, "initial": "rest", "events": events}
     found = transient(study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body))
     steady = torsion.run(study).results["frequency_response"]
     late = found.time > 28.0

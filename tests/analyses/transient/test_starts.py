@@ -261,7 +261,6 @@ def test_orders_follow_a_prescribed_speed() -> None:
         ("{at: d, start: {torque: [[0 rpm, .nan], [10 rpm, 0]]}}", "not a finite number"),
         ("{at: d, load: {law: quadratic}}", "is no law of load"),
         ("{at: d, load: {law: [[0 rpm, 1], [10 rpm, 2]], torque: 3}}", "a table says torque and speed itself"),
-        ("{at: d, speed: {program: [[0 s, 0 rpm], [1 s, 10 rpm]]}}", "it turns freely"),
         ("{at: d, speed: {program: [[1 s, 0 rpm], [1 s, 10 rpm]]}}", "rising times"),
         ("{at: d, speed: {program: 7}}", "a program of speed is a list"),
         ("{at: d, sine: {torque: 1, order: 2}, time: 9 s}", "begins after the end"),
@@ -279,14 +278,15 @@ def test_a_faulty_event_is_refused_at_its_place(event: str, words: str) -> None:
 @pytest.mark.parametrize(
     ("event", "words"),
     [
-        ("{at: m, step: {torque: 1}}", "a torque at 'm', which is fixed, does nothing"),
-        ("{at: d, start: {torque: [[0 rpm, 1], [10 rpm, 0]]}}", "a start turns the train, and it is fixed at m"),
+        ({"at": "m", "step": {"torque": 1}}, "'m' is fixed, and no torque moves it"),
+        ({"at": "d", "start": {"torque": [["0 rpm", 1], ["10 rpm", 0]]}}, "it is fixed at m"),
+        ({"at": "d", "speed": {"program": [["0 s", "0 rpm"], ["1 s", "9 rpm"]]}}, "prescribed, and it turns freely"),
     ],
 )
-def test_a_fixed_point_cannot_be_turned(event: str, words: str) -> None:
-    train = "[motor: {name: m, held: true}, coupling: {stiffness: 10}, disc: {name: d, inertia: 1}]"
+def test_a_fixed_point_cannot_be_turned(event: dict, words: str) -> None:
+    parts = "motor: {name: m, held: true}, coupling: {stiffness: 10}, disc: {name: d, inertia: 1}"
     with pytest.raises(InputError, match=words):
-        torsion.parse(f"name: x\ntrain: {train}\nanalyses: {{transient: {{duration: 1 s, events: [{event}]}}}}\n")
+        moved(parts, {"duration": 1.0, "initial": "rest", "events": [event]})
 
 
 @pytest.mark.parametrize(
@@ -294,7 +294,11 @@ def test_a_fixed_point_cannot_be_turned(event: str, words: str) -> None:
     [
         ({"load": {"law": "propeller"}}, "the load has no size"),
         ({"load": {"law": "constant"}}, "the load has no size"),
-        ({"sine": {"torque": 1, "order": 2}}, "an order at 'd', and the train stands still"),
+        ({"sine": {"torque": 1, "order": 2}}, "an order has no frequency in a train that stands still"),
+        (
+            {"speed": {"program": [["0 s", "0 rpm"], ["1 s", "9 rpm"]]}},
+            "the speed of 'd' is prescribed, and it turns fr",
+        ),
     ],
 )
 def test_what_an_event_lacks_is_said(event: dict, words: str) -> None:

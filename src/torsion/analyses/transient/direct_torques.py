@@ -23,15 +23,18 @@ def massless(system: System) -> BoolArray:
     rigid = system.flexibility == 0.0
     group = connected(len(system.stations), system.driving[rigid], system.driven[rigid])
     total = np.zeros(len(group))
-    np.add.at(total, group, system.lumped_inertia)
+    np.add.at(total, group, system.inertia)
     return np.asarray(total[group] == 0.0)
 
 
-def direct_torques(system: System, modes: Modes, acting: FloatArray) -> FloatArray:
-    """(spans, loads) N m at once under torques `acting` (stations, loads) N m at own speeds."""
+def direct_torques(system: System, modes: Modes, acting: FloatArray, *, is_band: bool = False) -> FloatArray:
+    """(spans, loads) N m at once under torques `acting` (stations, loads) N m at own speeds.
+
+    is_band: higher modes are left out, and stand at once for what they carry, as far as they do so slowly.
+    """
     found = np.zeros((len(system.spans), acting.shape[1]))
     without = massless(system)
-    rows = np.flatnonzero((system.flexibility == 0.0) | without[system.driving] | without[system.driven])
+    rows = np.flatnonzero(is_band | (system.flexibility == 0.0) | without[system.driving] | without[system.driven])
     loads = np.flatnonzero(acting.any(axis=0))
     if not (rows.size and loads.size):
         return found

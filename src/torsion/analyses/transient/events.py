@@ -3,36 +3,29 @@
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from torsion import fields
-from torsion.analyses.transient.following_events import Length, Load, SpeedProgram, Start
+from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point, Time
+from torsion.analyses.transient.following_events import Load, SpeedProgram, Start
+from torsion.analyses.transient.torque_file import torque_rows
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.kernels.transient.torque_history import Piece
+from torsion.kernels.transient import torque_laws
+from torsion.kernels.transient.collocation import Law
+from torsion.kernels.transient.torque_history import Piece, history
 
-Time = Annotated[float, Quantity("s", at_least=0, usual=(None, 1e5))]
+Share = Annotated[float, Quantity("1", above=0, at_most=1)]
 SignedTorque = Annotated[float, Quantity("N*m")]
 ICE_CASES = {  # factor C_q, contact angle in deg by number of blades; FSICR 2017, from memory: to be verified
     1: (0.75, {3: 90.0, 4: 90.0, 5: 72.0, 6: 60.0}), 2: (1.0, {3: 135.0, 4: 135.0, 5: 135.0, 6: 135.0}),
     3: (0.5, {3: 45.0, 4: 45.0, 5: 36.0, 6: 30.0}), 4: (0.5, {3: 45.0, 4: 45.0, 5: 36.0, 6: 30.0}),
 }  # fmt: skip
 TWO_BLOCKS = 3  # the ice case of two blocks at once
-
-
-@dataclass(frozen=True)
-class Point:
-    """Where an event acts, as the train is when it begins."""
-
-    speed: float = 0.0  # rad/s of its own shaft
-    mean: float = 0.0  # N m that drives it (positive) or that it absorbs, at that speed
-    rated: float = 0.0  # N m, rated torque
-    blades: int = 0
-    rated_speed: float = 0.0  # rad/s of its own shaft
 
 
 def _read_rows(value: Any) -> tuple[tuple[float, float], ...]:
@@ -56,8 +49,10 @@ Rows = Annotated[
 ]
 
 
-class Step(Declared):
+class Step(Kind):
     """A torque that begins at once and stays."""
+
+    key, meaning = "step", "{torque, until}: a torque that begins at once"
 
     torque: SignedTorque = required("torque; negative brakes")
     until: Length | None = given("how long it lasts (default: to the end)")
@@ -66,17 +61,34 @@ class Step(Declared):
         yield Piece(begin, math.inf if self.until is None else begin + self.until, self.torque)
 
 
-class Table(Declared):
+class Table(Kind):
     """A torque by a table over time, linear between its rows and nothing outside."""
 
-    rows: Rows = required("[[time, torque], ...], times from the begin of the event")
+    key, meaning = "table", "{rows: [[s, N*m], ...]} or {file: torque.csv}: a torque by a table over time"
+
+    rows: Rows | None = given("[[time, torque], ...], times from the begin of the event")
+    file: str | None = given("a file of two columns, time and torque, with their units in its first line")
+
+    def refuse_clashes(self) -> None:
+        if (self.rows is None) == (self.file is None):
+            raise refuse("a table over time has `rows` or a `file`", "give one of them")
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        yield from ramps([(begin + time, torque) for time, torque in self.rows])
+        rows = self.rows if self.file is None else torque_rows(at.folder / self.file)
+        yield from ramps([(begin + time, torque) for time, torque in rows or ()])
+
+    def lacks(self, at: Point) -> Lack:
+        try:
+            torque_rows(at.folder / self.file) if self.file is not None else None
+        except ValueError as error:
+            return str(error.args[0]), str(error.args[-1])
+        return None
 
 
-class Pulse(Declared):
+class Pulse(Kind):
     """A single pulse."""
+
+    key, meaning = "pulse", "{torque, length, shape}: half-sine, rectangle or triangle"
 
     torque: SignedTorque = required("its greatest torque")
     length: Length = required("how long it lasts")
@@ -92,8 +104,10 @@ class Pulse(Declared):
             yield Piece(begin, end, -1j * self.torque, rate=1j * math.pi / self.length)
 
 
-class Sine(Declared):
+class Sine(Kind):
     """A torque that oscillates: torque * exp(-t / decay) * sin(2 pi frequency t + phase)."""
+
+    key, meaning = "sine", "{torque, frequency or order, decay, phase, until}: an oscillating torque"
 
     torque: SignedTorque = required("amplitude (half range)")
     frequency: fields.Frequency | None = given("its frequency")
@@ -114,6 +128,22 @@ class Sine(Declared):
         end = math.inf if self.until is None else begin + self.until
         yield Piece(begin, end, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate)
 
+    def lacks(self, at: Point) -> Lack:
+        if self.order is not None and not (at.speed or at.turns):
+            return "an order has no frequency in a train that stands still", "give `frequency`, or an `initial` speed"
+        return None
+
+    @property
+    def by_angle(self) -> bool:
+        return self.order is not None
+
+    def laws(self, begin: float, at: Point) -> Iterator[Law]:
+        if self.order is not None:
+            end = math.inf if self.until is None else begin + self.until
+            rate, phase = 0.0 if self.decay is None else -1.0 / self.decay, self.phase - math.pi / 2.0
+            size, window = torque_laws.constant(self.torque), torque_laws.Window(begin, end)
+            yield torque_laws.Wave(0, size, float(self.order), phase, rate, window, from_begin=True)
+
 
 class Coefficients(Declared):
     """Amplitudes of the torque in the air gap, of the rated torque."""
@@ -123,8 +153,10 @@ class Coefficients(Declared):
     mean: float = given("of the part that decays without oscillating", 0.0)
 
 
-class ShortCircuit(Declared):
+class ShortCircuit(Kind):
     """T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)), added to what acts otherwise."""
+
+    key, meaning = "short-circuit", "{coefficients, decay, line, clear, reclose}: electrical fault of a machine"
 
     coefficients: Coefficients = required("{line, double, mean}: amplitudes, of the rated torque; the maker's")
     decay: Annotated[tuple[Length, Length], Field()] = required("[T_1, T_2]: times of decay")
@@ -146,9 +178,14 @@ class ShortCircuit(Declared):
             yield Piece(start, end, 1j * at.rated * c.double, rate=complex(-1.0 / second, 2.0 * w))
             yield Piece(start, end, at.rated * c.mean, rate=-1.0 / second)
 
+    def lacks(self, at: Point) -> Lack:
+        return None if at.rated else ("a short circuit needs the rated torque", "give `operation: rated` with a power")
 
-class Ice(Declared):
+
+class Ice(Kind):
     """Blades that mill ice at the speed before the events: half sines against the rotation, between two ramps."""
+
+    key, meaning = "ice", "{torque, case or angle and factor, turns, ramp}: a propeller that mills ice"
 
     torque: fields.Torque = required("Q_max, the greatest ice torque at the propeller")
     case: Literal[1, 2, 3, 4] | None = given("case of the ice rules: factor, angle and blocks (to be verified)")
@@ -167,13 +204,28 @@ class Ice(Declared):
         factor, angle = self.factor, self.angle or 0.0
         if self.case is not None:
             factor, angles = ICE_CASES[self.case]
-            angle = math.radians(angles[min(max(at.blades, 3), 6)])
+            angle = math.radians(angles[at.blades])
         blocks = (0.0, math.pi / at.blades) if self.case == TWO_BLOCKS else (0.0,)
         last = 2.0 * math.pi * self.turns
         for hit in range(at.blades * self.turns):
             for block in blocks:
                 first = 2.0 * math.pi * hit / at.blades + block
                 yield from self._hit(begin, at.speed, (first, min(first + angle, last)), angle, factor)
+
+    def lacks(self, at: Point) -> Lack:
+        if not (at.blades and (at.speed or at.turns)):
+            return "ice needs a turning propeller with `blades`", "give `blades` and a speed"
+        if self.case is not None and at.blades not in ICE_CASES[self.case][1]:
+            return f"the cases of the ice rules are of 3 to 6 blades, not {at.blades}", "give `angle` and `factor`"
+        return None
+
+    @property
+    def by_angle(self) -> bool:
+        return True
+
+    def laws(self, begin: float, at: Point) -> Iterator[Law]:
+        over_angle = list(self.pieces(0.0, replace(at, speed=1.0)))
+        yield torque_laws.ByAngle(0, history([over_angle]), torque_laws.Window(begin))
 
     def _hit(
         self, begin: float, speed: float, between: tuple[float, float], angle: float, factor: float
@@ -191,15 +243,24 @@ class Ice(Declared):
             yield Piece(*times, wave * level, wave * slope, 1j * math.pi * speed / angle)
 
 
-class Stop(Declared):
+class Stop(Kind):
     """The mean torque of the point ends: a motor that trips, a load that is shed, a cylinder bank that misfires."""
 
-    ramp: Time = given("time in which it falls to nothing", 0.0)
+    key, meaning = "stop", "{share, ramp, until}: the point's mean torque ends"
+
+    share: Share = given("of the mean torque that ends", 1.0)
+    ramp: Time = given("time in which it falls", 0.0)
+    until: Length | None = given("how long it is gone, without the ramp (default: to the end)")
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        low, end = self.share * at.mean, math.inf if self.until is None else begin + self.ramp + self.until
         if self.ramp:
-            yield Piece(begin, begin + self.ramp, 0.0, -at.mean / self.ramp)
-        yield Piece(begin + self.ramp, math.inf, -at.mean)
+            yield Piece(begin, begin + self.ramp, 0.0, -low / self.ramp)
+        yield Piece(begin + self.ramp, end, -low)
+
+    def lacks(self, at: Point) -> Lack:
+        hint = "name a motor or a load of a steady train"
+        return None if at.mean else (f"no mean torque acts at '{at.name}'", hint)
 
 
 def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
@@ -209,57 +270,51 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
             yield Piece(begin, end, level, (later - level) / (end - begin))
 
 
-KINDS = {
-    "step": Step, "table": Table, "pulse": Pulse, "sine": Sine, "short_circuit": ShortCircuit, "ice": Ice, "stop": Stop,
-    "start": Start, "load": Load, "speed": SpeedProgram,
-}  # fmt: skip
+KINDS: tuple[type[Kind], ...] = (Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop, Start, Load, SpeedProgram)
+UNBUILT = {"misfire": "it needs an engine; `stop: {share: 17 %}` takes a share of a mean torque away"}
 
 
-class Event(Declared):
+class _Event(Declared):
     """One event at a point; several add."""
 
     at: str = required("name of the point at which it happens")
     time: Time = given("time of its begin", 0.0)
-    step: Step | None = given("{torque, until}: a torque that begins at once")
-    table: Table | None = given("{rows: [[s, N*m], ...]}: a torque by a table over time")
-    pulse: Pulse | None = given("{torque, length, shape}: half-sine, rectangle or triangle")
-    sine: Sine | None = given("{torque, frequency or order, decay, phase, until}: an oscillating torque")
-    short_circuit: ShortCircuit | None = given(
-        "{coefficients, decay, line, clear, reclose}: electrical fault of a machine", alias="short-circuit"
-    )
-    ice: Ice | None = given("{torque, case or angle and factor, turns, ramp}: a propeller that mills ice")
-    stop: Stop | None = given("{ramp}: the point's mean torque ends")
-    start: Start | None = given(
-        "{torque or pull_out, slip, synchronous; pulsation, slip_pulsation, line, off}: a motor is switched on"
-    )
-    load: Load | None = given("{law, torque, speed, off}: what brakes the point, by its speed")
-    speed: SpeedProgram | None = given("{program: [[s, rpm], ...]}: the speed of a fixed point is prescribed")
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        kinds = [kind for kind in KINDS if getattr(self, kind) is not None]
+    @model_validator(mode="before")
+    @classmethod
+    def _is_built(cls, data: Any) -> Any:
+        for key, hint in UNBUILT.items():
+            if isinstance(data, dict) and key in data:
+                raise refuse(f"`{key}` is part of the format but not built yet", hint, key)
+        return data
+
+    def refuse_clashes(self) -> None:
+        kinds = [kind.key for kind in KINDS if getattr(self, _field(kind)) is not None]
         if len(kinds) != 1:
-            words = ", ".join(kind.replace("_", "-") for kind in KINDS)
-            raise refuse(f"an event is of one kind, and {len(kinds) or 'none'} is given", f"one of {words}")
-        return self
+            words = ", ".join(kind.key for kind in KINDS)
+            raise refuse(f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given", f"one of {words}")
 
     @property
-    def kind(self) -> str:
-        """Its key in the file."""
-        return next(kind for kind in KINDS if getattr(self, kind) is not None).replace("_", "-")
+    def body(self) -> Kind:
+        """What happens."""
+        return next(body for kind in KINDS if isinstance(body := getattr(self, _field(kind)), Kind))
 
     @property
-    def body(self) -> Any:
-        """Its settings."""
-        return getattr(self, self.kind.replace("-", "_"))
-
     def words(self) -> str:
         """Its settings, those that are not left at their defaults, in SI."""
-        body = self.body.model_dump(exclude_defaults=True)
-        return ", ".join(f"{key} {value}" for key, value in body.items())
+        return ", ".join(f"{key} {value}" for key, value in self.body.model_dump(exclude_defaults=True).items())
 
     def pieces(self, at: Point) -> tuple[Piece, ...]:
-        """What of its torque is known by time alone, N m at own speed, positive in the sense of rotation."""
-        if isinstance(self.body, Start | Load):
-            return tuple(self.body.pieces(self.time, at.mean))
-        return () if isinstance(self.body, SpeedProgram) else tuple(self.body.pieces(self.time, at))
+        """What of its torque is known by time, N m at own speed, positive in the sense of rotation."""
+        return () if at.turns and self.body.by_angle else tuple(self.body.pieces(self.time, at))
+
+
+def _field(kind: type[Kind]) -> str:
+    return kind.key.replace("-", "_")
+
+
+if TYPE_CHECKING:
+    Event = _Event
+else:
+    _FIELDS = {_field(kind): (kind | None, given(kind.meaning, alias=kind.key)) for kind in KINDS}
+    Event = create_model("Event", __base__=_Event, **_FIELDS)

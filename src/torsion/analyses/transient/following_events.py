@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
 from torsion import fields
+from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point
 from torsion.components.harmonic_torques import Table as SpeedTable
 from torsion.components.harmonic_torques import read_table
 from torsion.fields import Declared, Quantity, given, refuse, required
@@ -16,16 +16,8 @@ from torsion.kernels.transient import torque_laws
 from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.torque_history import Piece
 
-Length = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
+SAME_SPEED = 1e-9  # relative, or rad/s
 PullOut = Annotated[float, Quantity("1", above=0, below=1)]
-
-
-@dataclass(frozen=True)
-class RatedPoint:
-    """Rated torque and speed of a point, at its own shaft; 0 where the file gives none."""
-
-    torque: float = 0.0  # N m
-    speed: float = 0.0  # rad/s
 
 
 def _read_rows(value: Any) -> Any:
@@ -66,8 +58,11 @@ class Pulsation(Declared):
     decay: Length = required("time in which it falls to 1/e: 0.05 to 0.3 s")
 
 
-class Start(Declared):
+class Start(Kind):
     """A motor that is switched on: it takes the place of the point's mean torque, by the speed of its shaft."""
+
+    key, drives = "start", True
+    meaning = "{torque or pull_out, slip, synchronous; pulsation, slip_pulsation, line, off}: a motor is switched on"
 
     torque: Rows | None = given("[[speed, torque], ...] from 0 rpm on; its last line goes on beyond it")
     pull_out: fields.Torque | None = given("greatest torque of an induction motor, in place of a table (Kloss)")
@@ -92,16 +87,14 @@ class Start(Declared):
             raise refuse("`slip_pulsation` needs `synchronous`, the synchronous speed", key="slip_pulsation")
         return self
 
-    def pieces(self, begin: float, mean: float) -> Iterator[Piece]:
-        """What is known of it by time alone; `mean` is the torque that it replaces."""
-        if mean:
-            yield Piece(begin, math.inf, -mean)
+    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        if at.mean:
+            yield Piece(begin, math.inf, -at.mean)
         if self.pulsation is not None:
             rate = complex(-1.0 / self.pulsation.decay, 2.0 * math.pi * self.line)
             yield Piece(begin, self._window(begin).end, -1j * self.pulsation.torque, rate=rate)
 
-    def laws(self, begin: float, rated: RatedPoint) -> Iterator[Law]:
-        """What follows the motion."""
+    def laws(self, begin: float, at: Point) -> Iterator[Law]:
         window = self._window(begin)
         if self.torque is not None:
             yield torque_laws.BySpeed(0, torque_laws.table(self.torque), window)
@@ -118,8 +111,10 @@ class Start(Declared):
         return torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)
 
 
-class Load(Declared):
+class Load(Kind):
     """What brakes a point, in place of its mean torque, by the speed of its shaft; alike in both senses of rotation."""
+
+    key, meaning, drives = "load", "{law, torque, speed, off}: what brakes the point, by its speed", True
 
     law: Annotated[
         Any, BeforeValidator(_read_law, json_schema_input_type=Literal["propeller", "constant"] | SpeedTable)
@@ -139,15 +134,13 @@ class Load(Declared):
         """rad/s, where its table ends; infinite for a law."""
         return math.inf if isinstance(self.law, str) else float(self.law[-1][0])
 
-    def pieces(self, begin: float, mean: float) -> Iterator[Piece]:
-        """What it replaces."""
-        if mean:
-            yield Piece(begin, math.inf, -mean)
+    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        if at.mean:
+            yield Piece(begin, math.inf, -at.mean)
 
-    def laws(self, begin: float, rated: RatedPoint) -> Iterator[Law]:
-        """What follows the motion."""
+    def laws(self, begin: float, at: Point) -> Iterator[Law]:
         window = torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)
-        torque, speed = self.torque or rated.torque, self.speed or rated.speed or 1.0
+        torque, speed = self.torque or at.rated, self.speed or at.rated_speed or 1.0
         if self.law == "propeller":
             yield torque_laws.BySpeed(0, torque_laws.quadratic(-torque, speed), window)
             return
@@ -156,20 +149,29 @@ class Load(Declared):
         if still:
             yield torque_laws.DryFriction(0, still, rows[-1][0], window)
         if self.law != "constant":
-            line = [(at, still - value) for at, value in rows]
+            line = [(turning, still - value) for turning, value in rows]
             yield torque_laws.BySpeed(0, torque_laws.table(torque_laws.mirrored(line, sign=-1.0)), window)
 
-    def lacks(self, rated: RatedPoint) -> bool:
-        """The law has no size."""
-        needs = self.law == "propeller", isinstance(self.law, str)
-        return (needs[1] and not (self.torque or rated.torque)) or (needs[0] and not (self.speed or rated.speed))
+    def lacks(self, at: Point) -> Lack:
+        size = isinstance(self.law, str) and self.torque is None and not at.rated
+        if not size and (self.law != "propeller" or self.speed or at.rated_speed):
+            return None
+        return "the load has no size", "give `torque` and `speed` of the load, or `operation: {rated: {speed, power}}`"
 
 
-class SpeedProgram(Declared):
+class SpeedProgram(Kind):
     """A speed that a fixed point is made to run at."""
+
+    key, meaning = "speed", "{program: [[s, rpm], ...]}: the speed of a fixed point is prescribed"
 
     program: Program = required("[[time, speed], ...] from the begin of the event, straight between; then the last")
 
     def rates(self, begin: float) -> list[tuple[float, float, float]]:
         """Begin and end (s) and rate (rad/s2) of every line of it."""
         return [(begin + a[0], begin + b[0], (b[1] - a[1]) / (b[0] - a[0])) for a, b in pairwise(self.program)]
+
+    def lacks(self, at: Point) -> Lack:
+        if math.isclose(self.program[0][1], at.speed, rel_tol=SAME_SPEED, abs_tol=SAME_SPEED):
+            return None
+        begins, runs = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (self.program[0][1], at.speed))
+        return f"the program begins at {begins}, and '{at.name}' runs at {runs}", "begin with that, or give `initial`"

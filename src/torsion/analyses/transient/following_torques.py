@@ -7,27 +7,25 @@ the angle of their station too.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import SAME_SPEED, steady_if_known
 from torsion.analyses.transient.carrier import Carrier
-from torsion.analyses.transient.events import Event, Ice, Point, Sine
-from torsion.analyses.transient.following_events import Load, RatedPoint, SpeedProgram, Start
-from torsion.analyses.transient.joint_cuts import JointCut, standing
+from torsion.analyses.transient.event_kind import Point
+from torsion.analyses.transient.events import Event
+from torsion.analyses.transient.following_events import Load, SpeedProgram
+from torsion.analyses.transient.joint_cuts import JointCut, joint_spans, standing
 from torsion.analyses.transient.state_before import State
-from torsion.analyses.transient.transient_settings import PATH
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, SolveError
+from torsion.errors import Path, SolveError
 from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
 from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.interface_motion import interfaces
-from torsion.kernels.transient.torque_history import history
 from torsion.primitives import Damper, Torque
 from torsion.study import Study
 
@@ -71,26 +69,26 @@ class Following:
         return driven(moved, found.steps), found
 
 
+def turns(study: Study, system: System, events: Sequence[Event]) -> bool:
+    """Torques follow the motion: an event changes the speed by itself, a joint does, or a program sweeps orders."""
+    if joint_spans(system).size or any(event.body.drives for event in events):
+        return True
+    swept = any(torque.order is not None for torque in study.train.torques)
+    swept = swept or any(event.body.by_angle for event in events)
+    return swept and any(isinstance(event.body, SpeedProgram) for event in events)
+
+
 def following(
-    study: Study, system: System, events: Sequence[Event], before: State, cuts: tuple[JointCut, ...],
-    points: Sequence[Point], shape: FloatArray,
-) -> Following | None:  # fmt: skip
-    """What follows the motion; None where nothing does, or only at the constant speed before the events."""
-    programs = [event for event in events if isinstance(event.body, SpeedProgram)]
-    swept = any(torque.order is not None for torque in study.train.torques) or any(map(_turns, events))
-    if not (cuts or any(isinstance(event.body, Start | Load) for event in events) or (programs and swept)):
-        for number, event in enumerate(events):
-            if event.sine is not None and event.sine.order is not None and not before.speed:
-                hint = "give `frequency`, a speed in `initial`, or what turns it: `start`, `speed`"
-                message = f"an order at '{event.at}', and the train stands still"
-                raise InputError([Fault((*PATH, "events", number, "sine", "order"), message, hint)])
-        return None
+    study: Study, system: System, events: Sequence[Event], points: Sequence[Point], before: State,
+    cuts: tuple[JointCut, ...], shape: FloatArray,
+) -> Following:  # fmt: skip
+    """What follows the motion."""
     found, station, words, first = list[Law](), list[int](), list[str](), list[int]()
     for event, point in zip(events, points, strict=True):
-        for law in _of_event(event, point):
+        for law in event.body.laws(event.time, point):
             found.append(replace(law, interface=len(station)))  # type: ignore[type-var]
             station.append(study.train.part(event.at).stations[0])
-            words.append(f"{event.kind} at {event.at}")
+            words.append(f"{event.body.key} at {event.at}")
     for torque in system.train.torques:
         if torque.order is not None:
             size = _size(study, system, torque)
@@ -116,16 +114,16 @@ def carrier_of(
     return Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
 
 
-def refuse_beyond_tables(study: Study, events: Sequence[Event], speed: FloatArray) -> None:
+def refuse_beyond_tables(study: Study, events: Sequence[Event], speed: FloatArray, place: Path) -> None:
     """Raises SolveError where a station of speeds (stations, times) outruns the table of its load."""
     for number, event in enumerate(events):
-        if event.load is not None:
+        if isinstance(event.body, Load):
             reached = float(np.abs(speed[study.train.part(event.at).stations[0]]).max())
-            if reached > event.load.ends * (1.0 + SAME_SPEED):
-                found, ends = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (reached, event.load.ends))
+            if reached > event.body.ends * (1.0 + SAME_SPEED):
+                found, ends = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (reached, event.body.ends))
                 message = f"the load at '{event.at}' reaches {found}, and its table ends at {ends}"
                 raise SolveError(
-                    message, "extend the table; nothing is extrapolated", (*PATH, "events", number, "load")
+                    message, "extend the table; nothing is extrapolated", (*place, "events", number, "load")
                 )
 
 
@@ -143,32 +141,6 @@ def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tup
             ratio = abs(float(system.speed_ratio[study.train.part(event.at).stations[0]]))
             found += [(begin, end, rate / ratio) for begin, end, rate in event.body.rates(event.time)]
     return tuple(found)
-
-
-def _turns(event: Event) -> bool:
-    """The event acts by the angle of its point."""
-    return event.ice is not None or (event.sine is not None and event.sine.order is not None)
-
-
-def by_time(event: Event, *, follows: bool) -> bool:
-    """The event is known by time alone, or in part."""
-    return not (follows and _turns(event))
-
-
-def _of_event(event: Event, at: Point) -> list[Law]:
-    body: Any = event.body
-    if isinstance(body, Start | Load):
-        return list(body.laws(event.time, RatedPoint(at.rated, at.rated_speed)))
-    if isinstance(body, Ice):
-        pieces = [replace(one, rate=one.rate) for one in body.pieces(0.0, replace(at, speed=1.0))]
-        return [laws.ByAngle(0, history([pieces]), laws.Window(event.time))]
-    if isinstance(body, Sine) and body.order is not None:
-        end = math.inf if body.until is None else event.time + body.until
-        rate = 0.0 if body.decay is None else -1.0 / body.decay
-        size = laws.constant(body.torque)
-        phase = body.phase - math.pi / 2.0
-        return [laws.Wave(0, size, float(body.order), phase, rate, laws.Window(event.time, end), from_begin=True)]
-    return []
 
 
 def _size(study: Study, system: System, torque: Torque) -> laws.Parts:

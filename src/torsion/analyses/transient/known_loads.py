@@ -7,8 +7,9 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
-from torsion.analyses.transient.events import Event, Point
-from torsion.analyses.transient.following_torques import Following, by_time, rates_of
+from torsion.analyses.transient.event_kind import Point
+from torsion.analyses.transient.events import Event
+from torsion.analyses.transient.following_torques import Following, rates_of
 from torsion.analyses.transient.state_before import State
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
@@ -29,7 +30,7 @@ def known_loads(
     """
     loads, columns, here = list[tuple[Piece, ...]](), list[FloatArray](), np.eye(len(system.stations))
     for event, point in zip(events, points, strict=True):
-        loads.append(event.pieces(point) if by_time(event, follows=follows is not None) else ())
+        loads.append(event.pieces(point))
         columns.append(here[study.train.part(event.at).stations[0]])
     if rates := rates_of(study, system, events):
         loads.append(tuple(Piece(begin, end, -rate) for begin, end, rate in rates))

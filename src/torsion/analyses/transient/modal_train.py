@@ -1,6 +1,8 @@
 """A train as rigid motions and modes for its motion over time: their shapes, what damps them, where they begin."""
 
 import math
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -11,23 +13,43 @@ from torsion.analyses.transient.transient_settings import PATH
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import SolveError
+from torsion.errors import Path, SolveError
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.damped_motion import ModalTrain
 from torsion.study import Study
 
 MOST_MODES = 3000
+BAND = 50  # modes kept of a train of finite elements, where the file names no number
 
 
-def all_modes(system: System) -> Modes:
-    """Every elastic mode, certified."""
-    if system.bars is not None:
-        message = f"motion over time is not built for the model {system.model}"
-        raise SolveError(message, "model: lumped", PATH)
-    if (size := system.condensed.tree.size) > MOST_MODES:
-        message = f"motion over time takes all modes, and the train has {size} stations, more than {MOST_MODES}"
-        raise SolveError(message, "give long shafts fewer `segments`", PATH)
-    return modes_as_discretised(system, None)
+def kept_modes(system: System, count: int | Literal["all"], place: Path = PATH) -> tuple[Modes, Modes]:
+    """The certified elastic modes that are kept, and twice as many; both are the same where all are kept.
+
+    A train with finite elements has no last mode: where all are requested, BAND of them are kept. Raises SolveError for
+    a train too large for all.
+    """
+    if system.groups is not None:
+        raise SolveError("a shaft has too many segments for motion over time", "give it fewer `segments`", place)
+    size = system.condensed.tree.size
+    if count == "all" and system.bars is None:
+        if size > MOST_MODES:
+            message = f"motion over time takes all modes, and the train has {size} stations, more than {MOST_MODES}"
+            raise SolveError(message, "keep the lowest, for example `modes: 100`", place)
+        found = modes_as_discretised(system, None)
+        return found, found
+    number = BAND if count == "all" else count
+    found = modes_as_discretised(system, 2 * number)
+    return _lowest(found, number), found
+
+
+def _lowest(found: Modes, number: int) -> Modes:
+    """The lowest modes alone."""
+    rows = {name: getattr(found, name)[:number] for name in ("frequency", "lower", "upper")}
+    columns = {name: getattr(found, name)[:, :number] for name in ("shape", "torque")}
+    shafts = found.distributed
+    if shafts is not None:
+        shafts = replace(shafts, **{name: values[:, :number] for name, values in vars(shafts).items()})
+    return replace(found, **rows, **columns, distributed=shafts)
 
 
 def shapes(system: System, found: Modes) -> FloatArray:
@@ -42,7 +64,7 @@ def shapes(system: System, found: Modes) -> FloatArray:
     each = np.where(part[:, None] == loose, ratio[:, None], 0.0)
     if not system.held.any():
         each[:, 0] = ratio
-    upper = np.linalg.qr(np.sqrt(np.where(system.held, 0.0, system.lumped_inertia))[:, None] * each, "r")
+    upper = np.linalg.qr(np.sqrt(np.where(system.held, 0.0, system.inertia))[:, None] * each, "r")
     rigid = np.linalg.solve((upper * np.sign(np.diag(upper))[:, None]).T, each.T).T
     if rigid.shape[1] != found.rigid:
         raise SolveError("a part of the train turns freely and has no inertia", "give it one", PATH)

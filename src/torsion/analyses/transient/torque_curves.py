@@ -16,6 +16,9 @@ from torsion.findings import Progress
 from torsion.kernels.transient.damped_motion import Motion
 
 BLOCK = 2**21  # values of one array at once
+PER_PERIOD = 4.0  # samples from which a mode is resolved
+MOST_SUMS = 5e8  # products of all torques at all times that are formed to look for peaks between the samples
+EXPONENTIAL = 50  # products that take the time of one exponential
 MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
 Patch = Callable[[FloatArray, FloatArray], None]  # angles (stations, times), and speeds that it changes
 
@@ -34,8 +37,8 @@ class Curves:
     carrier: Carrier
     patches: Sequence[Patch] = ()  # speeds of stations without inertia beside a joint
 
-    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times) with the damping part, their rates, and speeds (stations, times) of the stations."""
+    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+        """Torques (spans, times) with the damping part, their rates, and places and speeds (both, times)."""
         place, speed = self.motion.at(time)
         vibration, its_rate = _vibration(self.before, time)
         elastic = self.found.torque @ place[self.motion.train.rigid :]
@@ -46,11 +49,15 @@ class Curves:
         if self.direct.any():
             torque = torque + self.direct @ self.motion.loads_at(time)
             rate = rate + self.direct @ self.motion.load_rates_at(time)
+        return torque, rate, (place, speed)
+
+    def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """(stations, times) rad/s from places and speeds (rigid motions + modes, times)."""
         angle, turning, _ = self.carrier.at(time)
         turning += self.shape @ speed
         for patch in self.patches:
             patch(angle + self.shape @ place, turning)
-        return torque, rate, turning
+        return turning
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
@@ -77,18 +84,26 @@ def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
 
 
 def sampled(
-    curves: Curves, time: FloatArray, progress: Progress
+    curves: Curves, time: FloatArray, finer: int, progress: Progress
 ) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
-    """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative."""
+    """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative.
+
+    These are looked for at `finer` times as many samples.
+    """
     spans, stations = len(curves.slowed), len(curves.shape)
     torque, turning = np.empty((spans, len(time))), np.empty((stations, len(time)))
     high, low = Extremes.none(spans), Extremes.none(spans)
-    size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations))
+    size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations) // finer)
     for first in range(0, len(time) - 1, size):
         part = slice(first, min(first + size, len(time) - 1) + 1)  # a block begins with the last sample before it
-        torque[:, part], rate, turning[:, part] = curves.torque(time[part])
-        high.add(time[part], torque[:, part], rate)
-        low.add(time[part], -torque[:, part], -rate)
+        fine = np.interp(
+            np.arange((part.stop - first - 1) * finer + 1) / finer, np.arange(part.stop - first), time[part]
+        )
+        values, rate, there = curves.torque(fine)
+        high.add(fine, values, rate)
+        low.add(fine, -values, -rate)
+        torque[:, part] = values[:, ::finer]
+        turning[:, part] = curves.turning(time[part], *(one[:, ::finer] for one in there))
         progress("motion over time", part.stop / len(time))
 
     def negative(span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -122,13 +137,24 @@ def _vibration(before: State, time: FloatArray, span: IntArray | None = None) ->
     return torque.real, rate.real
 
 
-def missed(found: Modes, moved: Motion, time: FloatArray) -> FloatArray:
-    """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples."""
-    step = float(time[1] - time[0])
-    fast = np.flatnonzero(found.frequency * step > 0.25)
+def times_finer(found: Modes, step: float, samples: int) -> int:
+    """How many times finer than samples of a step (s) the peaks are looked for: 4 to a period, as far as that pays."""
+    most = MOST_SUMS / (samples * (found.torque.size + EXPONENTIAL * len(found.frequency) + 1))
+    return int(np.clip(np.ceil(PER_PERIOD * step * found.frequency.max(initial=0.0)), 1, max(most, 1)))
+
+
+def missed(found: Modes, moved: Motion, time: FloatArray, finer: int) -> FloatArray:
+    """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples.
+
+    The amplitude is that about the place to which the torques of the moment would move the mode slowly: of its
+    acceleration and speed.
+    """
+    step = float(time[1] - time[0]) / finer
+    fast = np.flatnonzero(found.frequency * step > 1.0 / PER_PERIOD)
     if not fast.size:
         return np.zeros(len(found.torque))
-    chosen = time[:: max(1, len(time) // 1000)]
-    place, speed = (rows[rows.shape[0] - len(found.frequency) :][fast] for rows in moved.at(chosen))
-    amplitude = np.hypot(place, speed / (2.0 * math.pi * found.frequency[fast])[:, None]).max(axis=1)
-    return np.asarray(np.abs(found.torque[:, fast]) @ amplitude)
+    chosen, rigid = time[:: max(1, len(time) // 1000)], moved.train.rigid
+    place, speed = moved.at(chosen)
+    gained, speed = (rows[rigid:][fast] for rows in (moved.acceleration(chosen, place, speed), speed))
+    w = (2.0 * math.pi * found.frequency[fast])[:, None]
+    return np.asarray(np.abs(found.torque[:, fast]) @ np.hypot(gained / w**2, speed / w).max(axis=1))

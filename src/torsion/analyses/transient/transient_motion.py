@@ -6,30 +6,46 @@ from typing import Any
 
 import numpy as np
 
+from torsion.analyses.steady import steady
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
+from torsion.analyses.transient.fatigue import damages
 from torsion.analyses.transient.following_torques import (
     Following,
     carrier_of,
     dampers_beside_loads,
     following,
     refuse_beyond_tables,
-)
+    turns,
+)  # fmt: skip
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
-from torsion.analyses.transient.modal_train import all_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
 from torsion.analyses.transient.resonances_passed import Passage, passages
 from torsion.analyses.transient.state_before import State, points_of_events, state_before
-from torsion.analyses.transient.torque_curves import Curves, missed, sampled
-from torsion.analyses.transient.transient_settings import DEFAULT_MOST, PER_PERIOD, TransientSettings
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.transient.torque_curves import PER_PERIOD, Curves, missed, sampled, times_finer
+from torsion.analyses.transient.transient_settings import (
+    DEFAULT_MOST,
+    DEFAULT_PER_PERIOD,
+    PATH,
+    TransientSettings,
+    cases,
+)
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.transient.collocation import Collocated
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
-from torsion.results import reported, result
+from torsion.results import derived, reported, result
 from torsion.study import Study
+
+BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
+RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
+SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
+TINY = np.finfo(float).tiny
 
 
 @reported
@@ -56,13 +72,23 @@ class TransientMotion:
     least: FloatArray = result("N*m", ("span",), "least torque")
     least_at: FloatArray = result("s", ("span",), "when")
     before: FloatArray = result("N*m", ("span",), "mean torque before the events")
-    reversals: IntArray = result("", ("span",), "how often the torque changes its sign")
+    reversals: IntArray = result("", ("span",), "how often the torque changes its sign; of a gear its teeth separate")
     unresolved: FloatArray = result(
-        "N*m", ("span",), "at most so much do modes add that have fewer than 4 samples in a period: not in the peaks"
+        "N*m", ("span",), "at most so much do modes add that are too fast for the times looked at: not in the peaks"
     )
     residual: float = result("1", (), "largest error of the balance of energy, of the largest energy of the motion")
     speed_before: float = result("rad/s", (), "reference speed before the events")
-    modes: int = result("", (), "elastic modes that were kept: all")
+    modes: int = result("", (), "elastic modes that were kept")
+    system: System | None = None
+    name: str = result("", (), "name of the motion", default="")
+    change: float | None = result(
+        "1", (), "largest change of a peak, of itself, with twice as many modes; null where all are kept", default=None
+    )
+    rated: FloatArray | None = result("N*m", ("span",), "mean torque at the rated point, or null", default=None)
+    stress: FloatArray | None = result(
+        "Pa", ("span",), "shear stress at the peak; null where it is no shaft", default=None
+    )
+    damage: FloatArray | None = result("1", ("span",), "Miner's sum; null where it was not requested", default=None)
     steps: int = result("", (), "steps for the torques that follow the motion; 0: there are none", default=0)
     following: tuple[str, ...] = result("", (), "torques that follow the motion", default=())
     left_in_series: float = result(
@@ -70,71 +96,109 @@ class TransientMotion:
     )
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
-    system: System | None = None
 
     @property
     def peak(self) -> FloatArray:
         """(spans,) N m, the greatest magnitude, with what modes without samples may add."""
         return np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
 
+    @derived("", (), "ok, or what makes the peaks doubtful and what to do")
+    def status(self) -> str:
+        """In words."""
+        found = []
+        if self.residual > BALANCED:
+            found.append(f"the balance of energy holds to {self.residual:.1g} only: report this train")
+        if (self.unresolved > RESOLVED * (self.peak + TINY)).any():
+            found.append("modes too fast for the samples may add more than 5 % to a peak: give more `samples`")
+        if self.change is not None and self.change > SETTLED:
+            found.append(f"twice as many modes change a peak by {100.0 * self.change:.2g} %: give more `modes`")
+        return "; ".join(found) or "ok"
+
+
+@reported
+class Transients:
+    """Every motion over time that the file names."""
+
+    each: tuple[TransientMotion, ...] = result("", (), "every motion over time", key="")
+
 
 def transient(
-    study: Study, system: System, settings: TransientSettings, *, modes: Modes | None = None,
-    damping_ratio: float | None = None, progress: Progress = silent,
+    study: Study, system: System, settings: TransientSettings, *, place: Path = PATH,
+    modes: tuple[Modes, Modes] | None = None, damping_ratio: float | None = None, progress: Progress = silent,
 ) -> TransientMotion:  # fmt: skip
     """The motion from the events of `settings`, exact at every sample, and its peaks between them.
 
-    modes: all of the system, where they are known. damping_ratio: of every mode, in place of the damping of the train.
-    Raises InputError for an event that the train cannot have, and SolveError where a mode is not certified or the train
-    is of a kind that is not built.
+    place: of the settings in the file. modes: those kept, and twice as many, where they are known. damping_ratio: of
+    every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
+    too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
     """
-    before = state_before(study, system, settings)
+    before = state_before(study, system, settings, place)
     cuts = joint_cuts(system, before.mean)
-    parts = replace(parts_of(system, cuts), dampers=dampers_beside_loads(study, system, settings.events))
-    found = all_modes(parts) if modes is None or cuts else modes
-    shape = shapes(parts, found)
-    points = points_of_events(study, system, settings, before)
-    follows = following(study, system, settings.events, before, cuts, points, shape)
-    turns = follows is not None
-    train = modal_train(study, parts, found, shape, before, turns=turns)
+    if modes is None or cuts:
+        modes = kept_modes(parts_of(system, cuts) if cuts else system, settings.modes, place)
+    kept, twice = modes
+    solved = partial(_solved, study, system, settings, place, before, damping_ratio, progress)
+    found = solved(kept, is_band=system.bars is not None or kept is not twice)
+    if kept is not twice and len(twice.frequency) > len(kept.frequency):
+        more = solved(twice, is_band=True)
+        ends = ((more.greatest, found.greatest), (more.least, found.least))
+        moved = np.max([np.abs(one - other) for one, other in ends], axis=0)
+        found = replace(found, change=float((moved / (more.peak + TINY)).max(initial=0.0)))
+    if settings.samples is not None and (found.unresolved > RESOLVED * (found.peak + TINY)).any():
+        least = int(PER_PERIOD * settings.duration * float(kept.frequency.max())) + 1
+        message = "modes with fewer than 4 samples in a period may add more than 5 % to a peak"
+        raise InputError([Fault((*place, "samples"), message, f"{least} resolve all; or keep fewer `modes`")])
+    return _read(study, system, settings, found)
+
+
+def _solved(
+    study: Study, system: System, settings: TransientSettings, place: Path, before: State,
+    damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
+) -> TransientMotion:  # fmt: skip
+    """The motion of some modes."""
+    events, is_driven, cuts = settings.events, turns(study, system, settings.events), joint_cuts(system, before.mean)
+    points = points_of_events(study, system, events, before, place, turns=is_driven)
+    parts = replace(parts_of(system, cuts) if cuts else system, dampers=dampers_beside_loads(study, system, events))
+    shape = shapes(parts, modes)
+    train = modal_train(study, parts, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    loads, acting = known_loads(study, parts, settings.events, points, follows)
-    place, speed = start(parts, found, before, shape)
-    direct, added = direct_torques(parts, found, acting), dict[str, Any]()
+    follows = following(study, system, events, points, before, cuts, shape) if is_driven else None
+    loads, acting = known_loads(study, parts, events, points, follows)
+    direct, added = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any]()
+    begin = start(parts, modes, before, shape)
     if follows is None:
-        moved = motion(train, shape.T @ acting, loads, place, speed)
+        moved = motion(train, shape.T @ acting, loads, *begin)
     else:
         if not cuts:
-            shaken = vibration_before(parts, found, before, shape)
-            place, speed = place + shaken[0], speed + shaken[1]
+            shaken = vibration_before(parts, modes, before, shape)
+            begin = begin[0] + shaken[0], begin[1] + shaken[1]
         before = replace(before, frequency=before.frequency[:0], amplitude=before.amplitude[:0])
-        given = motion(train, shape.T @ acting, loads, place, speed)
+        given = motion(train, shape.T @ acting, loads, *begin)
         moved, solved = follows.solve(system, given, shape, settings.duration, settings.tolerance)
         follows.carried(system, direct)
         added = _of_steps(follows, solved)
-    time = np.linspace(0.0, settings.duration, _samples(settings, found) + 1)
-    slowed = slowed_torques(study, parts, found, shape, before, turns=turns)
-    carrier = carrier_of(study, system, settings.events, before, cuts)
+    time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
+    slowed = slowed_torques(study, parts, modes, shape, before, turns=is_driven)
     patches = [partial(cut.patched, system) for cut in cuts if cut.massless]
-    curves = Curves(system, found, before, shape, moved, slowed, direct, carrier, patches)
-    torque, turning, (top, bottom) = sampled(curves, time, progress)
-    refuse_beyond_tables(study, settings.events, turning)
+    carrier = carrier_of(study, system, events, before, cuts)
+    curves = Curves(system, modes, before, shape, moved, slowed, direct, carrier, patches)
+    finer = times_finer(modes, float(time[1]), len(time))
+    torque, turning, (top, bottom) = sampled(curves, time, finer, progress)
+    refuse_beyond_tables(study, events, turning, place)
     if follows is not None:
         straight = _straight(study, system, before) if cuts else train
         added["passages"] = passages(system, follows, straight, time, turning)
     reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
-    lacking = missed(found, moved, time)
-    checked = residual(moved, time)
     return TransientMotion(
-        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, lacking, checked, before.speed,
-        len(found.frequency), **added, system=system,
+        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, missed(modes, moved, time, finer),
+        residual(moved, time), before.speed, len(modes.frequency), system, settings.name, **added,
     )  # fmt: skip
 
 
 def _straight(study: Study, system: System, before: State) -> ModalTrain:
     """The modes of a train with its joints straight, whose resonances are passed."""
-    found = all_modes(system)
+    found = modes_as_discretised(system, None)
     return modal_train(study, system, found, shapes(system, found), before, turns=True)
 
 
@@ -151,14 +215,42 @@ def _samples(settings: TransientSettings, found: Modes) -> int:
     if settings.samples is not None:
         return settings.samples
     highest = float(found.frequency.max(initial=1.0 / settings.duration))
-    return int(min(max(PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
+    return int(min(max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
+
+
+def _read(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> TransientMotion:
+    """With rated torques, stresses and damage."""
+    operation, rated = study.operation, None
+    if operation.rated is not None and operation.has_mean_torque:
+        rated = steady(study.train, system, operation, np.array([operation.rated.speed])).torque[:, 0]
+    stress = np.full(len(system.spans), np.nan)
+    for bar in study.train.bars:
+        here = system.span_part == bar.part
+        stress[here] = found.peak[here] / stress_modulus(bar)
+    damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.torque)
+    return replace(found, rated=rated, stress=stress if study.train.bars else None, damage=damage)
 
 
 def run(work: Work) -> None:
-    """The motion over time that the file names."""
-    settings = work.settings("transient", TransientSettings)
-    with work.log.step("motion over time", "requested") as step:
-        found = transient(work.study, work.system, settings, progress=work.progress)
-        step.method = "exact propagation of all modes"
-        step.size = f"{found.modes} modes, {len(settings.events)} events, {len(found.time)} samples"
-    work.put(transient=found)
+    """Every motion over time that the file names; one without an answer takes no other with it."""
+    found, errors, known = list[TransientMotion](), list[InputError | SolveError](), dict[Any, tuple[Modes, Modes]]()
+    for settings, place in cases(work.study):
+        title = f"motion over time {settings.name}".rstrip()
+        try:
+            with work.log.step(title, "requested") as step:
+                if settings.modes not in known:
+                    known[settings.modes] = kept_modes(work.system, settings.modes, place)
+                one = transient(
+                    work.study, work.system, settings, place=place, modes=known[settings.modes], progress=work.progress
+                )
+                step.method = "exact propagation of the modes" + (", exponential collocation" if one.steps else "")
+                step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
+            found.append(one)
+        except (InputError, SolveError) as error:
+            errors.append(error)
+            if len(errors) > 1:
+                work.log.without(title, str(error))
+    if found:
+        work.put(transient=Transients(tuple(found)))
+    if errors:
+        raise errors[0]

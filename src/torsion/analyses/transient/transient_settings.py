@@ -1,20 +1,22 @@
 """Settings of the motion over time, and what a file says wrongly in them."""
 
-import math
-from typing import Annotated, Any
+from collections.abc import Iterator
+from pathlib import Path as FilePath
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from torsion import fields
+from torsion.analyses.transient.event_kind import Length, Point
 from torsion.analyses.transient.events import Event
-from torsion.analyses.transient.following_events import Length
 from torsion.errors import Fault, Path
-from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.study import Study
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.study import Several, Study
 from torsion.train import name_fault
 
 PATH = ("analyses", "transient")
 MOST_SAMPLES = 1_000_000
-PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
+DEFAULT_PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
 DEFAULT_MOST = 20_000  # samples where the file names no number
 
 
@@ -31,9 +33,35 @@ def _read_initial(value: Any) -> Any:
 Initial = Annotated[Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])]
 
 
-class TransientSettings(Declared):
-    """Settings of `transient`."""
+def _read_band(value: Any) -> Any:
+    if value == "all":
+        return value
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise refuse("`modes` is `all` or how many of the lowest are kept", "all, or for example 50")
+    return value
 
+
+class Fatigue(Declared):
+    """Cycles counted by rainflow, their damage summed after Miner: each is (amplitude/`amplitude`)**slope / cycles."""
+
+    amplitude: fields.Torque = required("torque amplitude (half range) borne for `cycles` cycles")
+    cycles: fields.Number = required("number of cycles at that amplitude")
+    slope: fields.Number = required("exponent m of the line amplitude**m * cycles = constant")
+    at: Annotated[tuple[str, ...], OneOrMany] = given("names of the couplings, shafts or gears (default: all)", ())
+    mean: Literal["none", "goodman"] = given("how a mean torque counts: not, or by a greater amplitude", "none")
+    ultimate: fields.Torque | None = given("torque at which it breaks, for `goodman`")
+
+    def refuse_clashes(self) -> None:
+        if (self.mean == "goodman") != (self.ultimate is not None):
+            raise refuse("`mean: goodman` and `ultimate` belong together", "give both, or none", "mean")
+        if self.amplitude == 0.0 or self.ultimate == 0.0:
+            raise refuse("a torque of 0 bears no cycle", "give the torque of the maker or of a test", "amplitude")
+
+
+class TransientSettings(Declared):
+    """Settings of `transient`: of one motion, or of each in a list of them."""
+
+    name: str = given("name of the motion, where there are several", "")
     duration: Length = required("how long the motion is computed")
     initial: Initial = given(
         "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, or a static twist that is "
@@ -44,52 +72,70 @@ class TransientSettings(Declared):
     )
     samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
         "samples of the curves; peaks are found between them, and nothing else depends on them "
-        f"(default: {PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
+        f"(default: {DEFAULT_PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
     )
     tolerance: Annotated[float, Quantity("1", at_least=1e-12, at_most=1e-2)] = given(
-        "of torques that follow the motion: largest term of a step that is left in their series, of the largest torque",
-        1e-6,
+        "of torques that follow the motion: largest term left in their series over a step, of the largest torque", 1e-6
     )
+    modes: Annotated[Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])] = given(
+        "all, or how many of the lowest elastic modes are kept; then the change with twice as many is reported", "all"
+    )
+    plot: Annotated[tuple[str, ...], OneOrMany] = given(
+        "names of elements whose torque, and points whose speed is drawn (default: the largest torques, both ends)", ()
+    )
+    export: Literal["npz", "csv"] | None = given("also write all samples: motion.npz, or motion.csv of each motion")
+    fatigue: Fatigue | None = given("{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum")
+
+
+def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
+    """Every motion that the file names, and where it stands there."""
+    named = study.analyses.get("transient")
+    each = named.each if isinstance(named, Several) else () if named is None else (named,)
+    is_list = isinstance(named, Several)
+    return [
+        (one, (*PATH, place) if is_list else PATH)
+        for place, one in enumerate(each)
+        if isinstance(one, TransientSettings)
+    ]
 
 
 def transient_faults(study: Study) -> list[Fault]:
-    """Events at what is no point, or after the end; nothing that moves the train."""
-    settings = study.analyses.get("transient")
-    if not isinstance(settings, TransientSettings):
-        return []
-    twisted = isinstance(settings.initial, dict) and "torque" in settings.initial
-    found = []
-    if not settings.events and not twisted:
-        hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
-        found.append(Fault(PATH, "nothing moves the train: no event, and no twist that is released", hint))
-    known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
-    for number, event in enumerate(settings.events):
-        path = (*PATH, "events", number)
-        if (fault := name_fault(event.at, (*path, "at"), known)) is not None:
-            found.append(fault)
-        if event.time >= settings.duration:
-            hint = f"within {settings.duration:g} s, or a longer `duration`"
-            found.append(Fault((*path, "time"), "the event begins after the end of the motion", hint))
-        elif fault is None:
-            found += _faults_of_fixed_points(study, event, (*path, event.kind))
+    """Motions without a name, events at what is no point or after the end, files, and nothing that moves the train."""
+    found, seen, every = list[Fault](), set[str](), cases(study)
+    if not every:
+        found.append(Fault(PATH, "the list of motions is empty", "`- {name: start, duration: 2 s, events: [...]}`"))
+    if every and study.model == "exact" and study.train.has_shafts:
+        message = "motion over time takes shafts as lumped masses or finite elements, not the model exact"
+        found.append(Fault(("analyses", "model"), message, "model: lumped"))
+    for settings, path in every:
+        if len(every) > 1 and (not settings.name or settings.name in seen):
+            what = f"two motions are called '{settings.name}'" if settings.name else "a motion in a list needs a name"
+            found.append(Fault((*path, "name") if settings.name else path, what, "`name: start`, each another"))
+        seen.add(settings.name)
+        found += _faults(study, settings, path)
     return found
 
 
-def _faults_of_fixed_points(study: Study, event: Event, path: Path) -> list[Fault]:
-    """A program of speed where nothing is fixed or more is, a torque at a fixed point, a start that cannot turn."""
-    train = study.train
-    held = {one.station for one in train.inertias if math.isinf(one.inertia)}
-    here = train.part(event.at).stations[0]
-    if event.speed is not None:
-        if here in held and len(held) == 1:
-            return []
-        message = f"the speed of '{event.at}' is prescribed, and " + (
-            "others are fixed" if here in held else "it turns freely"
-        )
-        return [Fault(path, message, "`held: true` there, and nowhere else")]
-    if here in held:
-        return [Fault(path, f"a torque at '{event.at}', which is fixed, does nothing", "name a point that can turn")]
-    if event.start is not None and held:
-        names = ", ".join(train.parts[train.stations[one].part].name for one in sorted(held))
-        return [Fault(path, f"a start turns the train, and it is fixed at {names}", "leave `held` out")]
-    return []
+def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[Fault]:
+    """Of one motion."""
+    if not settings.events and not (isinstance(settings.initial, dict) and "torque" in settings.initial):
+        hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
+        yield Fault(path, "nothing moves the train: no event, and no twist that is released", hint)
+    known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
+    for number, event in enumerate(settings.events):
+        place = (*path, "events", number)
+        if (fault := name_fault(event.at, (*place, "at"), known)) is not None:
+            yield fault
+        if event.time >= settings.duration:
+            hint = f"within {settings.duration:g} s, or a longer `duration`"
+            yield Fault((*place, "time"), "the event begins after the end of the motion", hint)
+        table = getattr(event, "table", None)
+        if table is not None and table.file is not None:
+            lack = table.lacks(Point(folder=FilePath(study.file).parent))
+            if lack is not None:
+                yield Fault((*place, "table", "file"), *lack)
+    for key, names in (("plot", settings.plot), ("fatigue", settings.fatigue.at if settings.fatigue else ())):
+        for word in names:
+            if word not in known:
+                where = (*path, key) if key == "plot" else (*path, key, "at")
+                yield Fault(where, f"no component is called '{word}'", ", ".join(known))

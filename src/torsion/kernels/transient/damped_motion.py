@@ -61,7 +61,8 @@ class Motion:
     def modal(self, y: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Places and speeds (modes, or all that damping takes hold of, times) of coordinates (coordinates, times)."""
         if self.read is not None:
-            place, speed = ((row @ y).real for row in self.read)
+            parts = np.concatenate([y.real, -y.imag])
+            place, speed = (np.concatenate([row.real, row.imag], axis=1) @ parts for row in self.read)
             return place, speed
         root = self.coordinates.root
         place = y.imag / root.imag[:, None]

@@ -4,96 +4,129 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.transient.transient_motion import TransientMotion
-from torsion.analyses.transient.transient_settings import TransientSettings
+from torsion.analyses.transient.transient_motion import TransientMotion, Transients
+from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
 from torsion.output.selection import Element, elements
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
-COLUMNS = 1000  # of the figures: each shows the least and the greatest value of its samples
+COLUMNS = 2000  # of the figures: each shows the least and the greatest value of its samples
 METHOD = (
     "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
     "modes. Losses of material act as modal damping, by their share of the energy."
 )
+Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Nothing where no motion was requested."""
-    found = findings.get(TransientMotion)
-    settings = findings.study.analyses.get("transient")
-    if found is None or not isinstance(settings, TransientSettings):
+    """Every motion in a section of its own; nothing where none was requested."""
+    found = findings.get(Transients)
+    if found is None:
         return
-    rows = _rows(findings, found)
-    unit = scale("N m", [value for _, values, _ in rows for value in values[:4]])
     yield Heading("Motion over time")
+    settings = {one.name: one for one, _ in cases(findings.study)}
+    for one in found.each:
+        if len(found.each) > 1:
+            yield Heading(f"Motion: {one.name}", 2)
+        yield from _motion(findings, one, settings[one.name])
+
+
+def _motion(findings: Findings, found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+    spans = [(one, np.array(list(one.spans))) for one in elements(findings.system)]
+    rows = [(one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()])) for one, k in spans]
+    unit = scale("N m", [value for _, high, low in rows for value in (found.greatest[high], found.least[low])])
     yield Paragraph(_introduction(found, settings))
-    yield table(
-        "< At | < Event | Begins at [s] | < Settings",
-        [(event.at, event.kind, event.time, event.words()) for event in settings.events],
-        "Events; torques at the point's own speed",
-    )
-    yield _peaks(rows, unit)
+    if found.status != "ok":
+        yield Paragraph(f"Not to be relied upon: {found.status}.", "fail")
+    events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
+    if events:
+        yield table("< At | < Event | Begins at [s] | < Settings", events, "Events; torques at the point's own speed")
+    yield _peaks(found, rows, unit)
+    yield from _loads(findings, found, rows, settings)
     if found.unresolved.any():
         text = (
-            "Modes that have fewer than 4 samples in a period add at most what the last column says; verdicts add it "
-            "to the peak. More `samples` resolve them."
+            "Modes too fast for the times at which peaks are looked for add at most what the last column says; "
+            "verdicts add it to the peak. More `samples` resolve them."
         )
         yield Paragraph(text, "note")
-    yield from _figures(findings, found, unit)
+    yield from _figures(findings, found, settings, unit)
 
 
 def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
     before = f"at {rpm(found.speed_before)} rpm" if found.speed_before else "at rest"
+    kept = (
+        "" if found.change is None else f"Twice as many modes change no peak by more than {number(found.change, 2)}. "
+    )
     return (
         f"{number(settings.duration)} s from a train {before}, in {counted(len(found.time), 'sample')}, of "
-        f"{counted(found.modes, 'elastic mode')}. {METHOD} The balance of energy holds to {number(found.residual, 2)} "
-        "of the largest energy."
+        f"{counted(found.modes, 'elastic mode')}. {METHOD} {kept}The balance of energy holds to "
+        f"{number(found.residual, 2)} of the largest energy."
     )
 
 
-def _rows(findings: Findings, found: TransientMotion) -> list[tuple[Element, tuple[float, ...], int]]:
-    """Of every element: greatest and least torque with their times, mean torque before, bound; and its reversals."""
-    rows = []
-    for element in elements(findings.system):
-        spans = np.array(list(element.spans))
-        high, low = spans[found.greatest[spans].argmax()], spans[found.least[spans].argmin()]
-        values = (
-            found.greatest[high], found.least[low], found.before[spans[0]], found.unresolved[spans].max(),
-            found.greatest_at[high], found.least_at[low],
-        )  # fmt: skip
-        rows.append((element, tuple(map(float, values)), int(found.reversals[spans].max())))
-    return rows
-
-
-def _peaks(rows: list[tuple[Element, tuple[float, ...], int]], unit: Scale) -> Table:
+def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
     titles = (
         f"< Element -> | Greatest torque [{unit.unit}] -> greatest | at [s] -> at "
         f"| Least torque [{unit.unit}] -> least | at [s] | Before [{unit.unit}] "
-        f"| Largest / before -> times | Reversals -> | Not sampled [{unit.unit}]"
+        f"| Largest / before -> times | Largest / rated | Reversals -> | Not sampled [{unit.unit}]"
     )
-    cells = [
-        (element.name, unit.text(high), high_at, unit.text(low), low_at, unit.text(before),
-         number(max(abs(high), abs(low)) / abs(before), 3) if before else NONE, reversals, unit.text(missed))
-        for element, (high, low, before, missed, high_at, low_at), reversals in rows
-    ]  # fmt: skip
-    return table(titles, cells, "Torques of the motion, mean torque included", short="Motion over time")
+    cells = []
+    for element, high, low in rows:
+        greatest, least = float(found.greatest[high]), float(found.least[low])
+        spans, first = np.array(list(element.spans)), element.spans[0]
+        most, rated = max(abs(greatest), abs(least)), 0.0 if found.rated is None else float(found.rated[first])
+        times = [number(most / abs(mean), 3) if mean else NONE for mean in (float(found.before[first]), rated)]
+        cells.append((
+            element.name, unit.text(greatest), float(found.greatest_at[high]), unit.text(least),
+            float(found.least_at[low]), unit.text(float(found.before[first])), *times,
+            int(found.reversals[spans].max()), unit.text(float(found.unresolved[spans].max())),
+        ))  # fmt: skip
+    text = "Torques of the motion, mean torque included; where the torque of a gear reverses its teeth separate"
+    return table(titles, cells, text, short=f"Motion over time: {found.name}" if found.name else "Motion over time")
 
 
-def _figures(findings: Findings, found: TransientMotion, unit: Scale) -> Iterator[Block]:
-    every = sorted(elements(findings.system), key=lambda one: -float(found.peak[list(one.spans)].max()))[:MOST_CURVES]
-    curves = [
-        (one.name, found.torque[max(one.spans, key=lambda span: found.peak[span])] * unit.factor) for one in every
-    ]
-    for name, values in curves:
-        drawn = {**envelope(found.time, [(name, values)]), "quantity": f"torque, {unit.unit}"}
-        yield Figure(f"motion {name}", f"Torque in {name} over time", "over time", drawn)
-    stations = [(k, s.name) for k, s in enumerate(findings.study.train.stations) if not s.is_ground]
+def _loads(
+    findings: Findings, found: TransientMotion, rows: list[Peaks], settings: TransientSettings
+) -> Iterator[Block]:
+    """Stresses of the shafts and damage, where there are any."""
+    if found.stress is not None:
+        cells = []
+        for element, _, _ in rows:
+            most = float(found.stress[list(element.spans)].max())
+            if np.isfinite(most):
+                cells.append((element.name, number(most * 1e-6)))
+        yield table("< Shaft | Largest shear stress [N/mm²]", cells, "Nominal stress of the shafts at their peaks")
+    line = settings.fatigue
+    if found.damage is not None and line is not None:
+        worst = [(one.name, float(found.damage[list(one.spans)].max())) for one, _, _ in rows]
+        mean = "mean torques are left out" if line.ultimate is None else f"ultimate torque {number(line.ultimate)} N m"
+        yield Paragraph(
+            "Fatigue: cycles of every torque by rainflow (ASTM E1049), the residue as half cycles; damage after Miner, "
+            f"amplitude {number(line.amplitude)} N m borne {number(line.cycles)} times, slope {number(line.slope)}; "
+            f"{mean}."
+        )
+        cells = [(name, number(sum_, 3)) for name, sum_ in worst if np.isfinite(sum_)]
+        yield table("< Element | Damage of one such motion", cells, "Miner's sums; at 1 the life is used up")
+
+
+def _figures(findings: Findings, found: TransientMotion, settings: TransientSettings, unit: Scale) -> Iterator[Block]:
+    every = sorted(elements(findings.system), key=lambda one: -float(found.peak[list(one.spans)].max()))
+    train, plot, mark = findings.study.train, settings.plot, f"{found.name} ".lstrip()
+    drawn = [one for one in every if train.parts[one.part].name in plot] if plot else every[:MOST_CURVES]
+    for one in drawn:
+        span = max(one.spans, key=lambda span: found.peak[span])
+        values = envelope(found.time, [(one.name, found.torque[span] * unit.factor)])
+        caption = f"Torque in {one.name} over time" + (f", {found.name}" if found.name else "")
+        yield Figure(f"motion {mark}{one.name}", caption, "over time", {**values, "quantity": f"torque, {unit.unit}"})
+    stations = [(k, s.name) for k, s in enumerate(train.stations) if not s.is_ground]
     ends = [stations[0], stations[-1]] if len(stations) > 1 else stations
-    speeds = [(name, found.speed[k] * RPM) for k, name in ends]
-    drawn = {**envelope(found.time, speeds), "quantity": "own speed, rpm"}
-    yield Figure("motion speeds", "Speed of both ends of the train over time", "over time", drawn)
+    ends = [one for one in stations if train.parts[train.stations[one[0]].part].name in plot] if plot else ends
+    if ends:
+        values = envelope(found.time, [(name, found.speed[k] * RPM) for k, name in ends])
+        caption = "Speed over time" + (f", {found.name}" if found.name else "")
+        yield Figure(f"motion {mark}speeds", caption, "over time", {**values, "quantity": "own speed, rpm"})
 
 
 def envelope(time: np.ndarray, curves: list[tuple[str, np.ndarray]]) -> dict[str, object]:

@@ -1,0 +1,43 @@
+"""Damage of a motion over time: cycles by rainflow (ASTM E1049, the residue as half cycles), their sum after Miner."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from torsion.analyses.transient.transient_settings import Fatigue
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+
+
+def turning_points(torque: FloatArray) -> FloatArray:
+    """Where samples (times,) of a smooth torque turn: the tops of parabolas through three of them; and both ends."""
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(torque))) != 0) + 1
+    before, top, after = torque[turns - 1], torque[turns], torque[turns + 1]
+    peaks = top + (after - before) ** 2 / (8.0 * (2.0 * top - before - after))
+    return np.concatenate([torque[:1], peaks, torque[-1:]])
+
+
+def cycles(points: FloatArray) -> Iterator[tuple[float, float, float]]:
+    """(half range, mean, count) of every cycle of turning points (points,) N m."""
+    import rainflow
+
+    return ((spread / 2.0, mean, count) for spread, mean, count, *_ in rainflow.extract_cycles(points))
+
+
+def miner(counted: Iterable[tuple[float, float, float]], line: Fatigue) -> float:
+    """The sum of count / cycles borne; by Goodman an amplitude is divided by 1 - mean/ultimate, infinite from there."""
+    found = 0.0
+    for amplitude, mean, count in counted:
+        left = 1.0 if line.ultimate is None else 1.0 - abs(mean) / line.ultimate
+        found += count * (amplitude / left / line.amplitude) ** line.slope / line.cycles if left > 0.0 else np.inf
+    return found
+
+
+def damages(system: System, line: Fatigue, torque: FloatArray) -> FloatArray:
+    """(spans,) Miner's sum of torques (spans, times); NaN where the file names others."""
+    names = [system.train.parts[part].name for part in system.span_part.tolist()]
+    known = [not line.at or name in line.at for name in names]
+    return np.array([
+        miner(cycles(turning_points(one)), line) if judged else np.nan
+        for one, judged in zip(torque, known, strict=True)
+    ])  # fmt: skip
