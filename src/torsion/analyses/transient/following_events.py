@@ -88,8 +88,6 @@ class Start(Kind):
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        if at.mean:
-            yield Piece(begin, math.inf, -at.mean)
         if self.pulsation is not None:
             rate = complex(-1.0 / self.pulsation.decay, 2.0 * math.pi * self.line)
             yield Piece(begin, self._window(begin).end, -1j * self.pulsation.torque, rate=rate)
@@ -133,10 +131,6 @@ class Load(Kind):
     def ends(self) -> float:
         """rad/s, where its table ends; infinite for a law."""
         return math.inf if isinstance(self.law, str) else float(self.law[-1][0])
-
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        if at.mean:
-            yield Piece(begin, math.inf, -at.mean)
 
     def laws(self, begin: float, at: Point) -> Iterator[Law]:
         window = torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)

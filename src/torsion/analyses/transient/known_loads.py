@@ -25,13 +25,20 @@ def known_loads(
 ) -> tuple[Loads, FloatArray]:
     """The torque of every event, and where each acts, (stations, loads) per N m.
 
-    Behind them stand the inertia of a train whose speed is prescribed, torques of a fixed frequency, and one load of
-    nothing for every interface of what follows the motion.
+    Behind them stand the mean torques that starts and loads replace, the inertia of a train whose speed is prescribed,
+    torques of a fixed frequency, and one load of nothing for every interface of what follows the motion.
     """
     loads, columns, here = list[tuple[Piece, ...]](), list[FloatArray](), np.eye(len(system.stations))
+    replaced = dict[str, tuple[float, float]]()
     for event, point in zip(events, points, strict=True):
         loads.append(event.pieces(point))
         columns.append(here[study.train.part(event.at).stations[0]])
+        if event.body.drives and point.mean:
+            first, _ = replaced.get(event.at, (math.inf, 0.0))
+            replaced[event.at] = min(first, event.time), point.mean
+    for name, (begin, replaced_mean) in replaced.items():
+        loads.append((Piece(begin, math.inf, -replaced_mean),))
+        columns.append(here[study.train.part(name).stations[0]])
     if rates := rates_of(study, system, events):
         loads.append(tuple(Piece(begin, end, -rate) for begin, end, rate in rates))
         columns.append(np.where(system.held, 0.0, system.lumped_inertia) * np.abs(system.speed_ratio))

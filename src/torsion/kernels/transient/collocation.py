@@ -152,10 +152,12 @@ def march(train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme) 
         left = _left(state, time, start, tried, own)
         if left is not None:
             share, law, regime = left
+            whole, own = own, share * own
             if share > 0.0:
-                tried, own = _kept(state, time, share * own, start, torque, exactly=True)
-            changes.append((time + (own if share > 0.0 else 0.0), law, regime))
-            state.regimes[law] = regime
+                tried, own = _kept(state, time, own, start, torque)
+            if own == share * whole:  # else it ends before
+                changes.append((time + own, law, regime))
+                state.regimes[law] = regime
             waits = 0 if share > 0.0 else waits + 1
             if waits > WITHOUT_PROGRESS:
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
@@ -184,15 +186,13 @@ def _next_length(state: _March, last: float, own: float, length: float) -> float
     return min(2.0 * length, state.scheme.longest) if last <= EASY * allowed and own >= 0.5 * length else length
 
 
-def _kept(
-    state: _March, time: float, length: float, start: Place, guess: FloatArray, *, exactly: bool = False
-) -> tuple[_Trial, float]:
-    """A step that is accurate enough, of that length or of a shorter one; `exactly`: it is known to be."""
+def _kept(state: _March, time: float, length: float, start: Place, guess: FloatArray) -> tuple[_Trial, float]:
+    """A step that is accurate enough, of that length or of a shorter one."""
     while True:
         tried = _tried(state, time, length, start, guess)
         if tried is not None:
             scale = np.abs(tried.torque * state.scheme.weight[:, None]).max(initial=state.largest)
-            if exactly or tried.last <= state.scheme.tolerance * scale:
+            if tried.last <= state.scheme.tolerance * scale:
                 return tried, length
         if length < SHORTEST * state.scheme.duration:
             message = f"at {time:.6g} s no step is short enough for the torques that follow the motion"
@@ -316,7 +316,17 @@ def _inside(state: _March, own: Steps, time: float) -> Points:
 
 
 def _root(of: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that is positive at `low` and not at `high` vanishes, by bisection."""
-    while low < (middle := (low + high) / 2.0) < high:
-        low, high = (middle, high) if of(middle) > 0.0 else (low, middle)
+    """Where a function that is positive at `low` and not at `high` vanishes: regula falsi after Illinois."""
+    above, below, last = of(low), of(high), math.nan
+    while low < (low + high) / 2.0 < high:
+        middle = high - below * (high - low) / (below - above)
+        middle = middle if low < middle < high else (low + high) / 2.0
+        value = of(middle)
+        if abs(middle - last) <= SAME_TIME or value == 0.0:
+            return middle
+        if value > 0.0:
+            low, above, below = middle, value, below / 2.0 if last < middle else below
+        else:
+            high, below, above = middle, value, above / 2.0 if last > middle else above
+        last = middle
     return high

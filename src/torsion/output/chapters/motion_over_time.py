@@ -12,6 +12,7 @@ from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
 from torsion.output.selection import Element, elements
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
+MOST_PASSAGES = 20  # lines of a table
 COLUMNS = 2000  # of the figures: each shows the least and the greatest value of its samples
 METHOD = (
     "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
@@ -44,6 +45,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     if events:
         yield table("< At | < Event | Begins at [s] | < Settings", events, "Events; torques at the point's own speed")
     yield _peaks(found, rows, unit)
+    yield from _following(found)
     yield from _loads(findings, found, rows, settings)
     if found.unresolved.any():
         text = (
@@ -64,6 +66,36 @@ def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
         f"{counted(found.modes, 'elastic mode')}. {METHOD} {kept}The balance of energy holds to "
         f"{number(found.residual, 2)} of the largest energy."
     )
+
+
+def _following(found: TransientMotion) -> Iterator[Block]:
+    """How torques that follow the motion were found, when their laws changed, and what resonances were passed."""
+    if not found.steps:
+        return
+    yield Paragraph(
+        f"These torques follow the speed or the angle of their point: {', '.join(found.following)}. They are found by "
+        f"exponential collocation in {counted(found.steps, 'step')}, between which the modes are exact. The last term "
+        f"kept of their series is at most {number(found.left_in_series, 2)} of the largest of them; the error is "
+        "smaller. Periodic torques of the file follow the angle of their point too, from its angle 0 on."
+    )
+    if found.passages:
+        cells = [
+            (one.mode, one.what, one.time, rpm(one.speed), number(one.frequency), number(one.seconds, 3),
+             number(100.0 * one.share, 3))
+            for one in found.passages[:MOST_PASSAGES]
+        ]  # fmt: skip
+        titles = (
+            "Mode | < Excited by | Met at [s] | Reference speed [rpm] | Frequency [Hz] | Passed in [s] "
+            "| Reached, of the steady resonance [%]"
+        )
+        more = len(found.passages) - MOST_PASSAGES
+        text = "Resonances passed: time within the range of half the power, and what a constant rate lets them reach"
+        yield table(titles, cells, text + (f"; {more} more are in results.json" if more > 0 else ""))
+    if found.changes:
+        changed = [(one.what, one.time) for one in found.changes[:MOST_PASSAGES]]
+        yield table(
+            "< Torque | At [s]", changed, "When a torque that follows the motion came to another part of its law"
+        )
 
 
 def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
