@@ -71,7 +71,7 @@ def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
 
 
 def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
-    """Every uneven joint; raises SolveError where neither a rigid nor an elastic one can be told."""
+    """Every uneven joint; raises SolveError where it can be taken neither as rigid nor with an elastic span."""
     spans = joint_spans(system)
     if not spans.size:
         return ()
