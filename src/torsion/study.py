@@ -13,9 +13,10 @@ from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.components.harmonic_torques import Table, read_table
 from torsion.errors import Fault, InputError
-from torsion.fields import Declared, Sized, given, refuse, required
+from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
 from torsion.train import Train
 
+ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual=(None, 0.2), slip=("%",))]
 MEMORY = 2e9  # bytes that a response may need where nothing else is said
 
 
@@ -88,6 +89,14 @@ class Operation(Sized):
         if self.rated is not None:
             return self.rated.speed
         return None if self.speeds is None else self.speeds.last
+
+
+class ModalDamping(Declared):
+    """Damping by mode, in place of that of the components."""
+
+    modal: Annotated[tuple[ModalRatio, ...], OneOrMany, Field(min_length=1, max_length=10_000)] = required(
+        "damping ratio of every elastic mode, or a list by mode whose last value holds for all above: [1 %, 2 %]"
+    )
 
 
 class FiniteElements(Declared):

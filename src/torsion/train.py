@@ -37,6 +37,7 @@ class Train:
     dampers: tuple[Damper, ...]
     torques: tuple[Torque, ...]
     materials: Mapping[str, Material]
+    modal_damping: tuple[float, ...] = ()  # damping ratio of each elastic mode, the last of all above; () for none
 
     def part(self, name: str) -> Part:
         """The component of that name; raises KeyError."""
@@ -58,6 +59,14 @@ class Train:
     def has_meshed_sections(self) -> bool:
         """A shaft has a `section` by mesh."""
         return any(bar.section is not None for bar in self.bars)
+
+    @property
+    def damping_of_components(self) -> str:
+        """The name of one that has damping of its own; empty where none has."""
+        named = [spring.name for spring in self.springs if spring.viscous > 0 or spring.loss_factor > 0]
+        named += [bar.name for bar in self.bars if bar.loss_factor > 0]
+        named += [self.parts[self.stations[damper.station].part].name for damper in self.dampers]
+        return next(iter(named), "")
 
     @property
     def has_loops(self) -> bool:

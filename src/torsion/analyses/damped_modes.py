@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
-from torsion.analyses.undamped_modes import modes_as_discretised, modes_settings, span_torques
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised, modes_settings, span_torques
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
@@ -47,6 +47,8 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
     if system.bars is not None:
         message = f"damped modes of the model {system.model} are not built"
         raise SolveError(f"{message}; use the lumped model, the response is right with all of them")
+    if system.train.modal_damping:
+        return _by_mode(modes_as_discretised(system, count), speed)
     condensed = system.condensed
     if condensed.extra.size:
         message = "damped modes of a train with closed loops, or grounded behind rigid spans at several points"
@@ -73,6 +75,14 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         found.real_root,
         speed,
     )
+
+
+def _by_mode(found: Modes, speed: float) -> DampedModes:
+    """Modes with the damping ratios that the file gives them."""
+    ratio, w = found.system.modal_ratios(len(found.frequency)), 2.0 * math.pi * found.frequency
+    root = w * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
+    shape, torque = found.shape.astype(complex), found.torque.astype(complex)
+    return DampedModes(root.imag / (2.0 * math.pi), ratio, root, shape, torque, np.empty(0), speed)
 
 
 def run(work: Work) -> None:
@@ -106,7 +116,8 @@ def run(work: Work) -> None:
         mean = steady(study.train, system, study.operation, np.array([speed]))
     with work.log.step("damped modes", "something damps") as step:
         found = damped(system, speed=speed or 0.0, steady=mean, count=settings.count)
-        step.method = "Newton with two-sided vectors on the quadratic problem"
+        by_mode = bool(system.train.modal_damping)
+        step.method = "damping by mode" if by_mode else "Newton with two-sided vectors on the quadratic problem"
         step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")
     work.put(damped_modes=found)
 

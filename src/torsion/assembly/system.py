@@ -167,7 +167,13 @@ class System:
     @cached_property
     def damps(self) -> bool:
         """Anything in the train takes energy out."""
-        return bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+        by_mode = any(self.train.modal_damping)
+        return by_mode or bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+
+    def modal_ratios(self, modes: int) -> FloatArray:
+        """(modes,) damping ratios given by mode, the last of them for all above; 0 where none is given."""
+        given = self.train.modal_damping or (0.0,)
+        return np.array([*given, *[given[-1]] * modes][:modes])
 
     def _over_stations(self, of: Callable[[Station], float]) -> np.ndarray:
         """(stations,) what is known of every station one by one, and of all those inside of a row at once."""

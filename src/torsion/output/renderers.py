@@ -28,6 +28,7 @@ OUTPUTS = {
     "json": Output("torsion.output.results_json:rendered", ".json"),
     "html": Output("torsion.output.html:html", ".html"),
     "csv": Output("torsion.output.csv_table:csv_text", ".csv"),
+    "motion": Output("torsion.output.motion_files:motion", ".npz"),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
     "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True),
     "terminal": Output("torsion.output.terminal:screen"),

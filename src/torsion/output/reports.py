@@ -28,7 +28,8 @@ REPORTS = {
             "verdict", "plant", "mass_elastic", "@modes", "twisted_train", "@critical", "excitations", "damping_given",
             "@*", "verdict:barred_ranges", "verdict:closing", "provenance:steps", "provenance:input_file",
         ),
-        "report", {"json": "results.json", "vtu": "modes.vtu"}, on_request={"twisted_train": "vtu"},
+        "report", {"json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz"},
+        on_request={"twisted_train": "vtu"},
     ),
     "joint": Report(
         "Universal joints",

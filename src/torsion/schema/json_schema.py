@@ -62,6 +62,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     return {
         "materials": {"type": "object", "additionalProperties": refs["material"]},
         "operation": refs["operation"],
+        "damping": refs["damping"],
         "train": {"$ref": "#/$defs/train"},
         "links": _list_of(link),
         "excitations": _list_of(refs["excitation"]),

@@ -24,7 +24,7 @@ from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unk
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
-from torsion.study import FiniteElements, Operation, Several, ShaftModel, Study
+from torsion.study import FiniteElements, ModalDamping, Operation, Several, ShaftModel, Study
 from torsion.train import Link, Train, lowered, name_fault, taken
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
@@ -44,6 +44,7 @@ class Scene(Declared):
     description: str = given("free text", "")
     materials: Any = given("materials by name; `steel` exists")
     operation: Any = given("speeds, rated point and law of load")
+    damping: Any = given("damping by mode, in place of that of the components: {modal: 2 %}")
     train: Any = required("the components from one end to the other")
     links: Any = given("links that close loops between named points")
     excitations: Any = given("torques beyond those that components bring")
@@ -110,9 +111,14 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     materials = _materials(data, faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
     analyses, model, rules = _analyses(data, faults), _shaft_model(data, faults), _rules(data, faults)
+    damping = None
+    if data.get("damping") is not None:
+        damping = declared(ModalDamping, data["damping"], ("damping",), faults)
     train = _train(data, materials, operation, faults)
     if train is None:
         return None
+    if damping is not None:
+        train = replace(train, modal_damping=damping.modal)
     return Study(
         name="" if scene is None else scene.name,
         description="" if scene is None else scene.description,

@@ -30,6 +30,22 @@ def _model_faults(study: Study) -> Iterator[Fault]:
         yield Fault(("analyses", "model"), message, "model: lumped")
 
 
+def _damping_faults(study: Study) -> Iterator[Fault]:
+    """Damping by mode beside that of components, or for what is not a sum of modes."""
+    if not study.train.modal_damping:
+        return
+    if name := study.train.damping_of_components:
+        message = f"damping by mode stands in place of that of the components, and '{name}' has its own"
+        yield Fault(("damping",), message, "leave one of them out")
+    if study.model != "lumped" and study.train.has_shafts:
+        yield Fault(("analyses", "model"), f"damping by mode is not for the model {study.model}", "model: lumped")
+    for name in ("stability", "check"):
+        if name in study.analyses:
+            yield Fault(("damping",), f"`{name}` takes no damping by mode", "give the components their damping")
+    if study.has_joints:
+        yield Fault(("damping",), "a train with joints takes no damping by mode", "give the components their damping")
+
+
 def _growth_faults(study: Study) -> Iterator[Fault]:
     """Stability of a train in which nothing has an inertia."""
     lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
@@ -121,6 +137,7 @@ _lateral_faults = _of_analysis(
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),
+    (_damping_faults, ("train", "links", "damping", "materials", "analyses")),
     (_check_faults, ("train", "links", "analyses")),
     (_response_faults, ("train", "operation", "analyses", "rules")),
     (_order_faults, ("train", "excitations", "analyses")),

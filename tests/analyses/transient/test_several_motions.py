@@ -11,6 +11,7 @@ from torsion.errors import InputError
 from torsion.output.blocks import Figure, Heading
 from torsion.output.chapters.motion_over_time import chapter
 from torsion.output.results_json import results
+from torsion.output.write import write
 from torsion.rules.verdict_line import Checks
 
 SCENE = """name: x
@@ -119,3 +120,23 @@ analyses:
     found = torsion.run(torsion.parse(text)).need(Transients).each[0]
     number = 10.0 * np.sqrt(1e4 / 1.2) / (2.0 * np.pi)
     assert found.damage[0] == pytest.approx((number - 0.5) * 0.5**5 / 1e6, rel=2e-3, abs=0.0)
+
+
+def test_all_samples_are_written_where_the_file_exports_them(tmp_path) -> None:
+    trip, hit = TRIP.replace("1 s,", "1 s, export: csv,"), HIT.replace("1 s,", "1 s, export: npz,", 1)
+    found = torsion.run(torsion.parse(SCENE + trip + hit))
+    write(found, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "motion-trip.csv",
+        "motion.npz",
+        "report.html",
+        "results.json",
+    ]
+    first, second = found.need(Transients).each
+    head, *rows = (tmp_path / "motion-trip.csv").read_text().splitlines()
+    titles = [title.strip('"') for title in head.split(",")]
+    values = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    np.testing.assert_array_equal(values[:, titles.index("torque in rubber [N*m]")], first.torque[0])
+    with np.load(tmp_path / "motion.npz") as arrays:
+        np.testing.assert_array_equal(arrays["hit: time [s]"], second.time)
+        np.testing.assert_array_equal(arrays["hit: speed of drive [rad/s]"], second.speed[0])

@@ -80,7 +80,8 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
 def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArray:
     """(modes,) loss in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2, generalised inertia 1."""
     twist = system.twist(found.shape / system.speed_ratio[:, None])
-    return np.asarray((system.viscous @ twist**2 / w + system.loss_factor @ found.elastic) / 2.0)
+    by_mode = system.modal_ratios(len(w))
+    return np.asarray((system.viscous @ twist**2 / w + system.loss_factor @ found.elastic) / 2.0 + by_mode)
 
 
 def places(

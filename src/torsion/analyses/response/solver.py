@@ -30,6 +30,32 @@ class Answer:
 def answer(system: System, w: FloatArray, sources: Sources, damping: FloatArray) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
+    damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode.
+    """
+    if not system.train.modal_damping:
+        return swept(system, w, sources, damping)
+    from torsion.analyses.response.modal_response import modal_sums
+
+    def still(at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        found = swept(undamped(system), at, sources, np.zeros((len(system.stations), len(at))))
+        return found.angle.T, found.torque.T
+
+    angle, torque, amplification = modal_sums(system, w, sources, still)
+    none = np.zeros(len(w))
+    return Answer(angle.T, torque.T, none, status(amplification, none))
+
+
+def undamped(system: System) -> System:
+    """The same without the damping of its components."""
+    none = np.zeros(len(system.spans))
+    return replace(system, viscous=none, loss_factor=none, dampers=())
+
+
+def swept(system: System, w: FloatArray, sources: Sources, damping: FloatArray) -> Answer:
+    """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
+
+    The train is damped by its components.
+
     damping: (stations, frequencies) N m s/rad to ground at own speed.
     """
     condensed = system.condensed

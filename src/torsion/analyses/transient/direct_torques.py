@@ -6,25 +6,15 @@ less that of all modes.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
+from torsion.analyses.modal_basis import beside_modes
 from torsion.analyses.response.harmonic_components import Sources
-from torsion.analyses.response.solver import answer
+from torsion.analyses.response.solver import swept, undamped
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.spanning_forest import connected
-
-
-def massless(system: System) -> BoolArray:
-    """(stations,) where nothing that is rigidly joined to the station has an inertia."""
-    rigid = system.flexibility == 0.0
-    group = connected(len(system.stations), system.driving[rigid], system.driven[rigid])
-    total = np.zeros(len(group))
-    np.add.at(total, group, system.inertia)
-    return np.asarray(total[group] == 0.0)
 
 
 def direct_torques(system: System, modes: Modes, acting: FloatArray, *, is_band: bool = False) -> FloatArray:
@@ -33,8 +23,7 @@ def direct_torques(system: System, modes: Modes, acting: FloatArray, *, is_band:
     is_band: higher modes are left out, and stand at once for what they carry, as far as they do so slowly.
     """
     found = np.zeros((len(system.spans), acting.shape[1]))
-    without = massless(system)
-    rows = np.flatnonzero(is_band | (system.flexibility == 0.0) | without[system.driving] | without[system.driven])
+    rows = np.flatnonzero(is_band | beside_modes(system)[1])
     loads = np.flatnonzero(acting.any(axis=0))
     if not (rows.size and loads.size):
         return found
@@ -44,8 +33,7 @@ def direct_torques(system: System, modes: Modes, acting: FloatArray, *, is_band:
     force = np.zeros((condensed.tree.size, len(loads)), dtype=complex)
     np.add.at(force, condensed.node, ratio * acting[:, loads])
     none = np.zeros((len(system.stations), len(loads)))
-    bare = replace(system, viscous=np.zeros(len(system.spans)), loss_factor=np.zeros(len(system.spans)), dampers=())
-    whole = answer(bare, np.full(len(loads), at), Sources(force, None), none).torque.real.T
+    whole = swept(undamped(system), np.full(len(loads), at), Sources(force, None), none).torque.real.T
     moved = (modes.shape.T @ acting[:, loads]) / (w**2 - at**2)[:, None]
     found[np.ix_(rows, loads)] = whole[rows] - modes.torque[rows] @ moved
     return found

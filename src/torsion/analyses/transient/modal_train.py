@@ -6,15 +6,15 @@ from typing import Literal
 
 import numpy as np
 
+from torsion.analyses.modal_basis import massless, rigid_shapes
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.transient.direct_torques import direct_torques, massless
+from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.state_before import State
 from torsion.analyses.transient.transient_settings import PATH
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
-from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.damped_motion import ModalTrain
 from torsion.study import Study
 
@@ -53,22 +53,8 @@ def _lowest(found: Modes, number: int) -> Modes:
 
 
 def shapes(system: System, found: Modes) -> FloatArray:
-    """(stations, rigid motions + modes) rad at own speed, generalised inertia 1.
-
-    Of the rigid motions that of the whole train comes first, where nothing holds it; then those of parts that turn
-    against each other.
-    """
-    ratio, finite = system.speed_ratio, np.isfinite(system.flexibility)
-    part = connected(len(ratio), system.driving[finite], system.driven[finite])
-    loose = np.setdiff1d(part, part[system.held])
-    each = np.where(part[:, None] == loose, ratio[:, None], 0.0)
-    if not system.held.any():
-        each[:, 0] = ratio
-    upper = np.linalg.qr(np.sqrt(np.where(system.held, 0.0, system.inertia))[:, None] * each, "r")
-    rigid = np.linalg.solve((upper * np.sign(np.diag(upper))[:, None]).T, each.T).T
-    if rigid.shape[1] != found.rigid:
-        raise SolveError("a part of the train turns freely and has no inertia", "give it one", PATH)
-    return np.concatenate([rigid, found.shape], axis=1)
+    """(stations, rigid motions + modes) rad at own speed, generalised inertia 1."""
+    return np.concatenate([rigid_shapes(system), found.shape], axis=1)
 
 
 def modal_train(
@@ -78,7 +64,7 @@ def modal_train(
 
     turns: the speed changes by itself; dampers to ground then damp the deviation from the motion of the train as one.
     """
-    ratio = 0.5 * system.loss_factor @ found.elastic
+    ratio = 0.5 * system.loss_factor @ found.elastic + system.modal_ratios(len(found.frequency))
     damping = np.zeros((shape.shape[1],) * 2)
     damped = np.flatnonzero(system.viscous > 0)
     if damped.size:

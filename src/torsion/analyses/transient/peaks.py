@@ -9,7 +9,7 @@ from torsion.arrays import FloatArray, IntArray
 
 NEAR = 1e-3  # of the range of a curve: how far below the highest a sampled peak is looked at exactly
 MOST = 64  # peaks of one curve that are looked at; those that a steady vibration repeats are alike
-HALVINGS = 60
+HALVINGS = 26  # of the interval: a value is flat at its peak, and its error is the square of that of the time
 Curves = Callable[[IntArray, FloatArray], tuple[FloatArray, FloatArray]]  # curve and time of each: value and rate
 
 

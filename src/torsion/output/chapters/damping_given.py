@@ -35,6 +35,14 @@ def chapter(findings: Findings) -> Iterator[Block]:
             )  # fmt: skip
         return
     yield Heading("Damping")
+    if by_mode := findings.study.train.modal_damping:
+        ratios = ", ".join(f"{number(100.0 * one)} %" for one in by_mode)
+        of = "every elastic mode" if len(by_mode) == 1 else "the elastic modes in turn, the last of all above"
+        yield Paragraph(
+            f"Damping ratio of {of}: {ratios}, in place of damping of the components. The response is the sum over all "
+            "modes, with the exact static rest."
+        )
+        return
     yield Paragraph(MODEL)
     yield from (one for one in (_elements(findings), _grounds(findings)) if one.rows)
     bare = [e.name for e in elements(system) if system.flexibility[e.spans[0]] > 0 and not damps(system, e)]

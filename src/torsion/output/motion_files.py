@@ -1,0 +1,63 @@
+"""All samples of motions over time as files: arrays in motion.npz, or a table motion.csv of each motion."""
+
+import re
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.transient.transient_motion import TransientMotion, Transients
+from torsion.analyses.transient.transient_settings import cases
+from torsion.arrays import FloatArray
+from torsion.findings import Findings
+from torsion.output.csv_table import one_line
+from torsion.output.document import Document
+from torsion.output.selection import elements
+
+
+def motion(document: Document) -> Callable[[Path], list[Path]] | None:
+    """What writes the motions that the file exports; None where it exports none."""
+    found, forms = (
+        document.findings.get(Transients),
+        {one.name: one.export for one, _ in cases(document.findings.study)},
+    )
+    each = [] if found is None else [one for one in found.each if forms[one.name]]
+    if not each or document.report.keys:
+        return None
+    return partial(_written, document.findings, each, forms)
+
+
+def _written(
+    findings: Findings, each: list[TransientMotion], forms: Mapping[str, str | None], target: Path
+) -> list[Path]:
+    """The paths of the files; arrays of all motions stand in one."""
+    made, arrays = list[Path](), dict[str, Any]()
+    for one in each:
+        columns = _columns(findings, one)
+        if forms[one.name] == "npz":
+            mark = f"{one.name}: " if one.name else ""
+            arrays |= {mark + title: values for title, values in columns}
+        else:
+            word = re.sub(r"[^\w.-]+", "-", one.name)
+            made.append(target.with_name(f"motion-{word}.csv" if word else "motion.csv"))
+            title = ",".join('"' + one_line(name).replace('"', "'") + '"' for name, _ in columns)
+            rows = np.column_stack([values for _, values in columns])
+            np.savetxt(made[-1], rows, delimiter=",", header=title, comments="", fmt="%.17g", encoding="utf-8")
+    if arrays:
+        with target.open("wb") as file:
+            np.savez(file, **arrays)
+        made.append(target)
+    return made
+
+
+def _columns(findings: Findings, found: TransientMotion) -> list[tuple[str, FloatArray]]:
+    """Title and samples: the time, speeds of the points, torques of the elements, each where it is largest."""
+    stations = findings.study.train.stations
+    columns = [("time [s]", found.time)]
+    columns += [(f"speed of {s.name} [rad/s]", found.speed[k]) for k, s in enumerate(stations) if not s.is_ground]
+    for one in elements(findings.system):
+        span = max(one.spans, key=lambda span: found.peak[span])
+        columns.append((f"torque in {one.name} [N*m]", found.torque[span]))
+    return columns
