@@ -198,6 +198,7 @@ def test_after_its_start_a_train_with_a_joint_moves_as_harmonic_balance_says(yok
     [
         (f"{SPRING}, joint: {{angle: 20 deg}}, coupling: {{stiffness: 100}}", "inertia on neither side"),
         ("joint: {name: j, angle: 20 deg}, coupling: {stiffness: 9}, coupling: {stiffness: 9}", "leads to no inertia"),
+        (f"{SPRING}, joint: {{kind: tripod, angle: 9 deg, radius: 3 cm, arm: 1 m}}", "driving yoke of the tripod"),
     ],
 )  # fmt: skip
 def test_a_joint_without_inertia_asks_for_one(parts: str, words: str) -> None:

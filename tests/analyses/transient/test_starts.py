@@ -30,6 +30,7 @@ def test_a_motor_starts_a_fan_in_the_given_time() -> None:
     found = alone(12.0, [{"start": KLOSS}, {"load": FAN}], 3.7088033717129676)
     assert found.speed[0, -1] == pytest.approx(0.95 * 50.0 * math.pi, rel=1e-14)
     assert found.following == ("start at d", "load at d")
+    assert 0.0 < found.left_in_series <= 1e-9
     assert found.residual < 1e-14
 
 

@@ -119,6 +119,9 @@ def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Ste
     if not heavy[behind] or elastic in joint_spans(system) or system.spans[elastic].ratio != 1:
         message = f"the elastic span beside the joint '{name}' leads to no inertia of the same speed"
         raise SolveError(message, "give the yokes of the joint an inertia: `inertia: [driving, driven]`")
+    if sign < 0.0 and joint.series:
+        message = f"the driving yoke of the tripod '{name}' has no inertia"
+        raise SolveError(message, "give it one: `inertia: [driving, driven]`")
     joint = joint if sign > 0.0 else joint.undone()
     viscous = float(system.viscous[elastic]) + _of_losses(system, elastic)
     return JointCut(span, joint, front, behind, elastic, tuple(inside.tolist()), sign * carried, viscous, orders)

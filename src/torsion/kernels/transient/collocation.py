@@ -25,6 +25,7 @@ EASY = 0.004  # of what is allowed: the next step is twice as long
 BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last happens to vanish
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
+MOST_STEPS = 200_000
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
 
@@ -163,6 +164,9 @@ def march(train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme) 
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
             if share == 0.0:
                 continue
+        if len(rows) == MOST_STEPS:
+            message = f"{MOST_STEPS} steps reach {time:.6g} s only"
+            raise SolveError(message, "shorten `duration`, or raise `tolerance`")
         rows.append((time, own, start, tried.torque))
         state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
         state.lack = max(state.lack, tried.last)

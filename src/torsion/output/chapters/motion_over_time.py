@@ -18,6 +18,7 @@ METHOD = (
     "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
     "modes. Losses of material act as modal damping, by their share of the energy."
 )
+DRIVEN = METHOD.replace("answers the events", "answers the torques of every step")
 Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
 
 
@@ -63,8 +64,8 @@ def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
     )
     return (
         f"{number(settings.duration)} s from a train {before}, in {counted(len(found.time), 'sample')}, of "
-        f"{counted(found.modes, 'elastic mode')}. {METHOD} {kept}The balance of energy holds to "
-        f"{number(found.residual, 2)} of the largest energy."
+        f"{counted(found.modes, 'elastic mode')}. {DRIVEN if found.steps else METHOD} {kept}The balance of energy "
+        f"holds to {number(found.residual, 2)} of the largest energy."
     )
 
 
