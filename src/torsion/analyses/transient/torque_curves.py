@@ -17,6 +17,7 @@ from torsion.kernels.transient.damped_motion import Motion
 
 BLOCK = 2**21  # values of one array at once
 PER_PERIOD = 4.0  # samples from which a mode is resolved
+SAFETY, LEAST_NEAR, MOST_NEAR = 10.0, 1e-6, 0.02  # how far below the highest sampled peak others are looked at
 MOST_SUMS = 5e8  # products of all torques at all times that are formed to look for peaks between the samples
 EXPONENTIAL = 50  # products that take the time of one exponential
 MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
@@ -92,7 +93,9 @@ def sampled(
     """
     spans, stations = len(curves.slowed), len(curves.shape)
     torque, turning = np.empty((spans, len(time))), np.empty((stations, len(time)))
-    high, low = Extremes.none(spans), Extremes.none(spans)
+    turn = float(time[1]) / finer * float(curves.motion.train.w.max(initial=0.0))  # rad of the fastest mode in a step
+    near = min(max(SAFETY * turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)  # the error of a cubic through values and rates
+    high, low = Extremes.none(spans, near), Extremes.none(spans, near)
     size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations) // finer)
     for first in range(0, len(time) - 1, size):
         part = slice(first, min(first + size, len(time) - 1) + 1)  # a block begins with the last sample before it
