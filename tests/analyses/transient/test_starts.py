@@ -177,6 +177,25 @@ excitations: [{at: m, frequency: 31 Hz, torque: 0.002}]
     assert found.steps > 0
 
 
+RUNS = "operation: {rated: {speed: 1200 rpm, power: 20 kW}, load: constant}\n"
+PAIR = "motor: {name: m, inertia: 1}, coupling: {stiffness: 2e4, viscous: 50}, propeller: {name: p, inertia: 3}"
+
+
+def test_a_motor_that_trips_is_switched_on_again() -> None:
+    mean = 20e3 / (40.0 * math.pi)
+    again = {"torque": [["0 rpm", 2.0 * mean], ["9000 rpm", 2.0 * mean]]}
+    events = [{"at": "m", "time": 0.5, "stop": {}}, {"at": "m", "time": 1.5, "start": again}]
+    found = moved(PAIR, {"duration": 3.0, "events": events, "tolerance": 1e-9}, RUNS)
+    assert found.speed[0, -1] == pytest.approx(40.0 * math.pi + mean / 4.0 * (-1.0 + 1.5), rel=1e-9)
+
+
+@pytest.mark.parametrize("stop", [{"time": 2.0, "stop": {}}, {"time": 0.5, "stop": {"until": 0.2}}])
+def test_a_mean_torque_that_is_replaced_does_not_stop(stop: dict) -> None:
+    events = [{"at": "p", "time": 1.0, "load": {"law": "constant"}}, {"at": "p", **stop}]
+    with pytest.raises(InputError, match="from 1 s on a start or a load takes the place of the mean torque of 'p'"):
+        moved(PAIR, {"duration": 3.0, "events": events}, RUNS)
+
+
 def test_a_ripple_follows_the_speed_of_a_start() -> None:
     rows = [["0 rpm", 10], ["9000 rpm", 10]]
     text = """

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.transient.event_kind import Point
-from torsion.analyses.transient.events import Event
+from torsion.analyses.transient.events import Event, Stop
 from torsion.analyses.transient.following_torques import Following, rates_of
 from torsion.analyses.transient.state_before import State
 from torsion.analyses.undamped_modes import Modes
@@ -36,8 +36,9 @@ def known_loads(
         if event.body.drives and point.mean:
             first, _ = replaced.get(event.at, (math.inf, 0.0))
             replaced[event.at] = min(first, event.time), point.mean
-    for name, (begin, replaced_mean) in replaced.items():
-        loads.append((Piece(begin, math.inf, -replaced_mean),))
+    for name, (begin, mean_there) in replaced.items():
+        gone = [one.body.share for one in events if one.at == name and isinstance(one.body, Stop)]  # before it begins
+        loads.append((Piece(begin, math.inf, -mean_there * (1.0 - sum(gone))),))
         columns.append(here[study.train.part(name).stations[0]])
     if rates := rates_of(study, system, events):
         loads.append(tuple(Piece(begin, end, -rate) for begin, end, rate in rates))

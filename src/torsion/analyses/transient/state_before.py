@@ -10,7 +10,7 @@ import numpy as np
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.transient.event_kind import Lack, Point
-from torsion.analyses.transient.events import Event
+from torsion.analyses.transient.events import Event, Stop
 from torsion.analyses.transient.following_events import SpeedProgram, Start
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import ComplexArray, FloatArray
@@ -79,12 +79,24 @@ def points_of_events(
     for number, event in enumerate(events):
         at = replace(point(study, system, before, event.at), turns=turns)
         found.append(at)
-        lack = _lack_of_freedom(study, system, event) or event.body.lacks(at)
+        lack = _lack_of_freedom(study, system, event) or _lack_of_order(events, event) or event.body.lacks(at)
         if lack is not None:
             faults.append(Fault((*place, "events", number, event.body.key), *lack))
     if faults:
         raise InputError(faults)
     return found
+
+
+def _lack_of_order(events: Sequence[Event], event: Event) -> Lack:
+    """A mean torque that ends where a start or a load has taken its place, or that comes back after it."""
+    others = [one for one in events if one.at == event.at and one.body.drives]
+    if not isinstance(event.body, Stop) or not others:
+        return None
+    begins = min(one.time for one in others)
+    if event.time + event.body.ramp <= begins and event.body.until is None:
+        return None
+    message = f"from {begins:g} s on a start or a load takes the place of the mean torque of '{event.at}'"
+    return message, "end that by its `off`, or stop before, without `until`"
 
 
 def _lack_of_freedom(study: Study, system: System, event: Event) -> Lack:
