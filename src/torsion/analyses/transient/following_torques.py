@@ -7,6 +7,7 @@ the angle of their station too.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -18,9 +19,11 @@ from torsion.analyses.transient.events import Event
 from torsion.analyses.transient.following_events import Load, SpeedProgram
 from torsion.analyses.transient.joint_cuts import JointCut, joint_spans, standing
 from torsion.analyses.transient.state_before import State
+from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
+from torsion.findings import Progress
 from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
 from torsion.kernels.transient.damped_motion import Motion
@@ -51,7 +54,7 @@ class Following:
                 direct[span, behind + first + which] += factor
 
     def solve(
-        self, system: System, moved: Motion, shape: FloatArray, duration: float, tolerance: float
+        self, system: System, moved: Motion, shape: FloatArray, settings: TransientSettings, progress: Progress
     ) -> tuple[DrivenMotion, Collocated]:
         """The motion; the last loads of `moved` are nothing, and stand for the interfaces."""
         column, ratio = shape[self.station], system.speed_ratio[self.station]
@@ -64,8 +67,9 @@ class Following:
             return angle, turning, gaining
 
         kinks = (*moved.cuts.tolist(), *(end for line in self.carrier.rates for end in line[:2]))
-        scheme = Scheme(duration, tolerance, FIRST * duration, LONGEST * duration, np.abs(ratio), kinks)
-        found = march(interfaces(moved, column), self.laws, given, scheme)
+        duration = settings.duration
+        scheme = Scheme(duration, settings.tolerance, FIRST * duration, LONGEST * duration, np.abs(ratio), kinks)
+        found = march(interfaces(moved, column), self.laws, given, scheme, partial(progress, "torques that follow"))
         return driven(moved, found.steps), found
 
 

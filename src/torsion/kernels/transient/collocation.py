@@ -134,9 +134,13 @@ class _Trial:
     last: float  # weighted coefficient
 
 
-def march(train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme) -> Collocated:
+def march(
+    train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Collocated:  # fmt: skip
     """The motion from nothing at time 0, beside the given one: angle, speed, acceleration (interfaces, times) at times.
 
+    progress: called with the share of the time that is done.
     Raises SolveError where a step becomes too short, or laws change without end.
     """
     state = _March(train, laws, given, scheme)
@@ -173,6 +177,7 @@ def march(train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme) 
         time = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
         start, torque = tried.after, np.repeat(tried.torque[:, -1:], POINTS, axis=1)
         length = _next_length(state, tried.last, own, length)
+        progress(time / scheme.duration)
         if time in cuts:
             here = _at_one_time(state, np.array([time]), start, torque[:, -1:])
             for number, one in enumerate(laws):
