@@ -25,6 +25,7 @@ EASY = 0.004  # of what is allowed: the next step is twice as long
 BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last happens to vanish
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
+SAME_SHARE = 1e-14  # of a step
 MOST_STEPS = 200_000
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
@@ -331,7 +332,7 @@ def _root(of: Callable[[float], float], low: float, high: float) -> float:
         middle = high - below * (high - low) / (below - above)
         middle = middle if low < middle < high else (low + high) / 2.0
         value = of(middle)
-        if abs(middle - last) <= SAME_TIME or value == 0.0:
+        if abs(middle - last) <= SAME_SHARE or abs(value) <= AT_LIMIT / 10.0:
             return middle
         if value > 0.0:
             low, above, below = middle, value, below / 2.0 if last < middle else below

@@ -169,7 +169,7 @@ class DryFriction:
     def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
         share = points.speed[0] / self.scale
         if regime == STANDS:
-            return [(CREEP - share, FORWARD), (CREEP + share, BACKWARD)]
+            return [(1.0 - share / CREEP, FORWARD), (1.0 + share / CREEP, BACKWARD)]
         return [(share if regime == FORWARD else -share, STANDS)]
 
 
