@@ -13,6 +13,7 @@ import torsion
 from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -109,6 +110,14 @@ def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str,
         assert np.all(np.isfinite(total.half_range))
         assert np.all(total.half_range <= total.bound * (1 + 1e-12))
         assert np.all(total.rms <= total.bound)
+
+
+@every_scene
+def test_every_motion_over_time_balances_its_energy_and_can_be_trusted(scene: str, solved) -> None:
+    found = solved(scene).get(Transients)
+    for one in () if found is None else found.each:
+        assert one.residual < 1e-10
+        assert one.status == "ok"
 
 
 @every_scene

@@ -37,6 +37,9 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     if system.bars is not None and system.bars.degree == 0:
         message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
+    if system.train.modal_damping:
+        message = "damping by mode has no matrix beside those of the components"
+        raise InputError([Fault(("damping",), message, "leave it out for the matrices, or give the components theirs")])
     rigid = system.flexibility == 0
     group = connected(len(system.stations), system.driving[rigid], system.driven[rigid])  # turn together
     fixed = np.isin(group, group[system.held])

@@ -42,6 +42,10 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
     for name in ("stability", "check"):
         if name in study.analyses:
             yield Fault(("damping",), f"`{name}` takes no damping by mode", "give the components their damping")
+    limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.heat_limit]
+    if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
+        message = f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
+        yield Fault(("damping",), message, "give the components their damping, or leave `heat_limit` out")
     if study.has_joints:
         yield Fault(("damping",), "a train with joints takes no damping by mode", "give the components their damping")
 
@@ -137,7 +141,7 @@ _lateral_faults = _of_analysis(
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),
-    (_damping_faults, ("train", "links", "damping", "materials", "analyses")),
+    (_damping_faults, ("train", "links", "damping", "materials", "analyses", "rules")),
     (_check_faults, ("train", "links", "analyses")),
     (_response_faults, ("train", "operation", "analyses", "rules")),
     (_order_faults, ("train", "excitations", "analyses")),

@@ -12,6 +12,7 @@ from torsion.analyses.response.harmonic_components import sources, sweeping
 from torsion.analyses.response.solver import answer
 from torsion.analyses.transient.transient_motion import Transients
 from torsion.assembly import assemble
+from torsion.assembly.matrices import matrices
 from torsion.errors import InputError
 from torsion.output.blocks import Paragraph
 from torsion.output.chapters.damping_given import chapter
@@ -103,6 +104,10 @@ def test_the_report_says_that_modes_are_damped() -> None:
         (("{modal: 2 %}", "2 %"), "not a mapping"),
         (("analyses: {", "analyses: {stability: {}, "), "`stability` takes no damping by mode"),
         (("analyses: {", "analyses: {check: {}, "), "`check` takes no damping by mode"),
+        (
+            ("name: s1, stiffness: 2e4}", "name: s1, stiffness: 2e4, heat_limit: 9, rated_torque: 1}"),
+            "the heat of 's1'",
+        ),
         (("- gear: {name: g, teeth: [20, 41], inertia: [0.1, 0.4]}", "- joint: {angle: 5 deg}"), "with joints"),
     ],
 )
@@ -110,5 +115,11 @@ def test_damping_by_mode_is_refused_beside_what_it_does_not_fit(change: tuple[st
     text = CHAIN.format("2 %", "d1")
     assert text.count(change[0]) == 1
     with pytest.raises(InputError) as refused:
-        torsion.parse(text.replace(*change))
+        torsion.parse(text.replace(*change) + ("rules: [coupling-maker]\n" if "heat" in words else ""))
     assert words in str(refused.value)
+
+
+def test_damping_by_mode_has_no_matrices() -> None:
+    study = torsion.parse(CHAIN.format("2 %", "d1"))
+    with pytest.raises(InputError, match="has no matrix"):
+        matrices(assemble(study.train, model="lumped"))

@@ -86,6 +86,7 @@ def test_a_stop_takes_the_mean_torque_away_along_its_ramp() -> None:
         ("events: [{at: screw, ice: {torque: 1}}]", "ice has a `case`, or an `angle`"),
         ("events: [{at: screw, stop: {share: 120 %}}]", "must be at most"),
         ("events: [{at: screw, short-circuit: {coefficients: {line: 8}, decay: [1, 1], reclose: 2}}]", "after `clear`"),
+        ("events: [{at: screw, short-circuit: {phases: 2, coefficients: {line: 8}, decay: [1, 1]}}]", "of 2 phases"),
         ("events: [{at: screw, step: {torque: 1}}], samples: 10", "at least 100"),
         ("events: [{at: screw, step: {torque: 1}}], modes: none", "`all` or how many"),
         ("events: [{at: screw, step: {torque: 1}}], plot: [nothing]", "no component is called 'nothing'"),

@@ -1,15 +1,21 @@
 """Motion over time against closed forms and high-precision references, from the file to the peaks."""
 
 import math
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import torsion
+from torsion.analyses.transient.events import Point
 from torsion.analyses.transient.transient_motion import TransientMotion, transient
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
+from torsion.assembly.matrices import matrices
 from torsion.errors import SolveError
+from torsion.kernels.transient.torque_history import value
 
 
 def moved(parts: str, body: dict, operation: str = "", ratio: float | None = None) -> TransientMotion:
@@ -107,6 +113,23 @@ def test_after_the_decay_a_sine_is_the_response(parts: str) -> None:
     assert found.residual < 1e-11
 
 
+@pytest.mark.parametrize("damping", ["viscous", "modal"])
+def test_after_the_decay_a_sine_in_a_closed_loop_is_the_response(damping: str) -> None:
+    more, top = (", viscous: 40", "") if damping == "viscous" else ("", "damping: {modal: 3 %}\n")
+    study = torsion.parse(
+        f"name: x\n{top}train: [{chain([1.0, 0.5, 2.0, 1.0], [2e4, 3e4, 1e4], more)}]\n"
+        f"links: [{{between: [d1, d3], coupling: {{stiffness: 1e4{more}}}}}]\nexcitations: [{{at: d1, torque: 7}}]\n"
+        "analyses: {response: {frequencies: {from: 30, to: 31, steps: 2}}}\n"
+    )
+    events = [{"at": "d1", "sine": {"torque": 7.0, "frequency": 30.0, "phase": "90 deg"}}]
+    settings = TransientSettings.model_validate({"duration": 10.0, "initial": "rest", "events": events})
+    found = transient(study, assemble(study.train, model="lumped"), settings)
+    steady = torsion.run(study).results["frequency_response"]
+    late = found.time > 9.5
+    exact = (steady.torque[0][:, None] * np.exp(2j * math.pi * 30.0 * found.time[late])).real
+    assert np.abs(found.torque[:, late] - exact).max() <= 1e-9 * np.abs(exact).max()
+
+
 def test_a_steady_train_without_an_event_stays_as_it_is() -> None:
     text = """
 name: x
@@ -168,3 +191,49 @@ def test_viscous_damping_at_a_point_without_inertia_is_refused() -> None:
     body = {"duration": 1.0, "initial": "rest", "events": [{"at": "d1", "step": {"torque": 1.0}}]}
     with pytest.raises(SolveError, match="at 'hub', a point without inertia"):
         moved(parts + "coupling: {stiffness: 1e4}, disc: {inertia: 2}", body)
+
+
+def test_samples_that_need_too_much_memory_are_refused() -> None:
+    study = replace(torsion.parse(f"name: x\ntrain: [{chain([2.0, 3.0], [1e4])}]\n"), memory=1e6)
+    body = {"duration": 1.0, "initial": "rest", "samples": 100_000, "events": [{"at": "d1", "step": {"torque": 1.0}}]}
+    with pytest.raises(SolveError, match=r"all samples need 0\.0024 GB of memory"):
+        transient(study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body))
+
+
+def test_a_branched_train_with_a_reversing_gear_moves_as_an_independent_solver_says() -> None:
+    parts = (
+        "disc: {name: d1, inertia: 1, damping: 2}, coupling: {stiffness: 2e4, viscous: 15}, gear: {name: g, "
+        "teeth: [20, 41], inertia: [0.2, 0.5], branches: [{teeth: 30, inertia: 0.1, train: [coupling: {stiffness: 8e3, "
+        "viscous: 5}, disc: {name: d2, inertia: 0.7}]}]}, coupling: {stiffness: 4e4, viscous: 30}, "
+        "disc: {name: d3, inertia: 2}"
+    )
+    events = [
+        {"at": "d2", "time": 0.01, "table": {"rows": [["0 s", 0.0], ["0.02 s", 50.0], ["0.07 s", -20.0]]}},
+        {"at": "d3", "time": 0.03, "sine": {"torque": -40.0, "frequency": 25.0, "decay": 0.05, "phase": "30 deg"}},
+        {"at": "d1", "pulse": {"torque": 30.0, "length": 0.013}},
+    ]
+    study = torsion.parse(f"name: x\ntrain: [{parts}]\n")
+    system = assemble(study.train, model="lumped")
+    settings = TransientSettings.model_validate({"duration": 0.1, "initial": "rest", "events": events, "samples": 200})
+    found, view = transient(study, system, settings), matrices(system)
+    pieces = [event.pieces(Point()) for event in settings.events]
+    rows = view.basis[[study.train.part(event.at).stations[0] for event in settings.events]]
+    n = len(view.inertia)
+
+    def rate(t: float, x: np.ndarray) -> np.ndarray:
+        acting = rows.T @ [value(one, np.array([t]))[0] for one in pieces]
+        gained = np.linalg.solve(view.inertia, acting - view.stiffness @ x[:n] - view.damping @ x[n:])
+        return np.concatenate([x[n:], gained])
+
+    cuts, x, known = [0.0, 0.01, 0.013, 0.03, 0.08, 0.1], np.zeros(2 * n), []
+    for begin, end in pairwise(cuts):
+        at = found.time[(found.time > begin + 1e-12) & (found.time < end + 1e-12)]
+        run = solve_ivp(rate, (begin, max(end, at[-1])), x, "DOP853", t_eval=at, rtol=1e-12, atol=1e-13)
+        known.append(run.y)
+        x = run.y[:, -1]
+    y = np.concatenate(known, axis=1)
+    twist, turning = (system.twist(view.basis / system.speed_ratio[:, None]) @ half for half in (y[:n], y[n:]))
+    soft = np.flatnonzero(system.flexibility > 0)
+    exact = twist[soft] / system.flexibility[soft, None] + system.viscous[soft, None] * turning[soft]
+    assert np.abs(found.torque[soft, 1:] - exact).max() <= 1e-9 * np.abs(exact).max()
+    assert np.abs(found.speed[:, 1:] - view.basis @ y[n:]).max() <= 1e-9 * np.abs(y[n:]).max()

@@ -8,8 +8,8 @@ from torsion.analyses.transient.fatigue import cycles, miner
 from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.transient.transient_settings import Fatigue
 from torsion.errors import InputError
-from torsion.output.blocks import Figure, Heading
-from torsion.output.chapters.motion_over_time import chapter
+from torsion.output.blocks import Figure, Heading, Paragraph
+from torsion.output.chapters.motion_over_time import COLUMNS, chapter, envelope
 from torsion.output.results_json import results
 from torsion.output.write import write
 from torsion.rules.verdict_line import Checks
@@ -140,3 +140,22 @@ def test_all_samples_are_written_where_the_file_exports_them(tmp_path) -> None:
     with np.load(tmp_path / "motion.npz") as arrays:
         np.testing.assert_array_equal(arrays["hit: time [s]"], second.time)
         np.testing.assert_array_equal(arrays["hit: speed of drive [rad/s]"], second.speed[0])
+
+
+def test_a_figure_shows_a_single_sample_that_stands_out() -> None:
+    time, curve = np.linspace(0.0, 1.0, 1_000_001), np.zeros(1_000_001)
+    curve[123_457], curve[765_433] = 5.0, -3.0
+    drawn = envelope(time, [("a", curve)])
+    ((_, low, high),) = drawn["lines"]
+    assert len(drawn["time"]) == COLUMNS
+    assert (high.max(), low.min()) == (5.0, -3.0)
+
+
+def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None:
+    found = torsion.run(torsion.parse(SCENE + HIT.replace("1 s,", "1 s, modes: 1,", 1)))
+    (one,) = found.need(Transients).each
+    assert "twice as many modes change a peak" in one.status
+    assert "give more `modes`" in one.status
+    texts = [block.text for block in chapter(found) if isinstance(block, Paragraph) and block.kind == "fail"]
+    assert texts == [f"Not to be relied upon: {one.status}."]
+    assert [check.note for check in found.need(Checks).lines] == [one.status]

@@ -156,8 +156,9 @@ class Coefficients(Declared):
 class ShortCircuit(Kind):
     """T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)), added to what acts otherwise."""
 
-    key, meaning = "short-circuit", "{coefficients, decay, line, clear, reclose}: electrical fault of a machine"
+    key, meaning = "short-circuit", "{coefficients, decay, phases, line, clear, reclose}: electrical fault of a machine"
 
+    phases: Literal[2, 3] | None = given("2 or 3: checks the coefficients, for 3 have no part at twice the frequency")
     coefficients: Coefficients = required("{line, double, mean}: amplitudes, of the rated torque; the maker's")
     decay: Annotated[tuple[Length, Length], Field()] = required("[T_1, T_2]: times of decay")
     line: fields.Frequency = given("line frequency", 50.0)
@@ -168,6 +169,9 @@ class ShortCircuit(Kind):
     def _in_order(self) -> Self:
         if self.reclose is not None and (self.clear is None or self.reclose <= self.clear):
             raise refuse("`reclose` comes after `clear`", "give `clear`, and a later `reclose`", "reclose")
+        if self.phases is not None and (self.phases == 2) != (self.coefficients.double != 0.0):
+            hint = "`double` is of a fault of 2 phases alone"
+            raise refuse(f"the coefficients are not of a fault of {self.phases} phases", hint, "coefficients")
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:

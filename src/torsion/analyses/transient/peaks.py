@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 
-ROUNDS = (0, 4, 64)  # peaks of one curve that are looked at; those that a steady vibration repeats are alike
+ROUNDS = (0, 2, 8, 64)  # peaks of one curve that are looked at; those that a steady vibration repeats are alike
 DOUBT = 10.0  # times what the first of them differ from their cubics: lower ones are left out
 NEGLIGIBLE = 1e-8  # of an interval: a value is flat at its peak, and its error is the square of that of the time
 SECANTS = 12
@@ -70,7 +70,7 @@ class Extremes:
         return top, when
 
     def _settled(self, chosen: IntArray, curves: Curves) -> FloatArray:
-        """(chosen,) s, where the rate of each turns from rising to falling: secants within brackets, then halving.
+        """(chosen,) s, where the rate of each changes from rising to falling: secants within brackets, then halving.
 
         A secant whose end stays is taken with half of the value there (Illinois, Dowell and Jarratt 1971).
         """

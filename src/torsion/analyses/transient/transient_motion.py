@@ -137,6 +137,10 @@ def transient(
     if modes is None or cuts:
         modes = kept_modes(parts_of(system, cuts) if cuts else system, settings.modes, place)
     kept, twice = modes
+    needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
+    if needed > study.memory:
+        message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
+        raise SolveError(message, "fewer `samples`, or run with more `memory`", (*place, "samples"))
     solved = partial(_solved, study, system, settings, place, before, damping_ratio, progress)
     found = solved(kept, is_band=system.bars is not None or kept is not twice)
     if kept is not twice and len(twice.frequency) > len(kept.frequency):

@@ -40,8 +40,11 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     rows = [(one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()])) for one, k in spans]
     unit = scale("N m", [value for _, high, low in rows for value in (found.greatest[high], found.least[low])])
     yield Paragraph(_introduction(found, settings))
+    if found.speed_before and findings.study.excites and settings.initial in (None, "steady"):
+        text = "Periodic torques and the errors of joints go on as before the events, at the speed before them."
+        yield Paragraph(text, "note")
     if found.status != "ok":
-        yield Paragraph(f"Not to be relied upon: {found.status}.", "fail")
+        yield Paragraph(f"Not to be relied upon: {found.status}.", "fail", brief=True)
     events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
     if events:
         yield table("< At | < Event | Begins at [s] | < Settings", events, "Events; torques at the point's own speed")
