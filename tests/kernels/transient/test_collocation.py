@@ -217,3 +217,9 @@ class Chatters(laws.InductionMotor):
 def test_regimes_that_change_without_end_are_said() -> None:
     with pytest.raises(SolveError, match="change their regime without end"):
         one_disc(1.0, [Chatters(0, 1.0, 1.0, 1.0)], 1.0)
+
+
+def test_a_motion_of_too_many_steps_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("torsion.kernels.transient.collocation.MOST_STEPS", 5)
+    with pytest.raises(SolveError, match="5 steps reach"):
+        one_disc(50.0, [laws.BySpeed(0, laws.quadratic(-200.0, 100.0))], 10.0, 150.0)

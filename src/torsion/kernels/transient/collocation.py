@@ -26,7 +26,7 @@ BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last 
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
 SAME_SHARE = 1e-14  # of a step
-MOST_STEPS = 200_000
+MOST_STEPS = 50_000
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
 
@@ -171,7 +171,8 @@ def march(
                 continue
         if len(rows) == MOST_STEPS:
             message = f"{MOST_STEPS} steps reach {time:.6g} s only"
-            raise SolveError(message, "shorten `duration`, or raise `tolerance`")
+            hint = "shorten `duration`, raise `tolerance`, damp the fast modes, or give shafts fewer `segments`"
+            raise SolveError(message, hint)
         rows.append((time, own, start, tried.torque))
         state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
         state.lack = max(state.lack, tried.last)
