@@ -48,7 +48,8 @@ def modes_settings(study: Study, ruled: Ruled) -> ModesSettings | None:
     settings = study.analyses.get("modes")
     if isinstance(settings, ModesSettings):
         return settings
-    return None if study.analyses and "modes" not in ruled else ModesSettings()
+    reads = "modes" in ruled or "transient" in study.analyses  # a motion over time is a sum of modes
+    return None if study.analyses and not reads else ModesSettings()
 
 
 @reported

@@ -70,9 +70,9 @@ def test_too_few_samples_are_refused_where_what_they_miss_counts() -> None:
 train: [disc: {name: d1, inertia: 2}, coupling: {stiffness: 1e7}, disc: {inertia: 3}]
 analyses: {transient: {duration: 1e5 s, samples: 100, events: [{at: d1, step: {torque: 1}}]}}
 """
-    with pytest.raises(InputError, match="modes with fewer than 4 samples in a period") as refused:
-        torsion.run(torsion.parse(text))
-    assert refused.value.faults[0].line == 3
+    (one,) = torsion.run(torsion.parse(text)).plan.unanswered
+    assert "modes with fewer than 4 samples in a period" in one.why
+    assert (one.line, one.is_input) == (3, True)
 
 
 def test_a_band_of_modes_says_what_twice_as_many_change() -> None:
@@ -159,3 +159,11 @@ def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None
     texts = [block.text for block in chapter(found) if isinstance(block, Paragraph) and block.kind == "fail"]
     assert texts == [f"Not to be relied upon: {one.status}."]
     assert [check.note for check in found.need(Checks).lines] == [one.status]
+
+
+def test_shafts_are_divided_for_their_modes_where_a_file_names_a_motion_alone() -> None:
+    alone = SCENE.replace(", segments: 40", "") + TRIP
+    named = alone.replace("  transient:\n", "  modes:\n  transient:\n")
+    first, second = (torsion.run(torsion.parse(text)) for text in (alone, named))
+    assert first.system.segments == second.system.segments
+    assert first.system.segments["line"] > 1
