@@ -123,12 +123,14 @@ def _settings(what: str, name: str, declared: type[Declared]) -> str:
 
 
 def _with_parts(declared: type[Declared], common: type[Declared] | None = None) -> str:
-    """The keys of a declaration, then those of every mapping in it once; the keys of `common` are left out."""
-    text, parts = _table(declared, common), dict[type[Declared], str]()
-    for key, field in sorted(keys_of(declared).items(), key=lambda entry: not entry[1].is_required()):
-        for part in mappings_of(field):
-            if not issubclass(part, Component):
-                parts.setdefault(part, key)
+    """The keys of a declaration, then those of every mapping in it and in these, once; `common` has others."""
+    text, parts, left = _table(declared, common), dict[type[Declared], str](), [declared]
+    while left:
+        for key, field in sorted(keys_of(left.pop(0)).items(), key=lambda entry: not entry[1].is_required()):
+            for part in mappings_of(field):
+                if not issubclass(part, Component) and part not in parts:
+                    parts[part] = key
+                    left.append(part)
     return text + "".join(f"\nKeys of `{key}`:\n\n{_table(part)}" for part, key in parts.items())
 
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.kernels.transient.damped_motion import Motion
-from torsion.kernels.transient.torque_history import value
 
 CHECKED = 64  # windows in which the balance of energy is verified
 GAUSS = 8
@@ -21,15 +20,14 @@ def residual(moved: Motion, time: FloatArray) -> float:
     fastest = max(rates, default=0.0) + float(np.abs(moved.coordinates.root).max(initial=0.0))
     length = float(time[-1]) / max(CHECKED, fastest * float(time[-1]))
     worst, largest = 0.0, 0.0
-    cuts = moved.coordinates.history.begin
+    cuts = moved.cuts
     for begin in starts.tolist():
         later = cuts[(cuts > begin)]
         end = min(begin + length, float(later[0]) if later.size else math.inf, float(time[-1]))
         at = np.concatenate([[begin], begin + (nodes + 1.0) / 2.0 * (end - begin), [end]])
         place, speed = moved.at(at)
         energy = 0.5 * (speed**2 + (w[:, None] * place) ** 2).sum(axis=0)
-        acting = np.array([value(pieces, at) for pieces in moved.loads]).reshape(-1, len(at))
-        power = ((moved.force @ acting - damping @ speed) * speed).sum(axis=0)[1:-1]
+        power = ((moved.force_at(at) - damping @ speed) * speed).sum(axis=0)[1:-1]
         worst = max(worst, abs(energy[-1] - energy[0] - (end - begin) / 2.0 * float(weights @ power)))
         largest = max(largest, float(energy.max()))
     return worst / largest if largest else 0.0

@@ -112,20 +112,21 @@ class EventDrivenCurves:
         (z, regime), here = self.motion.at(time), self.built.train.layout[2]
         return np.stack([self.motion.regimes[r].matrix[here] @ z[:, k] for k, r in enumerate(regime.tolist())], axis=1)
 
-    def turning(self, speed: FloatArray) -> FloatArray:
+    def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """Speeds (stations, times) of the stations."""
         before = self.built.before.speed * np.abs(self.built.system.speed_ratio)
         return np.asarray(before[:, None] + self.shape @ speed)
 
-    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times), their rates, and speeds (rigid motions + modes, times)."""
+    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+        """Torques (spans, times), their rates, and places and speeds of the modes (each, times)."""
         z, regime = self.motion.at(time)
         torque, rate = np.empty((2, len(self.slowed), len(time)))
         for number in np.unique(regime).tolist():
             here, rows = regime == number, self.rows[number]
             torque[:, here] = rows @ z[:, here]
             rate[:, here] = rows @ (self.motion.regimes[number].matrix @ z[:, here])
-        return torque, rate, z[self.built.train.layout[2]]
+        _, place, speed, _ = self.built.train.layout
+        return torque, rate, (z[place], z[speed])
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""

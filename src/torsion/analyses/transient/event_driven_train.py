@@ -8,6 +8,8 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.transient.direct_torques import direct_torques
+from torsion.analyses.transient.following_torques import turns
+from torsion.analyses.transient.known_loads import known_loads
 from torsion.analyses.transient.modal_train import (
     kept_modes,
     lowest,
@@ -25,7 +27,7 @@ from torsion.analyses.transient.nonlinear_couplings import (
     opened,
     standing,
 )
-from torsion.analyses.transient.state_before import State, loads_of_events, state_before
+from torsion.analyses.transient.state_before import State, points_of_events, state_before
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
@@ -176,7 +178,14 @@ def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
 
 def _signals(study: Study, system: System, settings: TransientSettings, before: State, place: Path) -> Acting:
     """The torques of events, mean torques and periodic ones."""
-    loads, acting = loads_of_events(study, system, settings, before, place)
+    if turns(study, system, settings.events):
+        message = (
+            "torques that follow the motion beside play, friction, stages or a capacity are not built"
+        )
+        advice = "leave out `start`, `load`, `speed` and joints, or make the couplings linear"
+        raise SolveError(message, advice, place)
+    points = points_of_events(study, system, settings.events, before, place, turns=False)
+    loads, acting = known_loads(study, system, settings.events, points, None)
     pieces, columns = [tuple(one) for one in loads], list(acting.T.astype(complex))
     if before.mean is not None:
         pieces.append((Piece(0.0, math.inf, 1.0),))

@@ -3,21 +3,22 @@
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from torsion import fields
+from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point, Time
+from torsion.analyses.transient.following_events import Load, SpeedProgram, Start
 from torsion.analyses.transient.torque_file import torque_rows
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.kernels.transient.torque_history import Piece
+from torsion.kernels.transient import torque_laws
+from torsion.kernels.transient.collocation import Law
+from torsion.kernels.transient.torque_history import Piece, history
 
-Time = Annotated[float, Quantity("s", at_least=0, usual=(None, 1e5))]
-Length = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
 SignedTorque = Annotated[float, Quantity("N*m")]
 ICE_CASES = {  # factor C_q, contact angle in deg by number of blades; FSICR 2017, from memory: to be verified
@@ -25,37 +26,6 @@ ICE_CASES = {  # factor C_q, contact angle in deg by number of blades; FSICR 201
     3: (0.5, {3: 45.0, 4: 45.0, 5: 36.0, 6: 30.0}), 4: (0.5, {3: 45.0, 4: 45.0, 5: 36.0, 6: 30.0}),
 }  # fmt: skip
 TWO_BLOCKS = 3  # the ice case of two blocks at once
-
-
-@dataclass(frozen=True)
-class Point:
-    """Where an event acts, as the train is when it begins."""
-
-    name: str = ""
-    speed: float = 0.0  # rad/s of its own shaft
-    mean: float = 0.0  # N m that drives it (positive) or that it absorbs, at that speed
-    rated: float = 0.0  # N m, rated torque; 0 where it is not known
-    blades: int = 0
-    is_clutch: bool = False
-    folder: Path = Path()  # of the study's file
-
-
-Lack = tuple[str, str] | None  # what is wrong, and what would be right
-
-
-class Kind(Declared):
-    """What happens at a point; one class a kind of event."""
-
-    key: ClassVar[str]  # in the file
-    meaning: ClassVar[str]
-
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        """Its torque over time, N m at the point's own speed, positive in the sense of rotation."""
-        raise NotImplementedError
-
-    def lacks(self, at: Point) -> Lack:
-        """What the train lacks for it, and what would be right."""
-        return None
 
 
 def _read_rows(value: Any) -> tuple[tuple[float, float], ...]:
@@ -159,9 +129,20 @@ class Sine(Kind):
         yield Piece(begin, end, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate)
 
     def lacks(self, at: Point) -> Lack:
-        if self.order is not None and not at.speed:
+        if self.order is not None and not (at.speed or at.turns):
             return "an order has no frequency in a train that stands still", "give `frequency`, or an `initial` speed"
         return None
+
+    @property
+    def by_angle(self) -> bool:
+        return self.order is not None
+
+    def laws(self, begin: float, at: Point) -> Iterator[Law]:
+        if self.order is not None:
+            end = math.inf if self.until is None else begin + self.until
+            rate, phase = 0.0 if self.decay is None else -1.0 / self.decay, self.phase - math.pi / 2.0
+            size, window = torque_laws.constant(self.torque), torque_laws.Window(begin, end)
+            yield torque_laws.Wave(0, size, float(self.order), phase, rate, window, from_begin=True)
 
 
 class Coefficients(Declared):
@@ -236,11 +217,19 @@ class Ice(Kind):
                 yield from self._hit(begin, at.speed, (first, min(first + angle, last)), angle, factor)
 
     def lacks(self, at: Point) -> Lack:
-        if not (at.blades and at.speed):
+        if not (at.blades and (at.speed or at.turns)):
             return "ice needs a turning propeller with `blades`", "give `blades` and a speed"
         if self.case is not None and at.blades not in ICE_CASES[self.case][1]:
             return f"the cases of the ice rules are of 3 to 6 blades, not {at.blades}", "give `angle` and `factor`"
         return None
+
+    @property
+    def by_angle(self) -> bool:
+        return True
+
+    def laws(self, begin: float, at: Point) -> Iterator[Law]:
+        over_angle = list(self.pieces(0.0, replace(at, speed=1.0)))
+        yield torque_laws.ByAngle(0, history([over_angle]), torque_laws.Window(begin))
 
     def _hit(
         self, begin: float, speed: float, between: tuple[float, float], angle: float, factor: float
@@ -321,7 +310,9 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
             yield Piece(begin, end, level, (later - level) / (end - begin))
 
 
-KINDS: tuple[type[Kind], ...] = (Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop, Clutch)
+KINDS: tuple[type[Kind], ...] = (
+    Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop, Clutch, Start, Load, SpeedProgram,
+)  # fmt: skip
 UNBUILT = {"misfire": "it needs an engine; `stop: {share: 17 %}` takes a share of a mean torque away"}
 
 
@@ -356,8 +347,8 @@ class _Event(Declared):
         return ", ".join(f"{key} {value}" for key, value in self.body.model_dump(exclude_defaults=True).items())
 
     def pieces(self, at: Point) -> tuple[Piece, ...]:
-        """Its torque over time, N m at own speed, positive in the sense of rotation."""
-        return tuple(self.body.pieces(self.time, at))
+        """What of its torque is known by time, N m at own speed, positive in the sense of rotation."""
+        return () if at.turns and self.body.by_angle else tuple(self.body.pieces(self.time, at))
 
 
 def _field(kind: type[Kind]) -> str:

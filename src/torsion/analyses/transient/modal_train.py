@@ -57,8 +57,13 @@ def shapes(system: System, found: Modes) -> FloatArray:
     return np.concatenate([rigid_shapes(system), found.shape], axis=1)
 
 
-def modal_train(study: Study, system: System, found: Modes, shape: FloatArray, before: State) -> ModalTrain:
-    """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is."""
+def modal_train(
+    study: Study, system: System, found: Modes, shape: FloatArray, before: State, *, turns: bool = False
+) -> ModalTrain:
+    """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is.
+
+    turns: the speed changes by itself; dampers to ground then damp the deviation from the motion of the train as one.
+    """
     ratio = 0.5 * system.loss_factor @ found.elastic + system.modal_ratios(len(found.frequency))
     damping = np.zeros((shape.shape[1],) * 2)
     damped = np.flatnonzero(system.viscous > 0)
@@ -67,8 +72,14 @@ def modal_train(study: Study, system: System, found: Modes, shape: FloatArray, b
         damping += (system.viscous[damped, None] * twist).T @ twist
     if system.dampers:
         ground = ground_damping(system, np.array([before.speed]), before.mean)[:, 0]
-        damping += (ground[:, None] * shape).T @ shape
+        deviation = deviations(system, shape) if turns else shape
+        damping += (ground[:, None] * deviation).T @ deviation
     return ModalTrain(2.0 * math.pi * found.frequency, ratio, damping)
+
+
+def deviations(system: System, shape: FloatArray) -> FloatArray:
+    """The shapes without the motion of the whole train as one, from which dampers to ground count."""
+    return shape if system.held.any() else np.column_stack([np.zeros(len(shape)), shape[:, 1:]])
 
 
 def twists(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> FloatArray:
@@ -93,7 +104,9 @@ def start(system: System, found: Modes, before: State, shape: FloatArray) -> tup
     return place, speed
 
 
-def slowed_torques(study: Study, system: System, found: Modes, shape: FloatArray, before: State) -> FloatArray:
+def slowed_torques(
+    study: Study, system: System, found: Modes, shape: FloatArray, before: State, *, turns: bool = False
+) -> FloatArray:
     """(spans, rigid motions + modes) N m s/rad: viscous torques in their spans, and what others carry of them at once.
 
     Raises SolveError for viscous damping at a point without inertia.
@@ -113,7 +126,7 @@ def slowed_torques(study: Study, system: System, found: Modes, shape: FloatArray
     )
     slowed += direct_torques(system, found, acting) @ slowed[damped]
     if grounded.size:
-        stations = np.unique(grounded)
+        stations, moves = np.unique(grounded), deviations(system, shape) if turns else shape
         ground = ground_damping(system, np.array([before.speed]), before.mean)[stations, 0]
-        slowed -= direct_torques(system, found, np.eye(len(without))[:, stations]) @ (ground[:, None] * shape[stations])
+        slowed -= direct_torques(system, found, np.eye(len(without))[:, stations]) @ (ground[:, None] * moves[stations])
     return slowed

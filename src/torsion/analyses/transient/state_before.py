@@ -9,12 +9,13 @@ import numpy as np
 
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.steady import Steady, steady
-from torsion.analyses.transient.events import Point
+from torsion.analyses.transient.event_kind import Lack, Point
+from torsion.analyses.transient.events import Event, Stop
+from torsion.analyses.transient.following_events import SpeedProgram, Start
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
-from torsion.kernels.transient.torque_history import Piece
 from torsion.kernels.tree_response import Status
 from torsion.study import Study
 
@@ -29,6 +30,7 @@ class State:
     frequency: FloatArray  # (components,) rad/s of its steady vibration
     amplitude: ComplexArray  # (components, spans) N m
     twist: FloatArray  # (spans,) N m that twist it at rest and are released
+    angle: ComplexArray | None = None  # (components, stations) rad of its steady vibration, own shafts
     speeds: Mapping[str, float] = field(default_factory=dict)  # rad/s of points whose parts turn by themselves
 
 
@@ -70,32 +72,55 @@ def state_before(
         message = "its steady vibration at the operating speed has no finite value"
         raise SolveError(message, "give the damping of the train, or `initial: {speed: ...}`", (*place, "initial"))
     own = int(np.flatnonzero(vibration.speed == at[0])[0])
-    return replace(state, frequency=2.0 * math.pi * vibration.frequency[own], amplitude=vibration.torque[own])
+    frequency, amplitude = 2.0 * math.pi * vibration.frequency[own], vibration.torque[own]
+    return replace(state, frequency=frequency, amplitude=amplitude, angle=vibration.angle[own])
 
 
-def loads_of_events(
-    study: Study, system: System, settings: TransientSettings, before: State, place: Path = PATH
-) -> tuple[Sequence[Sequence[Piece]], FloatArray]:
-    """The torque of every event, and where each acts, (stations, events) per N m.
+def points_of_events(
+    study: Study, system: System, events: Sequence[Event], before: State, place: Path, *, turns: bool
+) -> list[Point]:
+    """The train where every event acts; raises InputError for events that it cannot have.
 
-    Raises InputError for an event that the train cannot have.
+    turns: torques follow the motion.
     """
-    loads, acting = list[tuple[Piece, ...]](), np.zeros((len(system.stations), len(settings.events)))
-    faults = list[Fault]()
-    for number, event in enumerate(settings.events):
-        at, path = point(study, system, before, event.at), (*place, "events", number)
-        station = study.train.part(event.at).stations[0]
-        lack = event.body.lacks(at)
-        if system.held[station]:
-            lack = f"'{event.at}' is fixed, and no torque moves it", "name a point that turns"
+    found, faults = list[Point](), list[Fault]()
+    for number, event in enumerate(events):
+        at = replace(point(study, system, before, event.at), turns=turns)
+        found.append(at)
+        lack = _lack_of_freedom(study, system, event) or _lack_of_order(events, event) or event.body.lacks(at)
         if lack is not None:
-            faults.append(Fault((*path, event.body.key), *lack))
-        else:
-            loads.append(event.pieces(at))
-            acting[station, number] = 1.0
+            faults.append(Fault((*place, "events", number, event.body.key), *lack))
     if faults:
         raise InputError(faults)
-    return loads, acting
+    return found
+
+
+def _lack_of_order(events: Sequence[Event], event: Event) -> Lack:
+    """A mean torque that ends where a start or a load has taken its place, or that comes back after it."""
+    others = [one for one in events if one.at == event.at and one.body.drives]
+    if not isinstance(event.body, Stop) or not others:
+        return None
+    begins = min(one.time for one in others)
+    if event.time + event.body.ramp <= begins and event.body.until is None:
+        return None
+    message = f"from {begins:g} s on a start or a load takes the place of the mean torque of '{event.at}'"
+    return message, "end that by its `off`, or stop before, without `until`"
+
+
+def _lack_of_freedom(study: Study, system: System, event: Event) -> Lack:
+    """A program of speed where nothing is fixed or more is, a torque at a fixed point, a start that cannot turn."""
+    is_fixed = bool(system.held[study.train.part(event.at).stations[0]])
+    if isinstance(event.body, SpeedProgram):
+        if is_fixed and np.count_nonzero(system.held) == 1:
+            return None
+        why = "other points are fixed" if is_fixed else "it turns freely"
+        return f"the speed of '{event.at}' is prescribed, and {why}", "`held: true` there, and nowhere else"
+    if is_fixed:
+        return f"'{event.at}' is fixed, and no torque moves it", "name a point that turns"
+    if isinstance(event.body, Start) and system.held.any():
+        name = system.stations[int(np.flatnonzero(system.held)[0])].name
+        return f"a start turns the train, and it is fixed at {name}", "leave `held` out"
+    return None
 
 
 def point(study: Study, system: System, before: State, name: str) -> Point:
@@ -107,4 +132,8 @@ def point(study: Study, system: System, before: State, name: str) -> Point:
     torque = 0.0 if rated is None or power is None else power / (rated.speed * ratio)
     mean = 0.0 if before.mean is None else float(before.mean.applied[station, 0])
     blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
-    return Point(name, before.speed * ratio, mean, torque, blades, part.is_clutch, FilePath(study.file).parent)
+    rated_speed = 0.0 if rated is None else rated.speed * ratio
+    return Point(
+        name, before.speed * ratio, mean, torque, blades, FilePath(study.file).parent, rated_speed,
+        is_clutch=part.is_clutch,
+    )  # fmt: skip

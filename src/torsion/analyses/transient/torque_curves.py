@@ -1,11 +1,13 @@
 """Torques of spans and speeds of stations over time, from the motion of the modes: at samples, and between them."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.peaks import Extremes
 from torsion.analyses.transient.state_before import State
 from torsion.analyses.undamped_modes import Modes
@@ -13,7 +15,6 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.findings import Progress
 from torsion.kernels.transient.damped_motion import Motion
-from torsion.kernels.transient.torque_history import value
 
 BLOCK = 2**21  # values of one array at once
 PER_PERIOD = 4.0  # samples from which a mode is resolved
@@ -21,6 +22,7 @@ SAFETY, LEAST_NEAR, MOST_NEAR = 10.0, 1e-6, 0.02  # how far below the highest sa
 MOST_SUMS = 5e8  # products of all torques at all times that are formed to look for peaks between the samples
 EXPONENTIAL = 50  # products that take the time of one exponential
 MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
+Patch = Callable[[FloatArray, FloatArray], None]  # angles (stations, times), and speeds that it changes
 
 
 class Readable(Protocol):
@@ -42,14 +44,14 @@ class Readable(Protocol):
     def fastest(self) -> float:
         """rad/s of the fastest mode."""
 
-    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times), their rates, and speeds (rigid motions + modes, times)."""
+    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+        """Torques (spans, times), their rates, and places and speeds (both, times)."""
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
 
-    def turning(self, speed: FloatArray) -> FloatArray:
-        """Speeds (stations, times) of the stations."""
+    def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """Speeds (stations, times) of the stations, from places and speeds of the modes."""
 
 
 @dataclass(frozen=True)
@@ -63,19 +65,21 @@ class Curves:
     motion: Motion
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
     direct: FloatArray  # (spans, loads) share of the loads that a span carries at once
+    carrier: Carrier
+    patches: Sequence[Patch] = ()  # speeds of stations without inertia beside a joint
 
     @property
     def cuts(self) -> FloatArray:
-        """Times at which a torque of an event begins or ends."""
-        return self.motion.coordinates.history.begin
+        """Times at which a torque begins, ends or changes its law."""
+        return self.motion.cuts
 
     @property
     def fastest(self) -> float:
         """rad/s of the fastest mode."""
         return float(self.motion.train.w.max(initial=0.0))
 
-    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torques (spans, times) with the damping part, their rates, and speeds (rigid motions + modes, times)."""
+    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+        """Torques (spans, times) with the damping part, their rates, and places and speeds (both, times)."""
         place, speed = self.motion.at(time)
         vibration, its_rate = _vibration(self.before, time)
         elastic = self.found.torque @ place[self.motion.train.rigid :]
@@ -84,13 +88,17 @@ class Curves:
         if self.slowed.any():
             rate += self.slowed @ self.motion.acceleration(time, place, speed)
         if self.direct.any():
-            acting, changing = self._loads(time)
-            torque, rate = torque + self.direct @ acting, rate + self.direct @ changing
-        return torque, rate, speed
+            torque = torque + self.direct @ self.motion.loads_at(time)
+            rate = rate + self.direct @ self.motion.load_rates_at(time)
+        return torque, rate, (place, speed)
 
-    def turning(self, speed: FloatArray) -> FloatArray:
-        """(stations, times) rad/s from speeds (rigid motions + modes, times)."""
-        return np.asarray(self.before.speed * np.abs(self.system.speed_ratio)[:, None] + self.shape @ speed)
+    def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """(stations, times) rad/s from places and speeds (rigid motions + modes, times)."""
+        angle, turning, _ = self.carrier.at(time)
+        turning += self.shape @ speed
+        for patch in self.patches:
+            patch(angle + self.shape @ place, turning)
+        return turning
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
@@ -106,15 +114,9 @@ class Curves:
             gained[:, order] = self.motion.acceleration(at[order], place[:, order], speed[:, order])
             rate = rate + _paired(slowed, gained)
         if self.direct.any():
-            acting, changing = self._loads(at)
-            torque, rate = torque + _paired(self.direct[span], acting), rate + _paired(self.direct[span], changing)
+            torque = torque + _paired(self.direct[span], self.motion.loads_at(at))
+            rate = rate + _paired(self.direct[span], self.motion.load_rates_at(at))
         return torque, rate
-
-    def _loads(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Loads and their rates of change (loads, times)."""
-        rates = [[piece.rate_of_change() for piece in pieces] for pieces in self.motion.loads]
-        acting, changing = (np.array([value(one, time) for one in each]) for each in (self.motion.loads, rates))
-        return acting, changing
 
 
 def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
@@ -140,10 +142,11 @@ def sampled(
         fine = np.interp(
             np.arange((part.stop - first - 1) * finer + 1) / finer, np.arange(part.stop - first), time[part]
         )
-        values, rate, speed = curves.torque(fine)
+        values, rate, there = curves.torque(fine)
         high.add(fine, values, rate)
         low.add(fine, -values, -rate)
-        torque[:, part], turning[:, part] = values[:, ::finer], curves.turning(speed[:, ::finer])
+        torque[:, part] = values[:, ::finer]
+        turning[:, part] = curves.turning(time[part], *(one[:, ::finer] for one in there))
         progress("motion over time", part.stop / len(time))
 
     def negative(span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:

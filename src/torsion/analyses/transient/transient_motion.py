@@ -1,4 +1,4 @@
-"""Motion over time of a linear train, exactly from its modes: torques, their peaks and reversals, and speeds."""
+"""Motion over time of a train, exactly from its modes: torques, their peaks and reversals, and speeds."""
 
 from dataclasses import replace
 from functools import partial
@@ -11,8 +11,19 @@ from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
 from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
 from torsion.analyses.transient.fatigue import damages
+from torsion.analyses.transient.following_torques import (
+    Following,
+    carrier_of,
+    dampers_beside_loads,
+    following,
+    refuse_beyond_tables,
+    turns,
+)  # fmt: skip
+from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
+from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
-from torsion.analyses.transient.state_before import State, loads_of_events, state_before
+from torsion.analyses.transient.resonances_passed import Passage, passages
+from torsion.analyses.transient.state_before import State, points_of_events, state_before
 from torsion.analyses.transient.torque_curves import PER_PERIOD, Curves, missed, sampled, times_finer
 from torsion.analyses.transient.transient_settings import (
     DEFAULT_MOST,
@@ -22,12 +33,13 @@ from torsion.analyses.transient.transient_settings import (
     TransientSettings,
     cases,
 )
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress, Work, silent
+from torsion.kernels.transient.collocation import Collocated
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
 from torsion.results import derived, reported, result
 from torsion.study import Study
@@ -36,6 +48,14 @@ BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
 RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
 SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
 TINY = np.finfo(float).tiny
+
+
+@reported
+class Change:
+    """A change of the law of a torque."""
+
+    time: float = result("s", (), "when")
+    what: str = result("", (), "the torque")
 
 
 @reported
@@ -74,6 +94,13 @@ class TransientMotion:
     switching: Switching | None = result(
         "", (), "events of couplings with play, friction, stages or a capacity; null without them", default=None
     )
+    steps: int = result("", (), "steps for the torques that follow the motion; 0: there are none", default=0)
+    following: tuple[str, ...] = result("", (), "torques that follow the motion", default=())
+    left_in_series: float = result(
+        "1", (), "largest last term of their series over a step, of the largest of them", default=0.0
+    )
+    passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
+    changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
 
     @property
     def peak(self) -> FloatArray:
@@ -116,12 +143,15 @@ def transient(
     if study.train.has_nonlinear_couplings:
         found = _event_driven(study, system, settings, place, damping_ratio, progress)
         return _read(study, system, settings, found)
-    kept, twice = kept_modes(system, settings.modes, place) if modes is None else modes
+    before = state_before(study, system, settings, place)
+    cuts = joint_cuts(system, before.mean)
+    if modes is None or cuts:
+        modes = kept_modes(parts_of(system, cuts) if cuts else system, settings.modes, place)
+    kept, twice = modes
     needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
     if needed > study.memory:
         message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
         raise SolveError(message, "fewer `samples`, or run with more `memory`", (*place, "samples"))
-    before = state_before(study, system, settings, place)
     solved = partial(_solved, study, system, settings, place, before, damping_ratio, progress)
     found = solved(kept, is_band=system.bars is not None or kept is not twice)
     if kept is not twice and len(twice.frequency) > len(kept.frequency):
@@ -141,22 +171,43 @@ def _solved(
     damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
 ) -> TransientMotion:  # fmt: skip
     """The motion of some modes."""
-    shape = shapes(system, modes)
-    train = modal_train(study, system, modes, shape, before)
+    events, is_driven, cuts = settings.events, turns(study, system, settings.events), joint_cuts(system, before.mean)
+    points = points_of_events(study, system, events, before, place, turns=is_driven)
+    parts = replace(parts_of(system, cuts) if cuts else system, dampers=dampers_beside_loads(study, system, events))
+    shape = shapes(parts, modes)
+    train = modal_train(study, parts, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    loads, acting = loads_of_events(study, system, settings, before, place)
-    moved = motion(train, shape.T @ acting, loads, *start(system, modes, before, shape))
+    follows = following(study, system, events, points, before, cuts, shape) if is_driven else None
+    loads, acting = known_loads(study, parts, events, points, follows)
+    direct, added = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any]()
+    begin = start(parts, modes, before, shape)
+    if follows is None:
+        moved = motion(train, shape.T @ acting, loads, *begin)
+    else:
+        if not cuts:
+            shaken = vibration_before(parts, modes, before, shape)
+            begin = begin[0] + shaken[0], begin[1] + shaken[1]
+        before = replace(before, frequency=before.frequency[:0], amplitude=before.amplitude[:0])
+        given = motion(train, shape.T @ acting, loads, *begin)
+        moved, solved = follows.solve(system, given, shape, settings, progress)
+        follows.carried(system, direct)
+        added = _of_steps(follows, solved)
     time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
-    slowed = slowed_torques(study, system, modes, shape, before)
-    direct = direct_torques(system, modes, acting, is_band=is_band)
-    curves = Curves(system, modes, before, shape, moved, slowed, direct)
+    slowed = slowed_torques(study, parts, modes, shape, before, turns=is_driven)
+    patches = [partial(cut.patched, system) for cut in cuts if cut.massless]
+    carrier = carrier_of(study, system, events, before, cuts)
+    curves = Curves(system, modes, before, shape, moved, slowed, direct, carrier, patches)
     finer = times_finer(modes, float(time[1]), len(time))
     torque, turning, (top, bottom) = sampled(curves, time, finer, progress)
+    refuse_beyond_tables(study, events, turning, place)
+    if follows is not None:
+        straight = _straight(study, system, before) if cuts else train
+        added["passages"] = passages(system, follows, straight, time, turning)
     reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
     return TransientMotion(
         time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, missed(modes, moved, time, finer),
-        residual(moved, time), before.speed, len(modes.frequency), system, settings.name,
+        residual(moved, time), before.speed, len(modes.frequency), system, settings.name, **added,
     )  # fmt: skip
 
 
@@ -185,6 +236,21 @@ def _reversals(torque: FloatArray) -> int:
     """Changes of sign; a torque of nothing, within a play, has none."""
     there = np.abs(torque) > 1e-9 * np.abs(torque).max(initial=0.0)
     return int(np.count_nonzero(np.diff(np.sign(torque[there]))))
+
+
+def _straight(study: Study, system: System, before: State) -> ModalTrain:
+    """The modes of a train with its joints straight, whose resonances are passed."""
+    found = modes_as_discretised(system, None)
+    return modal_train(study, system, found, shapes(system, found), before, turns=True)
+
+
+def _of_steps(follows: Following, solved: Collocated) -> dict[str, Any]:
+    """What the result says of torques that follow the motion."""
+    changed = dict.fromkeys((time, follows.words[law]) for time, law, _ in solved.changes)
+    return {
+        "steps": len(solved.steps.begin), "following": tuple(dict.fromkeys(follows.words)),
+        "left_in_series": solved.lack, "changes": tuple(Change(*one) for one in changed),
+    }  # fmt: skip
 
 
 def _samples(settings: TransientSettings, found: Modes) -> int:
@@ -226,6 +292,8 @@ def run(work: Work) -> None:
                     progress=work.progress,
                 )
                 step.method = "exact, from event to event" if is_nonlinear else "exact propagation of the modes"
+                if one.steps:
+                    step.method += ", exponential collocation"
                 step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
             found.append(one)
         except (InputError, SolveError) as error:

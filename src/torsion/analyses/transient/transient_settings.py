@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
-from torsion.analyses.transient.events import Event, Length, Point
+from torsion.analyses.transient.event_kind import Length, Point
+from torsion.analyses.transient.events import Event
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study
@@ -76,6 +77,9 @@ class TransientSettings(Declared):
     samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
         "samples of the curves; peaks are found between them, and nothing else depends on them "
         f"(default: {DEFAULT_PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
+    )
+    tolerance: Annotated[float, Quantity("1", at_least=1e-12, at_most=1e-2)] = given(
+        "of torques that follow the motion: largest term left in their series over a step, of the largest torque", 1e-6
     )
     modes: Annotated[Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])] = given(
         "all, or how many of the lowest elastic modes are kept; then the change with twice as many is reported", "all"

@@ -57,22 +57,52 @@ class Motion:
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Places and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
-        y, root = self.coordinates.at(time), self.coordinates.root
-        if self.read is not None:
-            parts = np.concatenate([y.real, -y.imag])
-            place, speed = (np.concatenate([row.real, row.imag], axis=1) @ parts for row in self.read)
-        else:
-            place = y.imag / root.imag[:, None]
-            speed = y.real + root.real[:, None] * place
+        place, speed = self.modal(self.coordinates.at(time))
         if self.rigid is None:
             return place, speed
         turned, turning = self.rigid.at(time)
         return np.concatenate([turned, place]), np.concatenate([turning, speed])
 
+    def modal(self, y: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Places and speeds (modes, or all that damping takes hold of, times) of coordinates (coordinates, times)."""
+        if self.read is not None:
+            parts = np.concatenate([y.real, -y.imag])
+            place, speed = (np.concatenate([row.real, row.imag], axis=1) @ parts for row in self.read)
+            return place, speed
+        root = self.coordinates.root
+        place = y.imag / root.imag[:, None]
+        return place, y.real + root.real[:, None] * place
+
+    @property
+    def reading(self) -> tuple[ComplexArray, ComplexArray]:
+        """Rows (modes or all, coordinates) of which the real parts times the coordinates are places and speeds."""
+        if self.read is not None:
+            return self.read
+        place: ComplexArray = np.diag(-1j / self.coordinates.root.imag)
+        return place, np.asarray(np.eye(len(place)) + self.coordinates.root.real * place, dtype=complex)
+
+    @property
+    def cuts(self) -> FloatArray:
+        """(cuts,) s, where the torques have kinks."""
+        return self.coordinates.history.begin
+
+    def loads_at(self, time: FloatArray) -> FloatArray:
+        """(loads, times)."""
+        return np.array([value(pieces, time) for pieces in self.loads]).reshape(-1, len(time))
+
+    def load_rates_at(self, time: FloatArray) -> FloatArray:
+        """(loads, times) per second."""
+        rates = [[piece.rate_of_change() for piece in pieces] for pieces in self.loads]
+        return np.array([value(pieces, time) for pieces in rates]).reshape(-1, len(time))
+
+    def force_at(self, time: FloatArray) -> FloatArray:
+        """(rigid motions + modes, times) of all loads."""
+        return np.asarray(self.force @ self.loads_at(time))
+
     def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """(rigid motions + modes, times) by the balance of torques, of what `at` returned."""
-        acting = np.array([value(pieces, time) for pieces in self.loads]).reshape(-1, len(time))
-        return np.asarray(self.force @ acting - self.train.damping @ speed - self.train.w_of_all[:, None] ** 2 * place)
+        damped, held = self.train.damping @ speed, self.train.w_of_all[:, None] ** 2 * place
+        return np.asarray(self.force_at(time) - damped - held)
 
 
 def motion(

@@ -13,6 +13,7 @@ from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
 from torsion.output.selection import Element, elements
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
+MOST_PASSAGES = 20  # lines of a table
 COLUMNS = 2000  # of the figures: each shows the least and the greatest value of its samples
 METHOD = (
     "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
@@ -23,6 +24,7 @@ FROM_EVENT_TO_EVENT = (
     "is the root of the exact motion. Losses of material act as modal damping, by their share of the energy."
 )
 MOST_EVENTS = 20  # of the changes of regime that are listed
+DRIVEN = METHOD.replace("answers the events", "answers the torques of every step")
 Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
 
 
@@ -55,6 +57,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     yield _peaks(found, rows, unit)
     if found.switching is not None:
         yield from _switching(found.switching)
+    yield from _following(found)
     yield from _loads(findings, found, rows, settings)
     if found.unresolved.any():
         text = (
@@ -72,10 +75,45 @@ def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
     )
     return (
         f"{number(settings.duration)} s from a train {before}, in {counted(len(found.time), 'sample')}, of "
-        f"{counted(found.modes, 'elastic mode')}. {METHOD if found.switching is None else FROM_EVENT_TO_EVENT} "
-        f"{kept}The balance of energy holds to "
+        f"{counted(found.modes, 'elastic mode')}. {_method(found)} {kept}The balance of energy holds to "
         f"{number(found.residual, 2)} of the largest energy."
     )
+
+
+def _method(found: TransientMotion) -> str:
+    if found.switching is not None:
+        return FROM_EVENT_TO_EVENT
+    return DRIVEN if found.steps else METHOD
+
+
+def _following(found: TransientMotion) -> Iterator[Block]:
+    """How torques that follow the motion were found, when their laws changed, and what resonances were passed."""
+    if not found.steps:
+        return
+    yield Paragraph(
+        f"These torques follow the speed or the angle of their point: {', '.join(found.following)}. They are found by "
+        f"exponential collocation in {counted(found.steps, 'step')}, between which the modes are exact. The last term "
+        f"kept of their series is at most {number(found.left_in_series, 2)} of the largest of them; the error is "
+        "smaller. Periodic torques of the file follow the angle of their point too, from its angle 0 on."
+    )
+    if found.passages:
+        cells = [
+            (one.mode, one.what, one.time, rpm(one.speed), number(one.frequency), number(one.seconds, 3),
+             number(100.0 * one.share, 3))
+            for one in found.passages[:MOST_PASSAGES]
+        ]  # fmt: skip
+        titles = (
+            "Mode | < Excited by | Met at [s] | Reference speed [rpm] | Frequency [Hz] | Passed in [s] "
+            "| Reached, of the steady resonance [%]"
+        )
+        more = len(found.passages) - MOST_PASSAGES
+        text = "Resonances passed: time within the range of half the power, and what a constant rate lets them reach"
+        yield table(titles, cells, text + (f"; {more} more are in results.json" if more > 0 else ""))
+    if found.changes:
+        changed = [(one.what, one.time) for one in found.changes[:MOST_PASSAGES]]
+        yield table(
+            "< Torque | At [s]", changed, "When a torque that follows the motion came to another part of its law"
+        )
 
 
 def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:

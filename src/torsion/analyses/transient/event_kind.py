@@ -1,0 +1,56 @@
+"""What every kind of event is: how it is named in a file, and its torque by time or by how its point turns."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+from torsion.fields import Declared, Quantity
+from torsion.kernels.transient.collocation import Law
+from torsion.kernels.transient.torque_history import Piece
+
+Time = Annotated[float, Quantity("s", at_least=0, usual=(None, 1e5))]
+Length = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where an event acts, as the train is when it begins."""
+
+    name: str = ""
+    speed: float = 0.0  # rad/s of its own shaft
+    mean: float = 0.0  # N m that drives it (positive) or that it absorbs, at that speed
+    rated: float = 0.0  # N m, rated torque; 0 where it is not known
+    blades: int = 0
+    folder: Path = Path()  # of the study's file
+    rated_speed: float = 0.0  # rad/s of its own shaft; 0 where it is not known
+    turns: bool = False  # torques follow the motion: events, joints
+    is_clutch: bool = False
+
+
+Lack = tuple[str, str] | None  # what is wrong, and what would be right
+
+
+class Kind(Declared):
+    """What happens at a point; one class a kind of event."""
+
+    key: ClassVar[str]  # in the file
+    meaning: ClassVar[str]
+    drives: ClassVar[bool] = False  # it changes the speed by itself
+
+    @property
+    def by_angle(self) -> bool:
+        """It follows the angle of its point, where the speed changes."""
+        return False
+
+    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        """Its torque over time, N m at the point's own speed, positive in the sense of rotation."""
+        return iter(())
+
+    def laws(self, begin: float, at: Point) -> Iterator[Law]:
+        """What of its torque follows the motion, at interface 0."""
+        return iter(())
+
+    def lacks(self, at: Point) -> Lack:
+        """What the train lacks for it, and what would be right."""
+        return None

@@ -1,0 +1,167 @@
+"""Torques that follow the motion: starts, loads, orders and ice by the angle of their point, and joints.
+
+They are there where an event changes the speed by itself, or a joint does. Then the periodic torques of the file follow
+the angle of their station too.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from torsion.analyses.response.harmonic_components import amplitude
+from torsion.analyses.steady import SAME_SPEED, steady_if_known
+from torsion.analyses.transient.carrier import Carrier
+from torsion.analyses.transient.event_kind import Point
+from torsion.analyses.transient.events import Event
+from torsion.analyses.transient.following_events import Load, SpeedProgram
+from torsion.analyses.transient.joint_cuts import JointCut, joint_spans, standing
+from torsion.analyses.transient.state_before import State
+from torsion.analyses.transient.transient_settings import TransientSettings
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import Path, SolveError
+from torsion.findings import Progress
+from torsion.kernels.transient import torque_laws as laws
+from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
+from torsion.kernels.transient.damped_motion import Motion
+from torsion.kernels.transient.driven_motion import DrivenMotion, driven
+from torsion.kernels.transient.interface_motion import interfaces
+from torsion.primitives import Damper, Torque
+from torsion.study import Study
+
+FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
+
+
+@dataclass(frozen=True)
+class Following:
+    """The laws of torques with their interfaces, what they carry, and how the train turns."""
+
+    laws: tuple[Law, ...]
+    station: IntArray  # (interfaces,)
+    carrier: Carrier
+    cuts: tuple[JointCut, ...]
+    first: tuple[int, ...]  # interface of every joint
+    words: tuple[str, ...]  # what follows, of every law
+
+    def carried(self, system: System, direct: FloatArray) -> None:
+        """Add the torques at the interfaces, the last loads of `direct` (spans, loads), to spans that carry them."""
+        behind = direct.shape[1] - len(self.station)
+        for cut, first in zip(self.cuts, self.first, strict=True):
+            for span, which, factor in cut.carried(system):
+                direct[span, behind + first + which] += factor
+
+    def solve(
+        self, system: System, moved: Motion, shape: FloatArray, settings: TransientSettings, progress: Progress
+    ) -> tuple[DrivenMotion, Collocated]:
+        """The motion; the last loads of `moved` are nothing, and stand for the interfaces."""
+        column, ratio = shape[self.station], system.speed_ratio[self.station]
+
+        def given(time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+            place, speed = moved.at(time)
+            rates = (place, speed, moved.acceleration(time, place, speed) if self.cuts else np.zeros_like(place))
+            turns = (one[self.station] for one in self.carrier.at(time))
+            angle, turning, gaining = (turn + column @ one for turn, one in zip(turns, rates, strict=True))
+            return angle, turning, gaining
+
+        kinks = (*moved.cuts.tolist(), *(end for line in self.carrier.rates for end in line[:2]))
+        duration = settings.duration
+        scheme = Scheme(duration, settings.tolerance, FIRST * duration, LONGEST * duration, np.abs(ratio), kinks)
+        found = march(interfaces(moved, column), self.laws, given, scheme, partial(progress, "torques that follow"))
+        return driven(moved, found.steps), found
+
+
+def turns(study: Study, system: System, events: Sequence[Event]) -> bool:
+    """Torques follow the motion: an event changes the speed by itself, a joint does, or a program sweeps orders."""
+    if joint_spans(system).size or any(event.body.drives for event in events):
+        return True
+    swept = any(torque.order is not None for torque in study.train.torques)
+    swept = swept or any(event.body.by_angle for event in events)
+    return swept and any(isinstance(event.body, SpeedProgram) for event in events)
+
+
+def following(
+    study: Study, system: System, events: Sequence[Event], points: Sequence[Point], before: State,
+    cuts: tuple[JointCut, ...], shape: FloatArray,
+) -> Following:  # fmt: skip
+    """What follows the motion."""
+    found, station, words, first = list[Law](), list[int](), list[str](), list[int]()
+    for event, point in zip(events, points, strict=True):
+        for law in event.body.laws(event.time, point):
+            found.append(replace(law, interface=len(station)))  # type: ignore[type-var]
+            station.append(study.train.part(event.at).stations[0])
+            words.append(f"{event.body.key} at {event.at}")
+    for torque in system.train.torques:
+        if torque.order is not None:
+            size = _size(study, system, torque)
+            found.append(laws.Wave(len(station), size, float(torque.order), torque.phase))
+            station.append(torque.station)
+            words.append(f"order {torque.order} at {torque.name}")
+    for cut in cuts:
+        first.append(len(station))
+        inertia = 1.0 / float((shape[[cut.front, cut.behind]] ** 2).sum())  # as they take a sudden torque
+        found.append(cut.law(len(station), system, inertia))
+        station += [cut.front, cut.behind]
+        words.append(f"joint {system.spans[cut.span].name}")
+    offset, speed = standing(system, cuts, before.speed)
+    carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
+    return Following(tuple(found), np.array(station, dtype=np.int64), carrier, cuts, tuple(first), tuple(words))
+
+
+def carrier_of(
+    study: Study, system: System, events: Sequence[Event], before: State, cuts: tuple[JointCut, ...] = ()
+) -> Carrier:
+    """How the train turns without any torque."""
+    offset, speed = standing(system, cuts, before.speed)
+    return Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
+
+
+def refuse_beyond_tables(study: Study, events: Sequence[Event], speed: FloatArray, place: Path) -> None:
+    """Raises SolveError where a station of speeds (stations, times) outruns the table of its load."""
+    for number, event in enumerate(events):
+        if isinstance(event.body, Load):
+            reached = float(np.abs(speed[study.train.part(event.at).stations[0]]).max())
+            if reached > event.body.ends * (1.0 + SAME_SPEED):
+                found, ends = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (reached, event.body.ends))
+                message = f"the load at '{event.at}' reaches {found}, and its table ends at {ends}"
+                raise SolveError(
+                    message, "extend the table; nothing is extrapolated", (*place, "events", number, "load")
+                )
+
+
+def dampers_beside_loads(study: Study, system: System, events: Sequence[Event]) -> tuple[Damper, ...]:
+    """The dampers to ground but for those of stations that a load brakes: its law damps them."""
+    loaded = {study.train.part(event.at).stations[0] for event in events if isinstance(event.body, Load)}
+    return tuple(one for one in system.dampers if one.station not in loaded)
+
+
+def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tuple[float, float, float], ...]:
+    """Begin, end (s) and rate (rad/s2, of the reference) of every line of the programs of speed."""
+    found = []
+    for event in events:
+        if isinstance(event.body, SpeedProgram):
+            ratio = abs(float(system.speed_ratio[study.train.part(event.at).stations[0]]))
+            found += [(begin, end, rate / ratio) for begin, end, rate in event.body.rates(event.time)]
+    return tuple(found)
+
+
+def _size(study: Study, system: System, torque: Torque) -> laws.Parts:
+    """Amplitude of a periodic torque over the speed of its own shaft."""
+    operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
+    if torque.table:
+        return laws.table(torque.table)
+    if not torque.of_mean:
+        return laws.constant(torque.torque)
+    speed = np.array([operation.speed or 1.0])
+    share = replace(torque, torque=0.0, phase=0.0)
+    size = float(amplitude(system, share, speed, steady_if_known(study, system, speed))[0].real)
+    if operation.load == "propeller":
+        square = size / (float(speed[0]) * ratio) ** 2
+        return laws.Parts(np.empty(0), np.array([[0.0, 0.0, square]]), float(speed[0]) * ratio)
+    if operation.load == "constant":
+        return laws.constant(size)
+    rows = np.array(operation.load, dtype=float)
+    there = float(np.interp(speed[0], rows[:, 0], rows[:, 1]))
+    return laws.table([(at * ratio, size * torque_there / there) for at, torque_there in rows.tolist()])

@@ -1,0 +1,154 @@
+"""A linear train under torques at a few interfaces that are polynomials of each step: exact, whatever its stiffness.
+
+Only the deviation that these torques make is kept here, from nothing at time 0; given torques and the start add to it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.transient.damped_motion import Motion
+from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, answers, integrals, value
+
+
+@dataclass(frozen=True)
+class Interfaces:
+    """First-order coordinates and rigid motions as torques at the interfaces move them, and as the interfaces move."""
+
+    root: ComplexArray  # (coordinates,) 1/s
+    force: ComplexArray  # (coordinates, interfaces)
+    angle: ComplexArray  # (interfaces, coordinates): the angle is the real part of angle @ y
+    speed: ComplexArray  # (interfaces, coordinates)
+    rigid: FloatArray  # (rigid motions, interfaces)
+
+    @property
+    def number(self) -> int:
+        """Of interfaces."""
+        return len(self.angle)
+
+
+def interfaces(moved: Motion, shape: FloatArray) -> Interfaces:
+    """Interfaces of a train whose last loads are the torques at them; shape: (interfaces, rigid motions + modes)."""
+    number, coordinates = len(shape), moved.coordinates
+    loose = 0 if moved.rigid is None else len(moved.rigid.force)
+    place, speed = moved.reading
+    rigid = np.zeros((0, number)) if moved.rigid is None else moved.rigid.force[:, -number:]
+    kept = shape[:, loose:]
+    return Interfaces(coordinates.root, coordinates.force[:, -number:], kept @ place, kept @ speed, rigid)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Rigid motions and coordinates at one time."""
+
+    turned: FloatArray  # (rigid motions,)
+    turning: FloatArray
+    y: ComplexArray  # (coordinates,)
+
+    @classmethod
+    def still(cls, train: Interfaces) -> "Place":
+        """Nothing moves."""
+        none = np.zeros(len(train.rigid))
+        return cls(none, none, np.zeros(len(train.root), dtype=complex))
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What torques at the nodes of a step of one length do, and how its start goes on."""
+
+    length: float  # s
+    decay: ComplexArray  # (coordinates, ends)
+    answer: ComplexArray  # (coordinates, ends, nodes) s, of a force of 1 at one node
+    once: FloatArray  # (ends, nodes) s, first integral
+    twice: FloatArray  # (ends, nodes) s2
+    angle: FloatArray  # (interfaces, nodes, interfaces, nodes) rad/(N m)
+    speed: FloatArray
+    acceleration: FloatArray
+
+    def after(self, train: Interfaces, start: Place, torque: FloatArray) -> Place:
+        """At the end of the step, from torques (interfaces, nodes)."""
+        acting = train.rigid @ torque
+        turned = start.turned + self.length * start.turning + acting @ self.twice[-1]
+        y = self.decay[:, -1] * start.y + ((train.force @ torque) * self.answer[:, -1]).sum(axis=1)
+        return Place(turned, start.turning + acting @ self.once[-1], y)
+
+
+def influence(train: Interfaces, length: float) -> Influence:
+    """Of a step of that length."""
+    root, rigid = train.root, train.rigid
+    z = np.asarray(np.multiply.outer(root, length * ENDS), dtype=complex)
+    every = np.repeat(SERIES, len(ENDS), axis=1)[:, None]  # of a torque of 1 at each node, to every end
+    answer = np.tile(length * ENDS, POINTS) * answers(np.tile(z, POINTS), np.tile(ENDS, POINTS), every)
+    answer = answer.reshape(len(root), POINTS, len(ENDS)).transpose(0, 2, 1)
+    once, twice = (np.array(rows) for rows in zip(*(integrals(one[:, None], ENDS) for one in SERIES.T), strict=True))
+    once, twice = length * once.T, length**2 * twice.T
+    inside = answer[:, :-1]
+    growth = root[:, None, None] * inside + np.eye(POINTS)
+    rates = [
+        np.real(np.einsum("en,ncl,nf->ecfl", read, own, train.force, optimize=True))
+        for read, own in ((train.angle, inside), (train.speed, inside), (train.speed, growth))
+    ]
+    turns = [
+        np.einsum("me,cl,mf->ecfl", rigid, own, rigid, optimize=True) for own in (twice[:-1], once[:-1], np.eye(POINTS))
+    ]
+    whole = (rate + turn for rate, turn in zip(rates, turns, strict=True))
+    return Influence(length, np.exp(z), answer, once, twice, *whole)
+
+
+def going_on(train: Interfaces, start: Place, own: Influence) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Angle, speed and acceleration (interfaces, ends) without torques in the step; speeds and so on in that order."""
+    y = own.decay * start.y[:, None]
+    turning = np.broadcast_to(start.turning[:, None], (len(start.turning), len(ENDS)))
+    turned = start.turned[:, None] + own.length * start.turning[:, None] * ENDS
+    angle, speed = train.rigid.T @ turned + np.real(train.angle @ y), train.rigid.T @ turning + np.real(train.speed @ y)
+    return angle, speed, np.real(train.speed @ (train.root[:, None] * y))
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The whole motion: to be read at any time."""
+
+    train: Interfaces
+    begin: FloatArray  # (steps,) s
+    length: FloatArray  # (steps,) s
+    turned: FloatArray  # (steps, rigid motions) at the begin
+    turning: FloatArray
+    y: ComplexArray  # (steps, coordinates)
+    series: FloatArray  # (steps, coefficients, interfaces) N m
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, ComplexArray]:
+        """Rigid motions and their speeds (rigid motions, times), coordinates (coordinates, times), at times (s)."""
+        step, since, share, series = self._within(time)
+        force = np.einsum("nr,krt->knt", self.train.force, series)
+        z = self.train.root[:, None] * since
+        y = self.y[step].T * np.exp(z) + since * answers(z, share, force)
+        once, twice = integrals(np.einsum("mr,krt->kmt", self.train.rigid, series), share)
+        length, turning = self.length[step], self.turning[step].T
+        return self.turned[step].T + turning * since + twice * length**2, turning + once * length, y
+
+    def torque(self, time: FloatArray) -> FloatArray:
+        """(interfaces, times) N m."""
+        _, _, share, series = self._within(time)
+        return value(series, share)
+
+    def torque_rate(self, time: FloatArray) -> FloatArray:
+        """(interfaces, times) N m/s."""
+        step, _, share, series = self._within(time)
+        return np.asarray(value(legendre.legder(series), share) * (2.0 / self.length[step]))
+
+    def _within(self, time: FloatArray) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
+        """Step, time since its begin, share of it, and series (coefficients, interfaces, times) of its torques."""
+        step = np.clip(np.searchsorted(self.begin, time, side="right") - 1, 0, None)
+        since = time - self.begin[step]
+        return step, since, since / self.length[step], np.moveaxis(self.series[step], 0, 2)
+
+
+def steps(train: Interfaces, rows: list[tuple[float, float, Place, FloatArray]]) -> Steps:
+    """From begin, length, start and torques at the nodes (interfaces, nodes) of every step."""
+    begin, length, start, torque = zip(*rows, strict=True)
+    series = np.array([SERIES @ one.T for one in torque])
+    turned, turning = (np.array([getattr(one, name) for one in start]) for name in ("turned", "turning"))
+    y = np.array([one.y for one in start])
+    return Steps(train, np.array(begin), np.array(length), turned, turning, y, series)
