@@ -179,9 +179,7 @@ def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
 def _signals(study: Study, system: System, settings: TransientSettings, before: State, place: Path) -> Acting:
     """The torques of events, mean torques and periodic ones."""
     if turns(study, system, settings.events):
-        message = (
-            "torques that follow the motion beside play, friction, stages or a capacity are not built"
-        )
+        message = "torques that follow the motion beside play, friction, stages or a capacity are not built"
         advice = "leave out `start`, `load`, `speed` and joints, or make the couplings linear"
         raise SolveError(message, advice, place)
     points = points_of_events(study, system, settings.events, before, place, turns=False)
