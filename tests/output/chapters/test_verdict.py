@@ -37,7 +37,7 @@ def found() -> Findings:
 
 
 def check(verdict: str = "pass", **changed: object) -> Check:
-    made = Check("stability", "clause", "tail", "what", 12.345, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(3, 2))
+    made = Check("rule", "clause", "tail", "what", 12.345, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(3, 2))
     return replace(made, **changed)
 
 
@@ -118,7 +118,7 @@ def test_barred_ranges_of_shafts_and_of_the_train(found: Findings, bare: Finding
 )  # fmt: skip
 def test_conclusion_in_a_sentence(bare: Findings, verdicts: str, said: str, kind: str) -> None:
     word = {"P": "pass", "O": "outside", "F": "fail", "N": "not kept"}
-    overall = next(iter(verdict.conclusion(judged(bare, *(check(word[one]) for one in verdicts)))))
+    overall = next(iter(verdict.conclusion(judged(bare, *(check(word[one], rule="stability") for one in verdicts)))))
     assert isinstance(overall, Paragraph)
     assert overall.text.startswith(said)
     assert overall.kind == kind
