@@ -184,3 +184,13 @@ def test_a_share_of_the_mean_torque_ends_for_a_while() -> None:
     inside = np.where(TIME < 1.2 - 1e-9, -10.0 * np.clip((TIME - 0.5) / 0.2, 0.0, 1.0), 0.0)
     away = np.abs(TIME - 1.2) > 1e-6
     assert found[away] == pytest.approx(inside[away], abs=1e-12)
+
+
+def test_settings_of_an_event_are_said_with_their_units() -> None:
+    pulsation = {"torque": "2.6 kN*m", "decay": "0.15 s"}
+    start = {"pull_out": "3.2 kN*m", "slip": "12 %", "synchronous": "1500 rpm", "pulsation": pulsation}
+    words = Event.model_validate({"at": "motor", "start": start}).words
+    for text in ("pull out 3200 N m", "slip 0.12", "synchronous 1500 rpm", "pulsation (torque 2600 N m, decay 0.15 s)"):
+        assert text in words
+    table = Event.model_validate({"at": "motor", "table": {"rows": [["0 s", "1 N*m"], ["1 s", "2 N*m"]]}}).words
+    assert table == "rows 2 pairs"
