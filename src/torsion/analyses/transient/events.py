@@ -354,8 +354,10 @@ class _Event(Declared):
 def settings_in_words(settings: Declared) -> str:
     """Those that are not left at their defaults, with their units; speeds in rpm."""
     said = list[str]()
-    for name in settings.model_fields_set:
-        value, field = getattr(settings, name), type(settings).model_fields[name]
+    for name, field in type(settings).model_fields.items():
+        if name not in settings.model_fields_set:
+            continue
+        value = getattr(settings, name)
         within = [*field.metadata, *(item for one in get_args(field.annotation) for item in get_args(one))]
         unit = next((item.unit for item in within if isinstance(item, Quantity)), "1")
         text = str(value)
