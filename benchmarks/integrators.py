@@ -87,11 +87,11 @@ def main() -> None:
     report = Report(__doc__, "integrators", quick="two steps of every method")
     steps = QUICK if report.chosen.quick else STEPS
     found = {case: rows(case, steps) for case in cases()}
-    parts = [HOW, "## Consistency and stability", WHAT, _properties()]
+    parts = [HOW, "## Consistency and stability", WHAT, properties()]
     for case, measured in found.items():
         w = 2.0 * math.pi * _modes(case).frequency
         about = f"{len(case.M)} unknowns, elastic modes from {w[0]:.3g} to {w[-1]:.3g} rad/s."
-        cells = [(row.method, row.setting, f"{row.seconds:.3g}", _error(row.error)) for row in measured]
+        cells = [(row.method, row.setting, f"{row.seconds:.3g}", shown_error(row.error)) for row in measured]
         head = ("method", "step or tolerance", "time, s", "error")
         parts += [f"## {case.name}", about, f"![{case.name}]({_file(case)})", table(head, cells)]
     parts += ["## Size", _sizes(), "## What it was to show", _verdicts(found)]
@@ -139,9 +139,9 @@ def rows(case: Case, steps: Sequence[float]) -> list[Row]:
     """Every method at every step or tolerance."""
     times = np.linspace(0.0, DURATION, 201)[1:]
     known = reference(case, times)
-    found = [_timed(EXACT, f"{h:g} s", lambda h=h: _exact(case, h, times), known) for h in steps]
+    found = [_timed(EXACT, f"{h:g} s", lambda h=h: propagated(case, h, times), known) for h in steps]
     for name in METHODS:
-        found += [_timed(name, f"{h:g} s", lambda name=name, h=h: _marched(case, name, h, times), known) for h in steps]
+        found += [_timed(name, f"{h:g} s", lambda name=name, h=h: marched(case, name, h, times), known) for h in steps]
     fast = 2.0 * math.pi * float(_modes(case).frequency[-1]) > STIFF
     for name in ("Radau",) if fast else ("DOP853", "Radau"):
         for tolerance in TOLERANCES[: len(steps)]:
@@ -216,7 +216,7 @@ def _modal(case: Case) -> tuple[Modes, np.ndarray, np.ndarray]:
     return found, 2.0 * math.pi * found.frequency, shape[stations].T
 
 
-def _exact(case: Case, h: float, times: np.ndarray) -> np.ndarray:
+def propagated(case: Case, h: float, times: np.ndarray) -> np.ndarray:
     """Sampled at every h, as the others are; read at the times."""
     found, w, force = _modal(case)
     size = len(w) + 1
@@ -229,7 +229,7 @@ def _exact(case: Case, h: float, times: np.ndarray) -> np.ndarray:
     return np.asarray(at)
 
 
-def _marched(case: Case, name: str, h: float, times: np.ndarray) -> np.ndarray:
+def marched(case: Case, name: str, h: float, times: np.ndarray) -> np.ndarray:
     """By a step-by-step method, on the assembled matrices; between its steps on a line."""
     found = _modes(case)
     shape = _shapes_of_unknowns(case)
@@ -278,7 +278,7 @@ def _solved(case: Case, method: str, tolerance: float, times: np.ndarray) -> np.
     return np.asarray(found.torque[case.spans] @ kept)
 
 
-def _properties() -> str:
+def properties() -> str:
     head = (
         "method",
         *(f"h/T {ratio:g}: longer, lost in a period, %" for ratio in RATIOS),
@@ -336,14 +336,14 @@ def _verdicts(found: dict) -> str:
         rival = min(within, key=lambda row: row.error)
         gain = rival.error / max(best.error, 2.0**-53)
         lines.append(
-            f"- {case.name}: exact {_error(best.error)} in {best.seconds:.3g} s; the best of the others in at most "
-            f"{longest:.3g} s: {rival.method} {rival.setting}, {_error(rival.error)}; "
+            f"- {case.name}: exact {shown_error(best.error)} in {best.seconds:.3g} s; the best of the others in at "
+            f"most {longest:.3g} s: {rival.method} {rival.setting}, {shown_error(rival.error)}; "
             f"{gain:.1e} times, meant >= {GOAL:g} on the stiff train: {verdict(gain >= GOAL)}"
         )
     return "\n".join(lines)
 
 
-def _error(error: float) -> str:
+def shown_error(error: float) -> str:
     return "no answer" if not error < 1e6 else f"{error:.1e}"
 
 

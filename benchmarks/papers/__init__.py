@@ -1,1 +1,1 @@
-"""Four papers rebuilt: their numbers, figures and misprints, beside this program."""
+"""Papers rebuilt: their numbers, figures and misprints, beside this program."""

@@ -143,7 +143,7 @@ def page() -> Page:
                 "Every number of the article: its tables of inertias, stiffnesses and moments and its figures are "
                 "missing. The scene has the ratings of the plant and estimates for the rest."
             ),
-            "The companion article on a truck's driveline: no data either.",
+            "The article's other parts, a truck's driveline and integration in time, are on [their page](shafting.md).",
         ),
     )
 
@@ -235,7 +235,7 @@ def _misprints() -> tuple[Misprint, ...]:
         Misprint("list of symbols", "unit of K other than N m/rad", "N m/rad", "dimensions of (1)"),
         Misprint("(1)", "`T_t(t)` on the right", "`T_k(t)`, one moment a disc", "the index of the disc"),
         Misprint(
-            "finite differences (companion article)",
+            "finite differences (part 3)",
             "no limit of the time step in the copy at hand",
             "stable only for `dt < 2/w_max`",
             f"200 steps of the highest mode: greatest angle grows by {calm:.3g} at 1.99/w_max, by {wild:.1e} at "

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 PAGES = Path(__file__).parents[2] / "reports" / "papers"
-NAMES = ("liu_2023", "ma_2011", "chang_li_tripod", "pump_lumped")
+NAMES = ("liu_2023", "ma_2011", "chang_li_tripod", "pump_lumped", "shafting")
 
 
 @pytest.mark.parametrize("name", NAMES)
