@@ -35,7 +35,13 @@ from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.damped_motion import ModalTrain
-from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, PiecewiseTrain, event_driven
+from torsion.kernels.transient.event_driven_motion import (
+    Chatter,
+    EventDrivenMotion,
+    PiecewiseTrain,
+    TooManyEvents,
+    event_driven,
+)
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.torque_history import Piece
 from torsion.study import Study
@@ -72,6 +78,8 @@ class Built:
             name = self.couplings[self.standing[chatter.element].coupling].part.name
             message = f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
             raise SolveError(message, "give its contact damping, or its friction a stiffness", PATH) from None
+        except TooManyEvents as end:
+            raise SolveError(end.message, f"a `duration` below {end.time:.4g} s", (*PATH, "duration")) from None
 
 
 @dataclass(frozen=True)
