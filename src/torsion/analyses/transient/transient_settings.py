@@ -156,7 +156,7 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
                 continue
         corners = [event.time + late for late in event.body.corners(here)]
         if any(a >= b for a, b in pairwise(corners)):
-            message = f"times of the event fall together: at {event.time:g} s they are not told apart"
+            message = f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
             yield Fault((*place, event.body.key), message, f"at least {4.0 * math.ulp(event.time):.1g} s between them")
     yield from _stopped_twice(settings, path)
     yield from _names(settings, path, known)
