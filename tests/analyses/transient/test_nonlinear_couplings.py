@@ -352,6 +352,9 @@ def test_the_most_events_of_a_motion_are_said_with_a_shorter_duration(monkeypatc
     with pytest.raises(SolveError, match=r"has its 20 events at 0\.1.* s, .*; a `duration` below 0\.1") as refused:
         moved(text, duration=1.0, initial={"speed": {"a": "5 rad/s"}})
     assert refused.value.path == ("analyses", "transient", "duration")
+    motions = "[{name: none, duration: 1 ms, initial: {speed: {a: 5 rad/s}}},\n {name: long, duration: 1 s, "
+    several = f"{text}analyses: {{transient: {motions}initial: {{speed: {{a: 5 rad/s}}}}}}]}}\n"
+    assert torsion.run(torsion.parse(several)).plan.unanswered[0].line == 4
 
 
 def test_a_joint_beside_a_play_is_refused_and_not_taken_as_straight() -> None:
