@@ -260,6 +260,7 @@ def span_torques(
     if condensed.extra.size:
         stated = stated.copy()
         stated[condensed.extra] = 0.0
+    if chords.size:
         stated[chords] = chord_torque * condensed.sign[chords, None]
     return stated if (scale == 1.0).all() else np.asarray(stated / scale[:, None])
 

@@ -96,6 +96,24 @@ def test_a_stop_takes_the_mean_torque_away_along_its_ramp() -> None:
             "events: [{at: screw, step: {torque: 1}}], fatigue: {amplitude: 1, cycles: 1, slope: 5, mean: goodman}",
             "both",
         ),
+        ("events: [{at: screw, time: 0.5, pulse: {torque: 1, length: 1e-17, shape: triangle}}]", "fall together"),
+        ("events: [{at: screw, time: 0.5, table: {rows: [[0 s, 1], [1e-17 s, 2], [1 s, 0]]}}]", "fall together"),
+        ("events: [{at: screw, time: 0.5, stop: {ramp: 1e-17}}]", "fall together"),
+        ("events: [{at: screw, short-circuit: {coefficients: {line: .nan}, decay: [1, 1]}}]", "nan is not a finite"),
+        ("events: [{at: screw, short-circuit: {coefficients: {line: 1, mean: .inf}, decay: [1, 1]}}]", "inf is not"),
+        ("events: [{at: screw, ice: {torque: 1, angle: 0 deg}}]", "more than 0 deg"),
+        ("events: [{at: screw, ice: {torque: 1, angle: -30 deg}}]", "more than 0 deg"),
+        ("events: [{at: screw, ice: {torque: 1, angle: 361 deg}}]", "at most 360 deg"),
+        ("events: [{at: screw, ice: {torque: 1, case: 1, ramp: -90 deg}}]", "at least 0 deg"),
+        ("events: [{at: screw, ice: {torque: 1, case: 1, turns: 2, ramp: 361 deg}}]", "at most 360 deg for 2 turns"),
+        ("events: [{at: screw, ice: {torque: 1, case: 1, factor: 1}}]", "a factor of its own"),
+        ("events: [{at: motor-1, stop: {}}, {at: motor-1, stop: {share: 1 %}}]", "together end 101 %"),
+        (
+            "events: [{at: screw, step: {torque: 1}}], fatigue: {amplitude: 1, cycles: 1, slope: 5, at: screw}",
+            "through",
+        ),
+        ("initial: {torque: {}}", "nothing moves the train"),
+        ("initial: {torque: {coupling-1: 0}}", "nothing moves the train"),
         ("initial: {torque: {coupling-1: lots}}", "does not begin with a number"),
         ("initial: rest", "nothing moves the train"),
         ("initial: {speed: 100}", "has no unit"),
@@ -194,3 +212,23 @@ def test_settings_of_an_event_are_said_with_their_units() -> None:
         assert text in words
     table = Event.model_validate({"at": "motor", "table": {"rows": [["0 s", "1 N*m"], ["1 s", "2 N*m"]]}}).words
     assert table == "rows 2 pairs"
+
+
+@pytest.mark.parametrize(
+    "events",
+    [
+        "{at: motor-1, stop: {until: 0.2 s}}, {at: motor-1, time: 0.2 s, stop: {}}",
+        "{at: motor-1, time: 0.1 s, stop: {until: 0.2 s}}, {at: motor-1, time: 0.3 s, stop: {}}",
+        "{at: motor-1, stop: {share: 60 %, ramp: 0.1 s}}, {at: motor-1, time: 0.05 s, stop: {share: 40 %}}",
+        "{at: motor-1, stop: {}}, {at: screw, stop: {}}",
+        "{at: screw, ice: {torque: 1 kN*m, angle: 360 deg, factor: 2, turns: 2, ramp: 360 deg}}",
+    ],
+)
+def test_events_at_the_limits_of_what_is_allowed_are_read(events: str) -> None:
+    torsion.parse(SCENE.format(f"events: [{events}]"))
+
+
+def test_a_stop_that_begins_before_another_ends_along_its_ramp_is_judged_where_the_first_ends() -> None:
+    events = "{at: motor-1, stop: {until: 0.2 s}}, {at: motor-1, time: 0.1 s, stop: {ramp: 0.2 s}}"
+    with pytest.raises(InputError, match="together end 150 % of its mean torque"):
+        torsion.parse(SCENE.format(f"events: [{events}]"))

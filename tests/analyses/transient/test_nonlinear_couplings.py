@@ -11,6 +11,7 @@ from torsion.analyses.transient.transient_motion import TransientMotion, transie
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
+from torsion.kernels.transient import event_driven_motion
 from torsion.output.chapters.motion_over_time import chapter
 
 RIPPLE = ", ripple: [{order: 2, torque: 150 %}]"
@@ -309,3 +310,58 @@ def test_rigid_clutches_beside_each_other_are_refused() -> None:
     )
     with pytest.raises(SolveError, match="nothing divides their torque"):
         moved(text, duration=1.0, events=[{"at": "engine", "step": {"torque": 10}}])
+
+
+RING = (
+    ("disc: {name: a, inertia: 1}", "coupling: {name: ab, stiffness: 1e4}", "disc: {name: b, inertia: 1.5}"),
+    ("disc: {name: b, inertia: 1.5}", "coupling: {name: bc, stiffness: 2e4}", "disc: {name: c, inertia: 2}"),
+    ("disc: {name: c, inertia: 2}", "coupling: {name: ca, stiffness: 3e4, clearance: 1 deg}", ""),
+)
+
+
+def test_a_play_that_closes_a_loop_is_that_of_the_loop_closed_elsewhere() -> None:
+    parts, link = ", ".join((*RING[0], *RING[1][1:])), RING[2][1]
+    there = moved(
+        f"name: x\ntrain: [{parts}]\nlinks: [{{between: [c, a], {link}}}]\n", duration=1.0,
+        events=[{"at": "a", "sine": {"torque": 100, "frequency": 9}}],
+    )  # fmt: skip
+    parts = ", ".join((*RING[1], link, RING[0][0]))
+    elsewhere = moved(
+        f"name: x\ntrain: [{parts}]\nlinks: [{{between: [a, b], {RING[0][1]}}}]\n", duration=1.0,
+        events=[{"at": "a", "sine": {"torque": 100, "frequency": 9}}],
+    )  # fmt: skip
+    assert len(whats(there)) == 36
+    assert there.peak[[0, 1, 2]] == pytest.approx(elsewhere.peak[[2, 0, 1]], rel=1e-11)
+    assert there.residual < 1e-12
+
+
+def test_a_play_that_is_never_used_up_leaves_nothing_of_its_balance_of_energy() -> None:
+    """Over whole periods the work is nothing; the error is of the energy between."""
+    parts = "disc: {name: a, inertia: 1}, coupling: {stiffness: 1e4, clearance: 400 deg}, disc: {inertia: 1}"
+    sine = {"at": "a", "sine": {"torque": 100, "frequency": 8}}
+    found = moved(f"name: x\ntrain: [{parts}]\n", duration=1.0, events=[sine])
+    assert found.peak[0] == 0.0
+    assert found.residual < 1e-14
+    assert found.status == "ok"
+
+
+def test_the_most_events_of_a_motion_are_said_with_a_shorter_duration(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(event_driven_motion, "MOST_EVENTS", 20)
+    parts = "disc: {name: a, inertia: 2}, coupling: {stiffness: 1e5, clearance: 0.02 rad}, disc: {inertia: 3}"
+    text = f"name: x\ntrain: [{parts}]\n"
+    with pytest.raises(SolveError, match=r"has its 20 events at 0\.1.* s, .*; a `duration` below 0\.1") as refused:
+        moved(text, duration=1.0, initial={"speed": {"a": "5 rad/s"}})
+    assert refused.value.path == ("analyses", "transient", "duration")
+    motions = "[{name: none, duration: 1 ms, initial: {speed: {a: 5 rad/s}}},\n {name: long, duration: 1 s, "
+    several = f"{text}analyses: {{transient: {motions}initial: {{speed: {{a: 5 rad/s}}}}}}]}}\n"
+    assert torsion.run(torsion.parse(several)).plan.unanswered[0].line == 4
+
+
+def test_a_joint_beside_a_play_is_refused_and_not_taken_as_straight() -> None:
+    joint = "joint: {angle: 30 deg}, disc: {inertia: 0.5}, coupling: {stiffness: 1e4}"
+    text = DRIVE.format(ripple="", c2=PLAY, c3="viscous: 3").replace(
+        "- propeller", f"- disc: {{inertia: 1}}\n- {joint.replace(', disc', chr(10) + '- disc', 1)}\n- propeller"
+    )
+    text = text.replace("0.5}, coupling", "0.5}\n- coupling")
+    with pytest.raises(SolveError, match="torques that follow the motion beside play"):
+        moved(text, duration=0.1, initial={"speed": "600 rpm"}, events=[{"at": "motor-1", "stop": {}}])

@@ -35,7 +35,13 @@ from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.damped_motion import ModalTrain
-from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, PiecewiseTrain, event_driven
+from torsion.kernels.transient.event_driven_motion import (
+    Chatter,
+    EventDrivenMotion,
+    PiecewiseTrain,
+    TooManyEvents,
+    event_driven,
+)
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.torque_history import Piece
 from torsion.study import Study
@@ -60,6 +66,7 @@ class Built:
     is_band: bool  # modes were left out
     place: FloatArray
     speed: FloatArray
+    where: Path = PATH  # of the settings in the file
 
     def run(self, duration: float, fineness: float = 1.0) -> EventDrivenMotion:
         """The motion; raises SolveError where a coupling changes its regime without end."""
@@ -71,7 +78,9 @@ class Built:
         except Chatter as chatter:
             name = self.couplings[self.standing[chatter.element].coupling].part.name
             message = f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
-            raise SolveError(message, "give its contact damping, or its friction a stiffness", PATH) from None
+            raise SolveError(message, "give its contact damping, or its friction a stiffness", self.where) from None
+        except TooManyEvents as end:
+            raise SolveError(end.message, f"a `duration` below {end.time:.4g} s", (*self.where, "duration")) from None
 
 
 @dataclass(frozen=True)
@@ -127,7 +136,8 @@ def build(
     place_of, _ = start(bare, modes, replace(before, twist=carried), shape)
     slowed = slowed_torques(study, bare, modes, shape, before)
     parts = _Parts(bare, modes, before, shape, train, slowed, place_of, turning)
-    return _in_modes(parts, found, tuple(all_standing), acting, _kept(train.w, settings, halved=halved))
+    built = _in_modes(parts, found, tuple(all_standing), acting, _kept(train.w, settings, halved=halved))
+    return replace(built, where=place)
 
 
 @dataclass(frozen=True)

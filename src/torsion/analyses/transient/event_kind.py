@@ -51,6 +51,10 @@ class Kind(Declared):
         """What of its torque follows the motion, at interface 0."""
         return iter(())
 
+    def corners(self, at: Point) -> tuple[float, ...]:
+        """Times (s) after its begin, which rise, between which its torque has one law."""
+        return ()
+
     def lacks(self, at: Point) -> Lack:
         """What the train lacks for it, and what would be right."""
         return None

@@ -20,6 +20,7 @@ from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.torque_history import Piece, history
 
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
+Coefficient = Annotated[float, Quantity("1")]
 SignedTorque = Annotated[float, Quantity("N*m")]
 ICE_CASES = {  # factor C_q, contact angle in deg by number of blades; FSICR 2017, from memory: to be verified
     1: (0.75, {3: 90.0, 4: 90.0, 5: 72.0, 6: 60.0}), 2: (1.0, {3: 135.0, 4: 135.0, 5: 135.0, 6: 135.0}),
@@ -77,6 +78,10 @@ class Table(Kind):
         rows = self.rows if self.file is None else torque_rows(at.folder / self.file)
         yield from ramps([(begin + time, torque) for time, torque in rows or ()])
 
+    def corners(self, at: Point) -> tuple[float, ...]:
+        rows = self.rows if self.file is None else torque_rows(at.folder / self.file)
+        return tuple(time for time, _ in rows or ())
+
     def lacks(self, at: Point) -> Lack:
         try:
             torque_rows(at.folder / self.file) if self.file is not None else None
@@ -93,6 +98,9 @@ class Pulse(Kind):
     torque: SignedTorque = required("its greatest torque")
     length: Length = required("how long it lasts")
     shape: Literal["half-sine", "rectangle", "triangle"] = given("its shape", "half-sine")
+
+    def corners(self, at: Point) -> tuple[float, ...]:
+        return (0.0, self.length / 2.0, self.length)
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
         end = begin + self.length
@@ -148,9 +156,9 @@ class Sine(Kind):
 class Coefficients(Declared):
     """Amplitudes of the torque in the air gap, of the rated torque."""
 
-    line: float = required("of the part at line frequency")
-    double: float = given("of the part at twice the line frequency, subtracted", 0.0)
-    mean: float = given("of the part that decays without oscillating", 0.0)
+    line: Coefficient = required("of the part at line frequency")
+    double: Coefficient = given("of the part at twice the line frequency, subtracted", 0.0)
+    mean: Coefficient = given("of the part that decays without oscillating", 0.0)
 
 
 class ShortCircuit(Kind):
@@ -186,6 +194,10 @@ class ShortCircuit(Kind):
         return None if at.rated else ("a short circuit needs the rated torque", "give `operation: rated` with a power")
 
 
+Contact = Annotated[float, Quantity("rad", above=0, at_most=2.0 * math.pi)]
+RampAngle = Annotated[float, Quantity("rad", at_least=0)]
+
+
 class Ice(Kind):
     """Blades that mill ice at the speed before the events: half sines against the rotation, between two ramps."""
 
@@ -194,14 +206,19 @@ class Ice(Kind):
     torque: fields.Torque = required("Q_max, the greatest ice torque at the propeller")
     case: Literal[1, 2, 3, 4] | None = given("case of the ice rules: factor, angle and blocks (to be verified)")
     factor: fields.Number = given("C_q, where no case is given", 1.0)
-    angle: fields.Angle | None = given("angle of contact alpha_i, where no case is given")
+    angle: Contact | None = given("angle of contact alpha_i, where no case is given")
     turns: Annotated[int, Field(ge=2, le=1000)] = given("revolutions of the milling", 6)
-    ramp: fields.Angle = given("angle over which the torque rises at the begin, and falls at the end", 1.5 * math.pi)
+    ramp: RampAngle = given("angle over which the torque rises at the begin, and falls at the end", 1.5 * math.pi)
 
     @model_validator(mode="after")
     def _case_or_angle(self) -> Self:
         if (self.case is None) == (self.angle is None):
             raise refuse("ice has a `case`, or an `angle` and a `factor`", "give one of them")
+        if self.case is not None and "factor" in self.model_fields_set:
+            raise refuse("a case of ice has a factor of its own", "leave `factor` out, or `case`", "factor")
+        if self.ramp > math.pi * self.turns:
+            hint = f"at most {180 * self.turns} deg for {self.turns} turns"
+            raise refuse("the two ramps are longer than the milling", hint, "ramp")
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
@@ -256,6 +273,16 @@ class Stop(Kind):
     ramp: Time = given("time in which it falls", 0.0)
     until: Length | None = given("how long it is gone, without the ramp (default: to the end)")
 
+    def corners(self, at: Point) -> tuple[float, ...]:
+        return (0.0, self.ramp) if self.ramp else ()
+
+    def taken(self, late: float) -> float:
+        """The share that has ended so late (s) after its begin."""
+        lasts = math.inf if self.until is None else self.ramp + self.until
+        if not 0.0 <= late < lasts:
+            return 0.0
+        return self.share * (min(late / self.ramp, 1.0) if self.ramp else 1.0)
+
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
         low, end = self.share * at.mean, math.inf if self.until is None else begin + self.ramp + self.until
         if self.ramp:
@@ -296,6 +323,12 @@ class Clutch(Kind):
         late = (self.open if self.close is None else self.close) or 0.0
         first, last = (capacity, 0.0) if self.close is None else (0.0, capacity)
         return ((begin, first), (begin + late, last)) if late else ((begin, last),)
+
+    def corners(self, at: Point) -> tuple[float, ...]:
+        if self.torque is not None:
+            return tuple(time for time, _ in self.torque)
+        late = self.open or self.close
+        return (0.0, late) if late else ()
 
     @property
     def begins_open(self) -> bool:

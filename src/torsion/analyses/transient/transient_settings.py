@@ -1,6 +1,8 @@
 """Settings of the motion over time, and what a file says wrongly in them."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
@@ -8,7 +10,7 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
-from torsion.analyses.transient.events import Event
+from torsion.analyses.transient.events import Event, Stop
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study
@@ -17,6 +19,7 @@ from torsion.train import name_fault
 PATH = ("analyses", "transient")
 MOST_SAMPLES = 1_000_000
 DEFAULT_PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
+ROUNDING = 1e-9  # of shares that are summed, and of times that are one
 DEFAULT_MOST = 20_000  # samples where the file names no number
 
 
@@ -124,7 +127,8 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
     """Of one motion."""
     each = settings.initial.get("speed") if isinstance(settings.initial, dict) else None
     apart = each if isinstance(each, dict) else {}
-    if not settings.events and not apart and not (isinstance(settings.initial, dict) and "torque" in settings.initial):
+    twists = settings.initial.get("torque", {}) if isinstance(settings.initial, dict) else {}
+    if not settings.events and not apart and not any(twists.values()):
         hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
         yield Fault(path, "nothing moves the train: no event, and no twist that is released", hint)
     known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
@@ -133,6 +137,7 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
     if apart and not study.train.has_nonlinear_couplings:
         message = "speeds of several points need a clutch or a clearance between them"
         yield Fault((*path, "initial"), message, "initial: {speed: 1500 rpm}")
+    here = Point(folder=FilePath(study.file).parent)
     for number, event in enumerate(settings.events):
         place = (*path, "events", number)
         is_clutch = getattr(event, "clutch", None) is not None
@@ -145,11 +150,42 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
             yield Fault((*place, "time"), "the event begins after the end of the motion", hint)
         table = getattr(event, "table", None)
         if table is not None and table.file is not None:
-            lack = table.lacks(Point(folder=FilePath(study.file).parent))
+            lack = table.lacks(here)
             if lack is not None:
                 yield Fault((*place, "table", "file"), *lack)
+                continue
+        corners = [event.time + late for late in event.body.corners(here)]
+        if any(a >= b for a, b in pairwise(corners)):
+            message = f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
+            yield Fault((*place, event.body.key), message, f"at least {4.0 * math.ulp(event.time):.1g} s between them")
+    yield from _stopped_twice(settings, path)
+    yield from _names(settings, path, known)
+
+
+def _names(settings: TransientSettings, path: Path, known: Mapping[str, tuple[str, bool]]) -> Iterator[Fault]:
+    """Of `plot` and `fatigue`; known: of every component its kind, and whether it is a point."""
     for key, names in (("plot", settings.plot), ("fatigue", settings.fatigue.at if settings.fatigue else ())):
         for word in names:
-            if word not in known:
-                where = (*path, key) if key == "plot" else (*path, key, "at")
+            where = (*path, key) if key == "plot" else (*path, key, "at")
+            if key == "fatigue" and word in known and known[word][1]:
+                links = ", ".join(name for name, (_, is_point) in known.items() if not is_point)
+                yield Fault(where, f"'{word}' is a {known[word][0]}, and no torque goes through it", links)
+            elif word not in known:
                 yield Fault(where, f"no component is called '{word}'", ", ".join(known))
+
+
+def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
+    """Stops at a point that together take more than its mean torque; judged where a share of one is at its end."""
+    stops = [
+        (number, event, event.body) for number, event in enumerate(settings.events) if isinstance(event.body, Stop)
+    ]
+    near = ROUNDING * settings.duration
+    for number, event, body in stops:
+        there = [(one.time, other) for _, one, other in stops if one.at == event.at]
+        full = event.time + body.ramp
+        ends = [full + near, *([] if body.until is None else [full + body.until - near])]
+        share = max(sum(other.taken(at - time) for time, other in there) for at in ends)
+        if share > 1.0 + ROUNDING:
+            message = f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"
+            yield Fault((*path, "events", number, "stop"), message, "a `share` each, of 100 % together")
+            return

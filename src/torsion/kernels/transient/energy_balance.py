@@ -35,6 +35,7 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     """The energies, and how far their balance is from zero."""
     train = motion.train
     gained = np.zeros((2 + len(train.elements), len(motion.begin)))  # work, damped, heat of each element
+    largest = 0.0
     node, weight = np.polynomial.legendre.leggauss(GAUSS)
     node, weight = (node + 1.0) / 2.0, weight / 2.0
     for number, one in enumerate(motion.regimes):
@@ -44,12 +45,13 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
             for share, factor, matrix in zip(node, weight, whole, strict=True):
                 z = matrix @ start if is_whole else one.moved(start, share * length)
                 powers += factor * _powers(train, one, z)
+                largest = max(largest, float(_energies(train, one, z).max(initial=0.0)))
             gained[:, block] += powers * length
     stored = _stored(motion)
     total = np.concatenate([np.zeros((len(gained), 1)), np.cumsum(gained[:, :-1], axis=1)], axis=1)
     total[2:] += (motion.released - motion.released[0]).T
     error = stored - stored[0] - total[0] + total[1:].sum(axis=0)
-    largest = float(stored.max(initial=0.0))
+    largest = max(largest, float(stored.max(initial=0.0)))
     residual = float(np.abs(error).max(initial=0.0)) / largest if largest else 0.0
     return EnergyBalance(
         float(total[0, -1]), total[2:, -1], float(total[1, -1]), float(stored[-1] - stored[0]), residual
@@ -82,12 +84,16 @@ def _powers(train: PiecewiseTrain, one: Regime, z: FloatArray) -> FloatArray:
 
 def _stored(motion: EventDrivenMotion) -> FloatArray:
     """(blocks,) J at the begin of each."""
-    train, found = motion.train, np.empty(len(motion.begin))
-    place, speed = train.layout[1:3]
+    found = np.empty(len(motion.begin))
     for number, one in enumerate(motion.regimes):
         here = motion.regime == number
-        z = motion.state[here].T
-        torque = one.torque @ z / train.root[:, None]
-        parts = (z[place] ** 2, z[speed] ** 2, (one.elastic @ z) ** 2, torque * (train.series @ torque))
-        found[here] = 0.5 * sum(part.sum(axis=0) for part in parts)
+        found[here] = _energies(motion.train, one, motion.state[here].T)
     return found
+
+
+def _energies(train: PiecewiseTrain, one: Regime, z: FloatArray) -> FloatArray:
+    """(columns,) J of states."""
+    place, speed = train.layout[1:3]
+    torque = one.torque @ z / train.root[:, None]
+    parts = (z[place] ** 2, z[speed] ** 2, (one.elastic @ z) ** 2, torque * (train.series @ torque))
+    return np.asarray(0.5 * sum(part.sum(axis=0) for part in parts))

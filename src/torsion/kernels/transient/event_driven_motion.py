@@ -332,8 +332,10 @@ class _March:
             z, state = self.enter(time, z, state, number, to)
             near = max(1e-12 * one.step, 4.0 * math.ulp(time))
             idle, last = (idle + 1, last) if time - last <= near else (0, time)
-            if idle > CHATTER * len(state) or len(self.events) > MOST_EVENTS:
+            if idle > CHATTER * len(state):
                 raise Chatter(time, number)
+            if len(self.events) > MOST_EVENTS:
+                raise TooManyEvents(time)
         return z, state
 
 
@@ -345,6 +347,14 @@ class Chatter(SolveError):
         self.time, self.element = time, element
 
 
+class TooManyEvents(SolveError):
+    """More events than are kept."""
+
+    def __init__(self, time: float) -> None:
+        super().__init__(f"the motion has its {MOST_EVENTS} events at {time:.6g} s, and no more are followed")
+        self.time = time
+
+
 def event_driven(
     train: PiecewiseTrain, state: State, *, twist: FloatArray, place: FloatArray, speed: FloatArray, duration: float,
     fineness: float = 1.0, dips: bool = True,
@@ -352,7 +362,8 @@ def event_driven(
     """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
 
     fineness: of the steps, of those that the fastest motion of a regime allows. dips: look for functions that fall
-    below zero and rise again between two samples. Raises Chatter where events follow each other without progress.
+    below zero and rise again between two samples. Raises Chatter where events follow each other without progress,
+    and TooManyEvents.
     """
     march = _March(train, duration, fineness, dips, np.zeros(len(train.elements)))
     z = np.concatenate([train.root * twist, train.w * place, speed, np.zeros(train.signals.size), [1.0]])

@@ -118,8 +118,8 @@ def _following(found: TransientMotion) -> Iterator[Block]:
 
 def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
     titles = (
-        f"< Element -> | Greatest torque [{unit.unit}] -> greatest | at [s] -> at "
-        f"| Least torque [{unit.unit}] -> least | at [s] | Before [{unit.unit}] "
+        f"< Element -> | Greatest torque [{unit.unit}] -> greatest, {unit.unit} | at [s] -> at, s "
+        f"| Least torque [{unit.unit}] -> least, {unit.unit} | at [s] | Before [{unit.unit}] "
         f"| Largest / before -> times | Largest / rated | Reversals -> | Not sampled [{unit.unit}]"
     )
     cells = []
