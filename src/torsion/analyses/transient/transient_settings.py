@@ -150,6 +150,8 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
                 yield Fault((*place, "table", "file"), *lack)
     for key, names in (("plot", settings.plot), ("fatigue", settings.fatigue.at if settings.fatigue else ())):
         for word in names:
+            where = (*path, key) if key == "plot" else (*path, key, "at")
             if word not in known:
-                where = (*path, key) if key == "plot" else (*path, key, "at")
                 yield Fault(where, f"no component is called '{word}'", ", ".join(known))
+            elif key == "fatigue" and len(study.train.part(word).stations) == 1:
+                yield Fault(where, f"'{word}' is a point, and carries no torque", "name a coupling, shaft or gear")
