@@ -7,6 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from torsion.analyses.transient.event_driven_train import Built, build
+from torsion.analyses.transient.times_looked_at import Wave, waves_of
+from torsion.analyses.transient.torque_curves import forced
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
@@ -95,6 +97,33 @@ class EventDrivenCurves:
     def fastest(self) -> float:
         """rad/s of the fastest motion of a regime."""
         return max(RADIANS / one.step for one in self.motion.regimes)
+
+    @property
+    def waves(self) -> tuple[Wave, ...]:
+        """What vibrates: torques, and every regime while it lasts."""
+        return (*waves_of(self.built.train.signals.pieces), *self.regimes)
+
+    @cached_property
+    def regimes(self) -> tuple[Wave, ...]:
+        """Every regime while it lasts, with its fastest vibration."""
+        motion, inner = self.motion, self.built.train.layout[3].start
+        w = [
+            float(np.abs(np.linalg.eigvals(one.matrix[:inner, :inner]).imag).max(initial=0.0)) for one in motion.regimes
+        ]
+        first = np.flatnonzero(np.diff(motion.regime, prepend=-1))
+        ends = [*motion.begin[first[1:]].tolist(), motion.end]
+        lasting = zip(motion.begin[first].tolist(), ends, motion.regime[first].tolist(), strict=True)
+        return tuple(Wave(begin, end, w[number]) for begin, end, number in lasting)
+
+    @property
+    def quickest(self) -> float:
+        """1/s of the fastest that dies away."""
+        return self.fastest
+
+    def unseen(self, w: float) -> FloatArray:
+        """(spans,) N m that torques as fast as w (rad/s) and faster shake at most."""
+        train, rows = self.built.train, (self.built.modes.torque, self.slowed, self.built.direct)
+        return forced(rows, train.w, train.force, train.signals.pieces, w)
 
     @property
     def rigid_motions(self) -> int:

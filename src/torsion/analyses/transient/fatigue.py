@@ -1,20 +1,12 @@
 """Damage of a motion over time: cycles by rainflow (ASTM E1049, the residue as half cycles), their sum after Miner."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from torsion.analyses.transient.transient_settings import Fatigue
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-
-
-def turning_points(torque: FloatArray) -> FloatArray:
-    """Where samples (times,) of a smooth torque turn: the tops of parabolas through three of them; and both ends."""
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(torque))) != 0) + 1
-    before, top, after = torque[turns - 1], torque[turns], torque[turns + 1]
-    peaks = top + (after - before) ** 2 / (8.0 * (2.0 * top - before - after))
-    return np.concatenate([torque[:1], peaks, torque[-1:]])
 
 
 def cycles(points: FloatArray) -> Iterator[tuple[float, float, float]]:
@@ -33,11 +25,10 @@ def miner(counted: Iterable[tuple[float, float, float]], line: Fatigue) -> float
     return found
 
 
-def damages(system: System, line: Fatigue, torque: FloatArray) -> FloatArray:
-    """(spans,) Miner's sum of torques (spans, times); NaN where the file names others."""
+def damages(system: System, line: Fatigue, turns: Sequence[FloatArray]) -> FloatArray:
+    """(spans,) Miner's sum of torques, each given by all values at which it turns; NaN where the file names others."""
     names = [system.train.parts[part].name for part in system.span_part.tolist()]
     known = [not line.at or name in line.at for name in names]
     return np.array([
-        miner(cycles(turning_points(one)), line) if judged else np.nan
-        for one, judged in zip(torque, known, strict=True)
+        miner(cycles(one), line) if judged else np.nan for one, judged in zip(turns, known, strict=True)
     ])  # fmt: skip

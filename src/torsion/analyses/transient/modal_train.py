@@ -109,6 +109,8 @@ def slowed_torques(
 ) -> FloatArray:
     """(spans, rigid motions + modes) N m s/rad: viscous torques in their spans, and what others carry of them at once.
 
+    The loss factor of a span adds its share of the torque of every mode, as of a vibration at the mode's frequency.
+
     Raises SolveError for viscous damping at a point without inertia.
     """
     slowed, damped = np.zeros((len(system.spans), shape.shape[1])), np.flatnonzero(system.viscous > 0)
@@ -129,4 +131,6 @@ def slowed_torques(
         stations, moves = np.unique(grounded), deviations(system, shape) if turns else shape
         ground = ground_damping(system, np.array([before.speed]), before.mean)[stations, 0]
         slowed -= direct_torques(system, found, np.eye(len(without))[:, stations]) @ (ground[:, None] * moves[stations])
+    rigid = shape.shape[1] - found.torque.shape[1]
+    slowed[:, rigid:] += system.loss_factor[:, None] * found.torque / (2.0 * math.pi * found.frequency)
     return slowed

@@ -98,6 +98,26 @@ class Extremes:
         return found
 
 
+def turns_within(time: FloatArray, value: FloatArray, rate: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Curve and value of all turns of curves (curves, times), in the order of time: also those of the cubics between.
+
+    The ends stand among them.
+    """
+    step, row = np.diff(time), np.full((len(value), 2 * len(time) - 1), np.nan)
+    row[:, ::2] = value
+    for sense in (1.0, -1.0):
+        curve, at = np.nonzero((sense * rate[:, :-1] > 0.0) & (sense * rate[:, 1:] < 0.0))
+        first, last = sense * value[curve, at], sense * value[curve, at + 1]
+        rising, falling = sense * rate[curve, at], sense * rate[curve, at + 1]
+        row[curve, 2 * at + 1] = sense * _cubic_peak(first, last, rising, falling, step[at])
+    curve, at = np.nonzero(~np.isnan(row))
+    every = row[curve, at]
+    way = np.sign(np.diff(every))
+    kept = np.ones(len(every), dtype=bool)
+    kept[1:-1] = (way[1:] != way[:-1]) | (np.diff(curve)[1:] > 0) | (np.diff(curve)[:-1] > 0)
+    return curve[kept], every[kept]
+
+
 def _cubic_peak(
     first: FloatArray, last: FloatArray, rising: FloatArray, falling: FloatArray, step: FloatArray
 ) -> FloatArray:

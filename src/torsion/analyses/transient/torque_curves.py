@@ -2,26 +2,34 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from torsion.analyses.transient.carrier import Carrier
-from torsion.analyses.transient.peaks import Extremes
+from torsion.analyses.transient.peaks import Extremes, turns_within
 from torsion.analyses.transient.state_before import State
+from torsion.analyses.transient.times_looked_at import (
+    MOST_TIMES,
+    PER_PERIOD,
+    PER_PERIOD_COUNTED,
+    Looked,
+    Wave,
+    looked_at,
+    waves_of,
+)
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.findings import Progress
 from torsion.kernels.transient.damped_motion import Motion
+from torsion.kernels.transient.torque_history import Piece
 
 BLOCK = 2**21  # values of one array at once
-PER_PERIOD = 4.0  # samples from which a mode is resolved
 SAFETY, LEAST_NEAR, MOST_NEAR = 10.0, 1e-6, 0.02  # how far below the highest sampled peak others are looked at
 MOST_SUMS = 5e8  # products of all torques at all times that are formed to look for peaks between the samples
 EXPONENTIAL = 50  # products that take the time of one exponential
-MOST_CUTS = 10_000  # begins and ends of torques at which the curves are looked at besides the samples
 Patch = Callable[[FloatArray, FloatArray], None]  # angles (stations, times), and speeds that it changes
 
 
@@ -43,6 +51,14 @@ class Readable(Protocol):
     @property
     def fastest(self) -> float:
         """rad/s of the fastest mode."""
+
+    @property
+    def waves(self) -> tuple[Wave, ...]:
+        """What vibrates besides the modes."""
+
+    @property
+    def quickest(self) -> float:
+        """1/s of the fastest that dies away."""
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Torques (spans, times), their rates, and places and speeds (both, times)."""
@@ -77,6 +93,24 @@ class Curves:
     def fastest(self) -> float:
         """rad/s of the fastest mode."""
         return float(self.motion.train.w.max(initial=0.0))
+
+    @property
+    def waves(self) -> tuple[Wave, ...]:
+        """What vibrates besides the modes: torques, and the steady vibration."""
+        steady = Wave(0.0, math.inf, float(self.before.frequency.max(initial=0.0)))
+        return (*waves_of(self.motion.loads), steady)
+
+    @property
+    def quickest(self) -> float:
+        """1/s of the fastest that dies away."""
+        rates = [abs(complex(piece.rate)) for pieces in self.motion.loads for piece in pieces]
+        return max([float(np.abs(self.motion.coordinates.root).max(initial=0.0)), *rates])
+
+    def unseen(self, w: float) -> FloatArray:
+        """(spans,) N m that vibrations as fast as w (rad/s) and faster add at most."""
+        steady = np.abs(self.before.amplitude[self.before.frequency >= w]).sum(axis=0)
+        rows = self.found.torque, self.slowed, self.direct
+        return np.asarray(steady + forced(rows, self.motion.train.w, self.motion.force, self.motion.loads, w))
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Torques (spans, times) with the damping part, their rates, and places and speeds (both, times)."""
@@ -124,49 +158,53 @@ def _paired(rows: FloatArray, columns: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("km,mk->k", rows, columns))
 
 
-def sampled(
-    curves: Readable, time: FloatArray, finer: int, progress: Progress
-) -> tuple[FloatArray, FloatArray, tuple[tuple[FloatArray, FloatArray], ...]]:
-    """Torques (spans, times), speeds (stations, times); values and times of the greatest torque and its negative.
+@dataclass(frozen=True)
+class Seen:
+    """What was seen of curves at all times looked at."""
 
-    These are looked for at `finer` times as many samples.
-    """
+    torque: FloatArray  # (spans, samples)
+    turning: FloatArray  # (stations, samples)
+    ends: tuple[tuple[FloatArray, FloatArray], ...]  # greatest torques (spans,) and when; those of the negative
+    turns: tuple[FloatArray, ...]  # of every span, in the order of time: all values at which it turns
+
+
+def sampled(curves: Readable, looked: Looked, progress: Progress) -> Seen:
+    """Torques and speeds at samples, peaks and turns also between the times looked at."""
+    time, sample = looked.time, looked.sample
     spans, stations = len(curves.slowed), len(curves.shape)
-    torque, turning = np.empty((spans, len(time))), np.empty((stations, len(time)))
-    turn = float(time[1]) / finer * curves.fastest  # rad of the fastest mode in a step
-    near = min(max(SAFETY * turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)  # the error of a cubic through values and rates
-    high, low = Extremes.none(spans, near), Extremes.none(spans, near)
-    size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations) // finer)
+    torque, turning = np.empty((spans, len(sample))), np.empty((stations, len(sample)))
+    near = min(max(SAFETY * looked.turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)  # error of a cubic of values and rates
+    extremes = Extremes.none(spans, near), Extremes.none(spans, near)
+    best, when, turns = np.full((2, spans), -np.inf), np.zeros((2, spans)), list[tuple[IntArray, FloatArray]]()
+    size = max(2, BLOCK // max(curves.shape.shape[1], spans, stations))
     for first in range(0, len(time) - 1, size):
-        part = slice(first, min(first + size, len(time) - 1) + 1)  # a block begins with the last sample before it
-        fine = np.interp(
-            np.arange((part.stop - first - 1) * finer + 1) / finer, np.arange(part.stop - first), time[part]
-        )
-        values, rate, there = curves.torque(fine)
-        high.add(fine, values, rate)
-        low.add(fine, -values, -rate)
-        torque[:, part] = values[:, ::finer]
-        turning[:, part] = curves.turning(time[part], *(one[:, ::finer] for one in there))
+        part = slice(first, min(first + size, len(time) - 1) + 1)  # a block begins with the last time before it
+        values, rate, there = curves.torque(time[part])
+        for number, (sense, found) in enumerate(zip((1.0, -1.0), extremes, strict=True)):
+            found.add(time[part], sense * values, sense * rate)
+            at = (sense * values).argmax(axis=1)
+            top = sense * values[np.arange(spans), at]
+            when[number] = np.where(top > best[number], time[part][at], when[number])
+            best[number] = np.maximum(best[number], top)
+        turns.append(turns_within(time[part], values, rate))
+        here = slice(*np.searchsorted(sample, (part.start, part.stop)))
+        own = sample[here] - part.start
+        torque[:, here] = values[:, own]
+        turning[:, here] = curves.turning(time[sample[here]], *(one[:, own] for one in there))
         progress("motion over time", part.stop / len(time))
 
     def negative(span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         value, rate = curves.torque_of(span, at)
         return -value, -rate
 
-    cuts = curves.cuts
-    cuts = cuts[(cuts > 0.0) & (cuts < time[-1])][:MOST_CUTS]
-    cuts = np.ravel(np.column_stack([np.nextafter(cuts, 0.0), cuts]))  # both sides of what may jump
-    jumps = curves.torque(cuts)[0] if cuts.size else np.empty((spans, 0))
     ends = []
-    for sense, extremes, function in ((1.0, high, curves.torque_of), (-1.0, low, negative)):
-        top, when = extremes.exact(function)
-        for values, at in ((torque, time), (jumps, cuts)):
-            if at.size:
-                best = (sense * values).argmax(axis=1)
-                found = sense * values[np.arange(spans), best]
-                when, top = np.where(found > top, at[best], when), np.maximum(top, found)
-        ends.append((top, when))
-    return torque, turning, tuple(ends)
+    for number, function in enumerate((curves.torque_of, negative)):
+        top, place = extremes[number].exact(function)
+        ends.append((np.maximum(top, best[number]), np.where(top >= best[number], place, when[number])))
+    span, value = (np.concatenate(one) for one in zip(*turns, strict=True))
+    order = np.argsort(span, kind="stable")
+    cut = np.searchsorted(span[order], np.arange(1, spans))
+    return Seen(torque, turning, tuple(ends), tuple(np.split(value[order], cut)) if spans else ())
 
 
 def _vibration(before: State, time: FloatArray, span: IntArray | None = None) -> tuple[FloatArray, FloatArray]:
@@ -180,10 +218,41 @@ def _vibration(before: State, time: FloatArray, span: IntArray | None = None) ->
     return torque.real, rate.real
 
 
-def times_finer(found: Modes, step: float, samples: int) -> int:
-    """How many times finer than samples of a step (s) the peaks are looked for: 4 to a period, as far as that pays."""
-    most = MOST_SUMS / (samples * (found.torque.size + EXPONENTIAL * len(found.frequency) + 1))
-    return int(np.clip(np.ceil(PER_PERIOD * step * found.frequency.max(initial=0.0)), 1, max(most, 1)))
+def looked_at_of(curves: Readable, found: Modes, time: FloatArray, *, counts: bool) -> tuple[Looked, int]:
+    """The times at which curves of some modes are looked at, and how many times finer than samples the modes are.
+
+    As fine as it pays; counts: cycles are counted.
+    """
+    step, per = float(time[1] - time[0]), PER_PERIOD_COUNTED if counts else PER_PERIOD
+    most = MOST_SUMS / (found.torque.size + EXPONENTIAL * len(found.frequency) + 1)
+    finer = int(np.clip(np.ceil(per * step * found.frequency.max(initial=0.0)), 1, max(most / len(time), 1)))
+    finer = max(1, min(finer, MOST_TIMES // len(time)))
+    looked = looked_at(time, finer, curves.cuts, curves.waves, curves.quickest, most, per)
+    return replace(looked, turn=max(looked.turn, step / finer * curves.fastest)), finer
+
+
+def forced(
+    rows: tuple[FloatArray, FloatArray, np.ndarray], w: FloatArray, force: np.ndarray,
+    loads: Sequence[Sequence[Piece]], fast: float,
+) -> FloatArray:  # fmt: skip
+    """(spans,) N m that torques as fast as `fast` (rad/s) and faster shake at most, without what dies away.
+
+    rows: torques of places, of speeds, and of loads. Resonances count twentyfold, as a damping ratio of 0.025 does.
+    """
+    elastic, slowed, direct = (np.abs(one) for one in rows)
+    found = np.zeros(len(elastic))
+    for load, pieces in enumerate(loads):
+        for piece in pieces:
+            turning = abs(complex(piece.rate).imag)
+            if turning < fast:
+                continue
+            length = piece.end - piece.begin if math.isfinite(piece.end) else 0.0
+            size, acting = abs(piece.level) + abs(piece.slope) * length, np.abs(force[:, load])
+            rigid = len(acting) - len(w)
+            square = np.concatenate([np.full(rigid, turning**2), np.abs(turning**2 - w**2)])
+            moved = size * acting / np.maximum(square, 0.05 * turning**2)
+            found += elastic @ moved[rigid:] + slowed @ (moved * turning) + direct[:, load] * size
+    return found
 
 
 class Moved(Protocol):

@@ -24,11 +24,11 @@ from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
 from torsion.analyses.transient.resonances_passed import Passage, passages
 from torsion.analyses.transient.state_before import State, points_of_events, state_before
-from torsion.analyses.transient.torque_curves import PER_PERIOD, Curves, missed, sampled, times_finer
+from torsion.analyses.transient.times_looked_at import PER_PERIOD
+from torsion.analyses.transient.torque_curves import Curves, Seen, looked_at_of, missed, sampled
 from torsion.analyses.transient.transient_settings import (
     DEFAULT_MOST,
     DEFAULT_PER_PERIOD,
-    MOST_SAMPLES,
     PATH,
     TransientSettings,
     cases,
@@ -76,7 +76,9 @@ class TransientMotion:
     before: FloatArray = result("N*m", ("span",), "mean torque before the events")
     reversals: IntArray = result("", ("span",), "how often the torque changes its sign; of a gear its teeth separate")
     unresolved: FloatArray = result(
-        "N*m", ("span",), "at most so much do modes add that are too fast for the times looked at: not in the peaks"
+        "N*m",
+        ("span",),
+        "at most so much do modes and torques too fast for the times looked at add: not in the peaks",
     )
     residual: float = result("1", (), "largest error of the balance of energy, of the largest energy of the motion")
     speed_before: float = result("rad/s", (), "reference speed before the events")
@@ -101,6 +103,7 @@ class TransientMotion:
     )
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
+    turns: tuple[FloatArray, ...] = ()  # of every span, values at which its torque turns, while damage is counted
 
     @property
     def peak(self) -> FloatArray:
@@ -114,7 +117,8 @@ class TransientMotion:
         if self.residual > BALANCED:
             found.append(f"the balance of energy holds to {self.residual:.1g} only: report this train")
         if (self.unresolved > RESOLVED * (self.peak + TINY)).any():
-            found.append("modes too fast for the samples may add more than 5 % to a peak: give more `samples`")
+            message = "what is too fast for the times looked at may add more than 5 % to a peak"
+            found.append(f"{message}: give more `samples`, or a shorter `duration`")
         if self.change is not None and self.change > SETTLED:
             found.append(f"twice as many modes change a peak by {100.0 * self.change:.2g} %: give more `modes`")
         if self.switching is not None and self.switching.band_change > SETTLED:
@@ -198,16 +202,17 @@ def _solved(
     patches = [partial(cut.patched, system) for cut in cuts if cut.massless]
     carrier = carrier_of(study, system, events, before, cuts)
     curves = Curves(system, modes, before, shape, moved, slowed, direct, carrier, patches)
-    finer = times_finer(modes, float(time[1]), len(time))
-    torque, turning, (top, bottom) = sampled(curves, time, finer, progress)
+    looked, finer = looked_at_of(curves, modes, time, counts=settings.fatigue is not None)
+    seen = sampled(curves, looked, progress)
+    torque, turning, (top, bottom) = seen.torque, seen.turning, seen.ends
     refuse_beyond_tables(study, events, turning, place)
     if follows is not None:
         straight = _straight(study, system, before) if cuts else train
         added["passages"] = passages(system, follows, straight, time, turning)
-    reversals = np.count_nonzero(np.diff(np.signbit(torque), axis=1), axis=1)
+    lacking = missed(modes, moved, time, finer) + curves.unseen(looked.left)
     return TransientMotion(
-        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, reversals, missed(modes, moved, time, finer),
-        residual(moved, time), before.speed, len(modes.frequency), system, settings.name, **added,
+        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, _reversals(seen), lacking,
+        residual(moved, time), before.speed, len(modes.frequency), system, settings.name, turns=seen.turns, **added,
     )  # fmt: skip
 
 
@@ -217,25 +222,26 @@ def _event_driven(
 ) -> TransientMotion:  # fmt: skip
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
     curves, balance, switching = event_driven_curves(study, system, settings, place, damping_ratio)
-    built, cuts = curves.built, curves.cuts
+    built = curves.built
     samples = _samples(settings, built.modes)
-    finer = max(1, min(times_finer(built.modes, settings.duration / samples, samples), MOST_SAMPLES // samples))
-    fine = np.linspace(0.0, settings.duration, samples * finer + 1)
-    every = np.union1d(fine, cuts[(cuts > 0.0) & (cuts < settings.duration)])
-    torque, turning, (top, bottom) = sampled(curves, every, 1, progress)
-    at = np.searchsorted(every, fine[::finer])
-    before = built.before
+    time = np.linspace(0.0, settings.duration, samples + 1)
+    looked, finer = looked_at_of(curves, built.modes, time, counts=settings.fatigue is not None)
+    seen = sampled(curves, looked, progress)
+    before, (top, bottom) = built.before, seen.ends
+    lacking = missed(built.modes, curves, time, finer) + curves.unseen(looked.left)
+    if any(wave.w >= looked.left for wave in curves.regimes):
+        lacking += np.maximum(np.abs(top[0]), np.abs(bottom[0]))  # nothing bounds what a coupling does
     return TransientMotion(
-        every[at], torque[:, at], turning[:, at], *top, -bottom[0], bottom[1], before.torque,
-        np.array([_reversals(row) for row in torque], dtype=np.int64), missed(built.modes, curves, fine, 1),
+        time, seen.torque, seen.turning, *top, -bottom[0], bottom[1], before.torque, _reversals(seen), lacking,
         balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
+        turns=seen.turns,
     )  # fmt: skip
 
 
-def _reversals(torque: FloatArray) -> int:
-    """Changes of sign; a torque of nothing, within a play, has none."""
-    there = np.abs(torque) > 1e-9 * np.abs(torque).max(initial=0.0)
-    return int(np.count_nonzero(np.diff(np.sign(torque[there]))))
+def _reversals(seen: Seen) -> IntArray:
+    """(spans,) changes of sign; a torque of nothing, within a play, has none."""
+    there = [one[np.abs(one) > 1e-9 * np.abs(one).max(initial=0.0)] for one in seen.turns]
+    return np.array([np.count_nonzero(np.diff(np.sign(one))) for one in there], dtype=np.int64)
 
 
 def _straight(study: Study, system: System, before: State) -> ModalTrain:
@@ -269,8 +275,8 @@ def _read(study: Study, system: System, settings: TransientSettings, found: Tran
     for bar in study.train.bars:
         here = system.span_part == bar.part
         stress[here] = found.peak[here] / stress_modulus(bar)
-    damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.torque)
-    return replace(found, rated=rated, stress=stress if study.train.bars else None, damage=damage)
+    damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.turns)
+    return replace(found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=())
 
 
 def run(work: Work) -> None:
