@@ -27,6 +27,8 @@ AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
 SAME_SHARE = 1e-14  # of a step
 MOST_STEPS = 50_000
+WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
+GAIN = 1.2
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
 
@@ -169,10 +171,7 @@ def march(
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
             if share == 0.0:
                 continue
-        if len(rows) == MOST_STEPS:
-            message = f"{MOST_STEPS} steps reach {time:.6g} s only"
-            hint = "shorten `duration`, raise `tolerance`, damp the fast modes, or give shafts fewer `segments`"
-            raise SolveError(message, hint)
+        _refuse_too_many([row[0] for row in rows[::WATCHED]], len(rows), time, scheme.duration)
         rows.append((time, own, start, tried.torque))
         state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
         state.lack = max(state.lack, tried.last)
@@ -187,6 +186,19 @@ def march(
                     state.regimes[number] = one.first(here.of(one.at))
     lack = state.lack / state.largest if state.largest else 0.0
     return Collocated(steps(train, rows), tuple(changes), lack)
+
+
+def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:
+    """Raises SolveError for steps that do not reach the end, as soon as that is seen; reached: after every WATCHED."""
+    if number < MOST_STEPS and (number % WATCHED or number < 3 * WATCHED):
+        return
+    pace = np.diff([*reached[-3:], time])
+    needed = number + WATCHED * (duration - time) / float(pace[-1])
+    if number < MOST_STEPS and (needed <= MOST_STEPS or pace[-1] > GAIN * pace[0]):
+        return
+    message = f"{number} steps reach {time:.4g} s of {duration:.4g} s only: the torques that follow excite fast modes"
+    hint = "damp these modes, give shafts fewer `segments` or `model: lumped`, keep fewer `modes`, shorten `duration`"
+    raise SolveError(message, f"{hint}, or raise `tolerance`")
 
 
 def _next_length(state: _March, last: float, own: float, length: float) -> float:

@@ -32,7 +32,7 @@ def integrals(series: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatA
     return value(once, share), value(legendre.legint(once, lbnd=-1.0) / 2.0, share)
 
 
-def answers(z: ComplexArray, share: FloatArray, force: np.ndarray, series: FloatArray) -> ComplexArray:
+def answers(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
     """The integral of exp(z (1 - x)) f(share x) over 0 <= x <= 1, (coordinates, points).
 
     z: (coordinates, points); share: (points,); f is `force` (coordinates, torques) times the torques whose series are
@@ -50,14 +50,14 @@ def answers(z: ComplexArray, share: FloatArray, force: np.ndarray, series: Float
     return found
 
 
-def _by_quadrature(z: ComplexArray, share: FloatArray, force: np.ndarray, series: FloatArray) -> ComplexArray:
+def _by_quadrature(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
     total = np.zeros(z.shape, dtype=complex)
     for at, weight in zip(QUADRATURE.tolist(), WEIGHTS.tolist(), strict=True):
         total += (force @ (weight * value(series, share * at))) * np.exp(z * (1.0 - at))
     return total
 
 
-def _by_parts(z: ComplexArray, share: FloatArray, force: np.ndarray, series: FloatArray) -> ComplexArray:
+def _by_parts(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
     """Sum over k of (f_k(0) exp(z) - f_k(1))/z^(k+1), f_k the k-th derivative by x."""
     total, decay, factor = np.zeros(z.shape, dtype=complex), np.exp(z), 1.0 / z
     none = np.zeros_like(share)
