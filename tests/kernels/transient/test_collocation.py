@@ -15,7 +15,7 @@ from torsion.kernels.transient.collocation import Collocated, Conditions, Law, P
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.interface_motion import interfaces
-from torsion.kernels.transient.polynomial_torques import NODES, SERIES, answers, integrals
+from torsion.kernels.transient.polynomial_torques import NODES, POINTS, SERIES, answers, integrals
 from torsion.kernels.transient.torque_history import Piece, history
 
 SYNCHRONOUS = 50.0 * math.pi
@@ -51,7 +51,7 @@ def one_disc(inertia: float, found: Sequence[Law], duration: float, speed: float
 @pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
 def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: float) -> None:
     series = SERIES @ (np.exp(-0.3 * NODES) * np.cos(2.0 * NODES))
-    found = answers(np.array([[root * share]]), np.array([share]), series[:, None, None])[0, 0]
+    found = answers(np.array([[root * share]]), np.array([share]), np.ones((1, 1)), series[:, None, None])[0, 0]
     with mpmath.workdps(60):
         of = [mpmath.mpf(float(one)) for one in series]
         step = mpmath.mpf(share)
@@ -62,6 +62,17 @@ def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: flo
             each.append((power * each[-1] - 1) / z)
         exact = complex(sum(a * b for a, b in zip(powers, each, strict=True)))
     assert abs(found - exact) <= 5e-14 * abs(exact)
+
+
+def test_slow_and_fast_modes_answer_together_as_each_to_its_own_force() -> None:
+    root, share = np.array([-1 + 3j, -0.5 + 40j, -10 + 1e4j]), np.array([0.05, 0.3, 0.9])
+    force = np.array([[1.0, -2.0], [0.5j, 3.0], [2.0, 1j]])
+    series = np.sin(np.arange(POINTS * 6.0)).reshape(POINTS, 2, 3)
+    together = answers(np.multiply.outer(root, share), share, force, series)
+    for mode, time in np.ndindex(3, 3):
+        own = np.einsum("r,kr->k", force[mode], series[:, :, time])[:, None, None]
+        alone = answers(root[[mode], None] * share[time], share[[time]], np.ones((1, 1)), own)[0, 0]
+        assert together[mode, time] == pytest.approx(complex(alone), rel=1e-13)
 
 
 def test_integrals_of_a_series_over_its_step() -> None:

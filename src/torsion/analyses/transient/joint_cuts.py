@@ -14,7 +14,7 @@ from torsion.analyses.transient.joint_laws import ElasticJoint, RigidJoint, exac
 from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import SolveError
+from torsion.errors import Path, SolveError
 from torsion.kernels.spanning_forest import connected
 
 NEWTON = 60  # steps that invert a joint's map, which is monotone
@@ -79,19 +79,26 @@ def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
     rigid[spans] = False
     body = connected(len(system.stations), system.driving[rigid], system.driven[rigid])
     if system.groups is not None:
-        raise SolveError("joints in motion over time are not built beside shafts of so many segments", "give fewer")
+        message = "joints in motion over time are not built beside shafts of so many segments"
+        raise SolveError(message, "give them fewer `segments`", _place(system, int(spans[0])))
     joined = np.ones(len(rigid), dtype=bool)
     joined[spans] = False
     part = connected(len(system.stations), system.driving[joined], system.driven[joined])
     if len(np.unique(part)) < len(spans) + 1:
-        raise SolveError("joints close a loop, and their motion over time is not built", "leave one out")
+        message = "joints close a loop, and their motion over time is not built"
+        raise SolveError(message, "leave one out", _place(system, int(spans[-1])))
     weight = np.zeros(len(body))
     np.add.at(weight, body, system.inertia)
     return tuple(_cut(system, span, body, weight[body] > 0.0, mean) for span in spans.tolist())
 
 
+def _place(system: System, span: int) -> Path:
+    """Of the joint, in the file."""
+    return system.train.parts[system.spans[span].part].path
+
+
 def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Steady | None) -> JointCut:
-    joint, name = exact_map(system, system.spans[span]), system.spans[span].name
+    joint, name, place = exact_map(system, system.spans[span]), system.spans[span].name, _place(system, span)
     driving, driven = int(system.driving[span]), int(system.driven[span])
     carried = 0.0 if mean is None else float(mean.torque[span, 0])
     if mean is not None:
@@ -101,7 +108,7 @@ def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Ste
         return JointCut(span, joint, driving, driven, mean=carried, orders=orders)
     if not heavy[driving] and not heavy[driven]:
         message = f"the joint '{name}' has an inertia on neither side"
-        raise SolveError(message, "give one of its yokes an inertia: `inertia: [driving, driven]`")
+        raise SolveError(message, "give one of its yokes an inertia: `inertia: [driving, driven]`", place)
     front, light, sign = (driving, driven, 1.0) if heavy[driving] else (driven, driving, -1.0)
     inside = np.flatnonzero(body == body[light])
     beside = np.flatnonzero(
@@ -112,16 +119,16 @@ def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Ste
     acted = bool(np.isin(stations, inside).any())
     if len(beside) != 1 or acted or not np.isfinite(system.flexibility[beside]).all():
         message = f"beside the joint '{name}' there is no inertia and not just one elastic span"
-        raise SolveError(message, "give the yoke there an inertia: `inertia: [driving, driven]`")
+        raise SolveError(message, "give the yoke there an inertia: `inertia: [driving, driven]`", place)
     elastic = int(beside[0])
     ends = int(system.driving[elastic]), int(system.driven[elastic])
     behind = ends[1] if ends[0] in inside else ends[0]
     if not heavy[behind] or elastic in joint_spans(system) or system.spans[elastic].ratio != 1:
         message = f"the elastic span beside the joint '{name}' leads to no inertia of the same speed"
-        raise SolveError(message, "give the yokes of the joint an inertia: `inertia: [driving, driven]`")
+        raise SolveError(message, "give the yokes of the joint an inertia: `inertia: [driving, driven]`", place)
     if sign < 0.0 and joint.series:
         message = f"the driving yoke of the tripod '{name}' has no inertia"
-        raise SolveError(message, "give it one: `inertia: [driving, driven]`")
+        raise SolveError(message, "give it one: `inertia: [driving, driven]`", place)
     joint = joint if sign > 0.0 else joint.undone()
     viscous = float(system.viscous[elastic]) + _of_losses(system, elastic)
     return JointCut(span, joint, front, behind, elastic, tuple(inside.tolist()), sign * carried, viscous, orders)

@@ -194,7 +194,10 @@ def _solved(
             begin = begin[0] + shaken[0], begin[1] + shaken[1]
         before = replace(before, frequency=before.frequency[:0], amplitude=before.amplitude[:0])
         given = motion(train, shape.T @ acting, loads, *begin)
-        moved, solved = follows.solve(system, given, shape, settings, progress)
+        try:
+            moved, solved = follows.solve(system, given, shape, settings, progress)
+        except SolveError as error:
+            raise SolveError(error.message, error.hint, place) from None
         follows.carried(system, direct)
         added = _of_steps(follows, solved)
     time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)

@@ -23,10 +23,13 @@ CONVERGED, STALLED = 1e-13, 1e-11  # relative change of the torques; the latter 
 SHORTEST = 2.0**-44  # of the whole motion: a step below it is given up
 EASY = 0.004  # of what is allowed: the next step is twice as long
 BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last happens to vanish
+ROUNDED = 16.0 * np.finfo(float).eps  # of a speed: what it may lack in a last coefficient
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
 SAME_SHARE = 1e-14  # of a step
 MOST_STEPS = 50_000
+WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
+GAIN = 1.2
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
 
@@ -133,6 +136,7 @@ class _Trial:
     points: Points  # at the nodes and at the end of the step
     after: Place
     last: float  # weighted coefficient
+    rounding: float  # weighted torque by which rounding of the speeds may change it
 
 
 def march(
@@ -169,16 +173,13 @@ def march(
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
             if share == 0.0:
                 continue
-        if len(rows) == MOST_STEPS:
-            message = f"{MOST_STEPS} steps reach {time:.6g} s only"
-            hint = "shorten `duration`, raise `tolerance`, damp the fast modes, or give shafts fewer `segments`"
-            raise SolveError(message, hint)
+        _refuse_too_many([row[0] for row in rows[::WATCHED]], len(rows), time, scheme.duration)
         rows.append((time, own, start, tried.torque))
         state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
         state.lack = max(state.lack, tried.last)
         time = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
         start, torque = tried.after, np.repeat(tried.torque[:, -1:], POINTS, axis=1)
-        length = _next_length(state, tried.last, own, length)
+        length = _next_length(state, tried, own, length)
         progress(time / scheme.duration)
         if time in cuts:
             here = _at_one_time(state, np.array([time]), start, torque[:, -1:])
@@ -189,12 +190,25 @@ def march(
     return Collocated(steps(train, rows), tuple(changes), lack)
 
 
-def _next_length(state: _March, last: float, own: float, length: float) -> float:
+def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:
+    """Raises SolveError for steps that do not reach the end, as soon as that is seen; reached: after every WATCHED."""
+    if number < MOST_STEPS and (number % WATCHED or number < 3 * WATCHED):
+        return
+    pace = np.diff([*reached[-3:], time])
+    needed = number + WATCHED * (duration - time) / float(pace[-1])
+    if number < MOST_STEPS and (needed <= MOST_STEPS or pace[-1] > GAIN * pace[0]):
+        return
+    message = f"{number} steps reach {time:.4g} s of {duration:.4g} s only: the torques that follow excite fast modes"
+    hint = "damp these modes, give shafts fewer `segments` or `model: lumped`, keep fewer `modes`, shorten `duration`"
+    raise SolveError(message, f"{hint}, or raise `tolerance`")
+
+
+def _next_length(state: _March, tried: _Trial, own: float, length: float) -> float:
     """Of the next step; one that was cut short does not count unless it was hard."""
-    allowed = state.scheme.tolerance * state.largest
-    if own < length / 2.0 * (1.0 - 1e-9) and last > EASY * allowed:
+    is_easy = tried.last <= max(EASY * state.scheme.tolerance * state.largest, tried.rounding)
+    if own < length / 2.0 * (1.0 - 1e-9) and not is_easy:
         length = 2.0 ** math.ceil(math.log2(own / state.scheme.longest)) * state.scheme.longest
-    return min(2.0 * length, state.scheme.longest) if last <= EASY * allowed and own >= 0.5 * length else length
+    return min(2.0 * length, state.scheme.longest) if is_easy and own >= 0.5 * length else length
 
 
 def _kept(state: _March, time: float, length: float, start: Place, guess: FloatArray) -> tuple[_Trial, float]:
@@ -251,7 +265,8 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
     last = np.abs(SERIES[-2:] @ torque.T) * state.scheme.weight
     end = _at_one_time(state, times[-1:], after, torque[:, -1:], known)
     left = max(float(last[1].max(initial=0.0)), BEFORE_LAST * float(last[0].max(initial=0.0)))
-    return _Trial(torque, _whole(times, free, own, torque, end), after, left)
+    rounding = ROUNDED * float((np.abs(np.einsum("eec->ec", slopes[2]) * known[1][:, :-1]) * weight).max(initial=0.0))
+    return _Trial(torque, _whole(times, free, own, torque, end), after, left, rounding)
 
 
 def _whole(times: FloatArray, free: list[FloatArray], own: Influence, torque: FloatArray, end: Points) -> Points:

@@ -80,7 +80,8 @@ def influence(train: Interfaces, length: float) -> Influence:
     root, rigid = train.root, train.rigid
     z = np.asarray(np.multiply.outer(root, length * ENDS), dtype=complex)
     every = np.repeat(SERIES, len(ENDS), axis=1)[:, None]  # of a torque of 1 at each node, to every end
-    answer = np.tile(length * ENDS, POINTS) * answers(np.tile(z, POINTS), np.tile(ENDS, POINTS), every)
+    ones = np.ones((len(root), 1))
+    answer = np.tile(length * ENDS, POINTS) * answers(np.tile(z, POINTS), np.tile(ENDS, POINTS), ones, every)
     answer = answer.reshape(len(root), POINTS, len(ENDS)).transpose(0, 2, 1)
     once, twice = (np.array(rows) for rows in zip(*(integrals(one[:, None], ENDS) for one in SERIES.T), strict=True))
     once, twice = length * once.T, length**2 * twice.T
@@ -121,9 +122,8 @@ class Steps:
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, ComplexArray]:
         """Rigid motions and their speeds (rigid motions, times), coordinates (coordinates, times), at times (s)."""
         step, since, share, series = self._within(time)
-        force = np.einsum("nr,krt->knt", self.train.force, series)
         z = self.train.root[:, None] * since
-        y = self.y[step].T * np.exp(z) + since * answers(z, share, force)
+        y = self.y[step].T * np.exp(z) + since * answers(z, share, self.train.force, series)
         once, twice = integrals(np.einsum("mr,krt->kmt", self.train.rigid, series), share)
         length, turning = self.length[step], self.turning[step].T
         return self.turned[step].T + turning * since + twice * length**2, turning + once * length, y

@@ -134,6 +134,9 @@ def _moved(force: FloatArray, state: FloatArray, terms: tuple[Term, ...], time: 
 
 def _integrals_of_rigid(term: Term, time: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """First and second integral over time of a term, (times,)."""
+    if term.rate == 0.0:
+        level, gained = term.level, term.slope * time
+        return time * (level + gained / 2.0), time**2 * (level / 2.0 + gained / 6.0)
     zero, rate = np.zeros(1, dtype=complex), term.rate
     one, ramp = (row[0] for row in _integrals(zero, rate, time, np.ones((1, len(time)), dtype=complex)))
     near = np.abs(rate * time) < SMALL

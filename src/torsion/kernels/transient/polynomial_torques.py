@@ -32,35 +32,37 @@ def integrals(series: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatA
     return value(once, share), value(legendre.legint(once, lbnd=-1.0) / 2.0, share)
 
 
-def answers(z: ComplexArray, share: FloatArray, series: np.ndarray) -> ComplexArray:
+def answers(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
     """The integral of exp(z (1 - x)) f(share x) over 0 <= x <= 1, (coordinates, points).
 
-    z: (coordinates, points); share: (points,); series of f: (coefficients, coordinates or 1, points).
+    z: (coordinates, points); share: (points,); f is `force` (coordinates, torques) times the torques whose series are
+    (coefficients, torques, points).
     """
     found = np.empty(z.shape, dtype=complex)
-    everywhere = np.broadcast_to(share, z.shape)
-    forces = np.broadcast_to(series, (len(series), *z.shape))
     near = np.abs(z) < FAR
-    if near.any():
-        found[near] = _by_quadrature(z[near], everywhere[near], forces[:, near])
-    if not near.all():
-        found[~near] = _by_parts(z[~near], everywhere[~near], forces[:, ~near])
+    close, far = near.any(axis=1), ~near.all(axis=1)
+    if close.any():
+        found[close] = _by_quadrature(z[close], share, force[close], series)
+    if far.any():
+        whole = near[far]
+        by_parts = _by_parts(np.where(whole, FAR, z[far]), share, force[far], series)
+        found[far] = np.where(whole, found[far], by_parts)
     return found
 
 
-def _by_quadrature(z: ComplexArray, share: FloatArray, series: np.ndarray) -> ComplexArray:
+def _by_quadrature(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
     total = np.zeros(z.shape, dtype=complex)
     for at, weight in zip(QUADRATURE.tolist(), WEIGHTS.tolist(), strict=True):
-        total += (weight * value(series, share * at)) * np.exp(z * (1.0 - at))
+        total += (force @ (weight * value(series, share * at))) * np.exp(z * (1.0 - at))
     return total
 
 
-def _by_parts(z: ComplexArray, share: FloatArray, series: np.ndarray) -> ComplexArray:
+def _by_parts(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
     """Sum over k of (f_k(0) exp(z) - f_k(1))/z^(k+1), f_k the k-th derivative by x."""
     total, decay, factor = np.zeros(z.shape, dtype=complex), np.exp(z), 1.0 / z
     none = np.zeros_like(share)
     for _ in range(POINTS):
-        total += factor * (value(series, none) * decay - value(series, share))
+        total += factor * ((force @ value(series, none)) * decay - force @ value(series, share))
         series = legendre.legder(series)
         factor = factor * (2.0 * share / z)
     return total
