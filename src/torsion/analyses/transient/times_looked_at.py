@@ -42,7 +42,7 @@ class Looked:
 
 
 def waves_of(loads: Iterable[Sequence[Piece]]) -> tuple[Wave, ...]:
-    """Of torques that turn while they act: the fastest of every stretch of time."""
+    """Of torques that turn while they act: the fastest of every range of time."""
     found = dict[tuple[float, float], float]()
     for piece in (piece for pieces in loads for piece in pieces):
         w, when = abs(complex(piece.rate).imag), (piece.begin, piece.end)
