@@ -42,10 +42,9 @@ def of_scene(found: Findings) -> dict[str, Digits]:
     if made["response"] is not None:
         for place, line in enumerate(made["response"]["lines"]):
             taken[f"response.lines[{place}].torque_Nm"] = digits(line["torque_Nm"])
-    for place, one in enumerate(made["transient"] or ()):
-        taken |= {f"transient[{place}].{name}": digits(one[name]) for name in ("greatest_Nm", "least_Nm")}
     if made["checks"]:
-        taken["checks"] = digits([[line["value"], line["limit"]] for line in made["checks"]])
+        lines = [line for line in made["checks"] if line["rule"] != "transient"]  # steps of a motion end where they may
+        taken["checks"] = digits([[line["value"], line["limit"]] for line in lines])
         taken["verdicts"] = [line["verdict"] for line in made["checks"]]
     return taken
 

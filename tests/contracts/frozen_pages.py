@@ -26,7 +26,8 @@ DIGITS = 6  # of a figure's or a file's numbers, of the largest in their list
 NOTHING = 1e-10  # a list of smaller numbers alone is rounding
 LEFT_OUT = {  # chapters and keys that hold times or versions, or digits of an iteration that ends where it may
     "what was computed", "comparison of the models", "frequencies and shapes", "response torques",
-    "exact periodic response", "plan", "program", "check", "periodic", "stability_map",
+    "exact periodic response", "plan", "program", "check", "periodic", "stability_map", "motion over time",
+    "nonlinear peaks", "transient", "nonlinear_peaks",
 }  # fmt: skip
 NOISE = re.compile(r"[−-]?[\d.]+(·10⁻|e-)(¹[⁰¹²³⁴⁵⁶⁷⁸⁹]|²[⁰¹²³⁴⁵⁶⁷⁸⁹]|[12]\d)")  # 3.1·10⁻¹⁷: rounding, none of a train
 

@@ -101,7 +101,7 @@ def test_a_jump_is_one_half_cycle_without_overshoot() -> None:
 def test_damage_of_a_point_is_refused() -> None:
     train = "disc: {name: a, inertia: 1}, coupling: {name: k, stiffness: 1e6}, disc: {name: b, inertia: 1}"
     fatigue = "fatigue: {amplitude: 100 N*m, cycles: 1e6, slope: 5, at: b}"
-    with pytest.raises(InputError, match="'b' is a point, and carries no torque") as refused:
+    with pytest.raises(InputError, match="'b' is a disc, and no torque goes through it") as refused:
         solved(train, f"duration: 1 s, {fatigue}, events: [{{at: b, step: {{torque: 1}}}}]")
     assert refused.value.faults[0].path[-2:] == ("fatigue", "at")
 

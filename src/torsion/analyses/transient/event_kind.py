@@ -1,9 +1,10 @@
 """What every kind of event is: how it is named in a file, and its torque by time or by how its point turns."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, get_args
 
 from torsion.fields import Declared, Quantity
 from torsion.kernels.transient.collocation import Law
@@ -58,3 +59,25 @@ class Kind(Declared):
     def lacks(self, at: Point) -> Lack:
         """What the train lacks for it, and what would be right."""
         return None
+
+
+def settings_in_words(settings: Declared) -> str:
+    """Those that are not left at their defaults, with their units; speeds in rpm."""
+    said = list[str]()
+    for name, field in type(settings).model_fields.items():
+        if name not in settings.model_fields_set:
+            continue
+        value = getattr(settings, name)
+        within = [*field.metadata, *(item for one in get_args(field.annotation) for item in get_args(one))]
+        unit = next((item.unit for item in within if isinstance(item, Quantity)), "1")
+        text = str(value)
+        if isinstance(value, Declared):
+            text = f"({settings_in_words(value)})"
+        elif isinstance(value, tuple):
+            text = f"{len(value)} pairs" if isinstance(value[0], tuple) else ", ".join(f"{one:.6g}" for one in value)
+        elif isinstance(value, float):
+            shown = {"rad/s": (f"{value * 30.0 / math.pi:.6g}", "rpm"), "rad": (f"{math.degrees(value):.6g}", "deg")}
+            number, unit = shown.get(unit, (f"{value:.6g}", "" if unit == "1" else unit.replace("*", " ")))
+            text = f"{number} {unit}".rstrip()
+        said.append(f"{name.replace('_', ' ')} {text}")
+    return ", ".join(said)

@@ -5,13 +5,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from torsion import fields
-from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point, Time
+from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point, Time, settings_in_words
 from torsion.analyses.transient.following_events import Load, SpeedProgram, Start
 from torsion.analyses.transient.torque_file import torque_rows
 from torsion.fields import Declared, Quantity, given, refuse, required
@@ -382,28 +382,6 @@ class _Event(Declared):
     def pieces(self, at: Point) -> tuple[Piece, ...]:
         """What of its torque is known by time, N m at own speed, positive in the sense of rotation."""
         return () if at.turns and self.body.by_angle else tuple(self.body.pieces(self.time, at))
-
-
-def settings_in_words(settings: Declared) -> str:
-    """Those that are not left at their defaults, with their units; speeds in rpm."""
-    said = list[str]()
-    for name, field in type(settings).model_fields.items():
-        if name not in settings.model_fields_set:
-            continue
-        value = getattr(settings, name)
-        within = [*field.metadata, *(item for one in get_args(field.annotation) for item in get_args(one))]
-        unit = next((item.unit for item in within if isinstance(item, Quantity)), "1")
-        text = str(value)
-        if isinstance(value, Declared):
-            text = f"({settings_in_words(value)})"
-        elif isinstance(value, tuple):
-            text = f"{len(value)} pairs" if isinstance(value[0], tuple) else ", ".join(f"{one:.6g}" for one in value)
-        elif isinstance(value, float):
-            shown = {"rad/s": (f"{value * 30.0 / math.pi:.6g}", "rpm"), "rad": (f"{math.degrees(value):.6g}", "deg")}
-            number, unit = shown.get(unit, (f"{value:.6g}", "" if unit == "1" else unit.replace("*", " ")))
-            text = f"{number} {unit}".rstrip()
-        said.append(f"{name.replace('_', ' ')} {text}")
-    return ", ".join(said)
 
 
 def _field(kind: type[Kind]) -> str:
