@@ -14,8 +14,8 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.transient.interface_motion import Influence, Interfaces, Place, Steps, going_on, influence, steps
-from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES
+from torsion.kernels.transient.interface_motion import Interfaces, Known, Steps, StepsTaken
+from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, value
 
 EACH = np.arange(POINTS)
 NEWTON = 12
@@ -47,6 +47,11 @@ class Points:
         """Those of a law."""
         own = slice(at[0], at[-1] + 1)
         return Points(self.time, self.torque[own], self.angle[own], self.speed[own], self.acceleration[own])
+
+    def first(self, number: int) -> "Points":
+        """The first times."""
+        parts = (self.torque, self.angle, self.speed, self.acceleration)
+        return Points(self.time[:number], *(one[:, :number] for one in parts))
 
 
 @dataclass(frozen=True)
@@ -81,8 +86,34 @@ class Law(Protocol):
         """Margins (points,) of order 1, negative where the regime has been left, and the regime that follows."""
 
 
-Known = tuple[FloatArray, FloatArray, FloatArray]  # angle, speed and acceleration, each (interfaces, times)
-Given = Callable[[FloatArray], Known]
+class LinearTrain(Protocol):
+    """What answers polynomial torques at its interfaces linearly, at the time and place that it has reached.
+
+    A motion is the angle, speed and acceleration of the interfaces' own stations, each (interfaces, times), whole.
+    """
+
+    @property
+    def number(self) -> int:
+        """Of interfaces."""
+
+    @property
+    def parts(self) -> FloatArray:
+        """(interfaces, 1) rad/s, size of the speeds whose sum a speed of the present step is."""
+
+    def influence(self, length: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What torques of 1 at the nodes of a step (s) add, each (interfaces, ENDS, interfaces, nodes)."""
+
+    def going_on(self, time: float, length: float) -> Known:
+        """At the ENDS of a step, with no torques in it."""
+
+    def now(self, time: float) -> Known:
+        """At its begin."""
+
+    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Known:
+        """At shares of a step under torques (interfaces, nodes)."""
+
+    def advance(self, time: float, length: float, end: float, torque: FloatArray) -> float:
+        """Go on to the end of such a step, or as far as the train stays the same: to a time (s)."""
 
 
 @dataclass(frozen=True)
@@ -98,34 +129,37 @@ class Scheme:
 
 
 @dataclass(frozen=True)
+class Marched:
+    """How a march went."""
+
+    number: int  # of steps
+    changes: tuple[tuple[float, int, int], ...]  # (s, law, regime that begins)
+    lack: float  # the largest of the last coefficients, of the largest torque
+
+
+@dataclass(frozen=True)
 class Collocated:
     """The motion that the laws make."""
 
     steps: Steps
     changes: tuple[tuple[float, int, int], ...]  # (s, law, regime that begins)
-    lack: float  # the largest of the last coefficients, of the largest torque
+    lack: float  # as of Marched
 
 
 @dataclass
 class _March:
     """A march under way."""
 
-    train: Interfaces
+    train: LinearTrain
     laws: Sequence[Law]
-    given: Given
     scheme: Scheme
-    influences: dict[float, Influence] = field(default_factory=dict)
     largest: float = 0.0  # torque so far, weighted
     lack: float = 0.0
     regimes: list[int] = field(default_factory=list)
 
-    def influence(self, length: float) -> Influence:
-        """Kept by length."""
-        if length not in self.influences:
-            if len(self.influences) > 64:
-                self.influences.clear()
-            self.influences[length] = influence(self.train, length)
-        return self.influences[length]
+    def at_one_time(self, time: float, torque: FloatArray) -> Points:
+        """(interfaces, 1) at the begin of a step, with torques (interfaces, 1)."""
+        return Points(np.array([time]), torque, *self.train.now(time))
 
 
 @dataclass(frozen=True)
@@ -133,14 +167,13 @@ class _Trial:
     """A step that was tried."""
 
     torque: FloatArray  # (interfaces, nodes)
-    points: Points  # at the nodes and at the end of the step
-    after: Place
+    points: Points  # at the nodes and at the end of the step; the torque at its last node stands for that at its end
     last: float  # weighted coefficient
     rounding: float  # weighted torque by which rounding of the speeds may change it
 
 
 def march(
-    train: Interfaces, laws: Sequence[Law], given: Given, scheme: Scheme,
+    train: Interfaces, laws: Sequence[Law], given: Callable[[FloatArray], Known], scheme: Scheme,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Collocated:  # fmt: skip
     """The motion from nothing at time 0, beside the given one: angle, speed, acceleration (interfaces, times) at times.
@@ -148,46 +181,59 @@ def march(
     progress: called with the share of the time that is done.
     Raises SolveError where a step becomes too short, or laws change without end.
     """
-    state = _March(train, laws, given, scheme)
-    time, length, start, waits = 0.0, min(scheme.first, scheme.longest), Place.still(train), 0
+    taken = StepsTaken(train, given)
+    how = marched(taken, laws, scheme, progress)
+    return Collocated(taken.whole, how.changes, how.lack)
+
+
+def marched(
+    train: LinearTrain, laws: Sequence[Law], scheme: Scheme, progress: Callable[[float], None] = lambda share: None
+) -> Marched:
+    """A train moved from time 0 on under the torques that laws require at its interfaces; as `march`."""
+    state = _March(train, laws, scheme)
+    time, length, waits = 0.0, min(scheme.first, scheme.longest), 0
     torque = np.zeros((train.number, POINTS))
-    rows, changes = list[tuple[float, float, Place, FloatArray]](), list[tuple[float, int, int]]()
-    here = _at_one_time(state, np.zeros(1), start, torque[:, -1:])
+    begins, changes = list[float](), list[tuple[float, int, int]]()
+    here = state.at_one_time(time, torque[:, -1:])
     state.regimes = [law.first(here.of(law.at)) for law in laws]
     every = {*scheme.cuts, *(cut for law in laws for cut in law.cuts)}
     cuts = sorted({cut for cut in every if 0.0 < cut < scheme.duration} | {scheme.duration})
     while time < scheme.duration:
         ahead = next(cut for cut in cuts if cut > time) - time
-        tried, own = _kept(state, time, ahead if ahead <= length * (1.0 + 1e-9) else length, start, torque)
-        left = _left(state, time, start, tried, own)
+        tried, own = _kept(state, time, ahead if ahead <= length * (1.0 + 1e-9) else length, torque)
+        left = _left(state, time, tried, own)
+        change: tuple[int, int] | None = None
         if left is not None:
             share, law, regime = left
             whole, own = own, share * own
             if share > 0.0:
-                tried, own = _kept(state, time, own, start, torque)
+                tried, own = _kept(state, time, own, torque)
             if own == share * whole:  # else it ends before
-                changes.append((time + own, law, regime))
-                state.regimes[law] = regime
+                change = law, regime
             waits = 0 if share > 0.0 else waits + 1
             if waits > WITHOUT_PROGRESS:
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
-            if share == 0.0:
-                continue
-        _refuse_too_many([row[0] for row in rows[::WATCHED]], len(rows), time, scheme.duration)
-        rows.append((time, own, start, tried.torque))
-        state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
-        state.lack = max(state.lack, tried.last)
-        time = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
-        start, torque = tried.after, np.repeat(tried.torque[:, -1:], POINTS, axis=1)
-        length = _next_length(state, tried, own, length)
-        progress(time / scheme.duration)
-        if time in cuts:
-            here = _at_one_time(state, np.array([time]), start, torque[:, -1:])
+        end = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
+        if own > 0.0:
+            _refuse_too_many(begins[::WATCHED], len(begins), time, scheme.duration)
+            begins.append(time)
+            reached = train.advance(time, own, end, tried.torque)
+            state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
+            state.lack = max(state.lack, tried.last)
+            change, own, end = change if reached == end else None, reached - time, reached
+            torque = np.repeat(tried.torque[:, -1:], POINTS, axis=1)
+            length = _next_length(state, tried, own, length)
+        if change is not None:
+            changes.append((end, *change))
+            state.regimes[change[0]] = change[1]
+        if own > 0.0 and end in cuts:
+            here = state.at_one_time(end, torque[:, -1:])
             for number, one in enumerate(laws):
-                if time in one.cuts:
+                if end in one.cuts:
                     state.regimes[number] = one.first(here.of(one.at))
-    lack = state.lack / state.largest if state.largest else 0.0
-    return Collocated(steps(train, rows), tuple(changes), lack)
+        time = end
+        progress(time / scheme.duration)
+    return Marched(len(begins), tuple(changes), state.lack / state.largest if state.largest else 0.0)
 
 
 def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:
@@ -205,16 +251,18 @@ def _refuse_too_many(reached: list[float], number: int, time: float, duration: f
 
 def _next_length(state: _March, tried: _Trial, own: float, length: float) -> float:
     """Of the next step; one that was cut short does not count unless it was hard."""
+    if not own:
+        return length
     is_easy = tried.last <= max(EASY * state.scheme.tolerance * state.largest, tried.rounding)
     if own < length / 2.0 * (1.0 - 1e-9) and not is_easy:
         length = 2.0 ** math.ceil(math.log2(own / state.scheme.longest)) * state.scheme.longest
     return min(2.0 * length, state.scheme.longest) if is_easy and own >= 0.5 * length else length
 
 
-def _kept(state: _March, time: float, length: float, start: Place, guess: FloatArray) -> tuple[_Trial, float]:
+def _kept(state: _March, time: float, length: float, guess: FloatArray) -> tuple[_Trial, float]:
     """A step that is accurate enough, of that length or of a shorter one."""
     while True:
-        tried = _tried(state, time, length, start, guess)
+        tried = _tried(state, time, length, guess)
         if tried is not None:
             scale = np.abs(tried.torque * state.scheme.weight[:, None]).max(initial=state.largest)
             if tried.last <= state.scheme.tolerance * scale:
@@ -225,26 +273,19 @@ def _kept(state: _March, time: float, length: float, start: Place, guess: FloatA
         length /= 2.0
 
 
-def _tried(state: _March, time: float, length: float, start: Place, guess: FloatArray) -> _Trial | None:
+def _tried(state: _March, time: float, length: float, guess: FloatArray) -> _Trial | None:
     """A step by Newton's method; None where that does not converge."""
-    train, own = state.train, state.influence(length)
-    times = time + length * ENDS
-    known = state.given(times)
-    free = [one + two for one, two in zip(going_on(train, start, own), known, strict=True)]
+    train, times = state.train, time + length * ENDS
+    free, moved = train.going_on(time, length), train.influence(length)
     size, torque, before = train.number * POINTS, guess, math.inf
-    moved = (own.angle, own.speed, own.acceleration)
-    flat = [one.reshape(size, size) for one in moved]
     for count in range(NEWTON):
-        now = [
-            one[:, :-1] + (matrix @ torque.ravel()).reshape(torque.shape)
-            for one, matrix in zip(free, flat, strict=True)
-        ]
-        lack, slopes = _assembled(state, Points(times[:-1], torque, *now))
+        points = _under(times, free, moved, torque)
+        lack, slopes = _assembled(state, points.first(POINTS))
         jacobian = np.zeros((train.number, POINTS, train.number, POINTS))
         jacobian[:, EACH, :, EACH] = slopes[0].transpose(2, 0, 1)
         for slope, matrix in zip(slopes[1:], moved, strict=True):
             if slope.any():
-                jacobian += np.einsum("egc,gcfl->ecfl", slope, matrix)
+                jacobian += np.einsum("egc,gcfl->ecfl", slope, matrix[:, :-1])
         try:
             change = np.linalg.solve(jacobian.reshape(size, size), -lack.ravel()).reshape(torque.shape)
         except np.linalg.LinAlgError:
@@ -261,34 +302,21 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
         before = ratio
     else:
         return None
-    after = own.after(train, start, torque)
     last = np.abs(SERIES[-2:] @ torque.T) * state.scheme.weight
-    end = _at_one_time(state, times[-1:], after, torque[:, -1:], known)
+    points = _under(times, free, moved, torque)
     left = max(float(last[1].max(initial=0.0)), BEFORE_LAST * float(last[0].max(initial=0.0)))
-    rounding = ROUNDED * float((np.abs(np.einsum("eec->ec", slopes[2]) * known[1][:, :-1]) * weight).max(initial=0.0))
-    return _Trial(torque, _whole(times, free, own, torque, end), after, left, rounding)
+    rounding = ROUNDED * float((np.abs(np.einsum("eec->ec", slopes[2])) * train.parts * weight).max(initial=0.0))
+    return _Trial(torque, points, left, rounding)
 
 
-def _whole(times: FloatArray, free: list[FloatArray], own: Influence, torque: FloatArray, end: Points) -> Points:
-    """At the nodes and at the end of a step; the torque at its last node stands for that at its end."""
-    ends = np.concatenate([torque, torque[:, -1:]], axis=1)
-    inside = [
-        np.concatenate([one[:, :-1] + np.einsum("ecfl,fl->ec", matrix, torque), np.zeros((len(one), 1))], axis=1)
-        for one, matrix in zip(free, (own.angle, own.speed, own.acceleration), strict=True)
-    ]
-    for part, last in zip(inside, (end.angle, end.speed, end.acceleration), strict=True):
-        part[:, -1] = last[:, 0]
-    return Points(times, ends, *inside)
-
-
-def _at_one_time(state: _March, at: FloatArray, place: Place, torque: FloatArray, known: Known | None = None) -> Points:
-    """(interfaces, 1), where the coordinates are known; known: the given motion, its last column at that time."""
-    train, y = state.train, place.y[:, None]
-    angle, speed, acceleration = (one[:, -1:] for one in known or state.given(at))
-    return Points(
-        at, torque, angle + train.rigid.T @ place.turned[:, None] + np.real(train.angle @ y),
-        speed + train.rigid.T @ place.turning[:, None] + np.real(train.speed @ y), acceleration,
-    )  # fmt: skip
+def _under(times: FloatArray, free: Known, moved: Known, torque: FloatArray) -> Points:
+    """At the ENDS of a step, from how it goes on without torques and what torques (interfaces, nodes) add."""
+    size = torque.size
+    angle, speed, acceleration = (
+        one + (matrix.reshape(-1, size) @ torque.ravel()).reshape(one.shape)
+        for one, matrix in zip(free, moved, strict=True)
+    )
+    return Points(times, np.concatenate([torque, torque[:, -1:]], axis=1), angle, speed, acceleration)
 
 
 def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArray]]:
@@ -306,7 +334,7 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
     return lack, slopes
 
 
-def _left(state: _March, time: float, start: Place, tried: _Trial, length: float) -> tuple[float, int, int] | None:
+def _left(state: _March, time: float, tried: _Trial, length: float) -> tuple[float, int, int] | None:
     """The first change of regime in a step: the share of it, the law, and the regime that follows."""
     found: tuple[float, int, int] | None = None
     for number, (law, regime) in enumerate(zip(state.laws, state.regimes, strict=True)):
@@ -315,10 +343,9 @@ def _left(state: _March, time: float, start: Place, tried: _Trial, length: float
             if not below.size:
                 continue
             high = int(below[0])
-            own = steps(state.train, [(time, length, start, tried.torque)])
 
-            def rest(share: float, law: Law = law, regime: int = regime, which: int = which, own: Steps = own) -> float:
-                there = _inside(state, own, time + share * length)
+            def rest(share: float, law: Law = law, regime: int = regime, which: int = which) -> float:
+                there = _inside(state, time, length, tried.torque, np.array([share]))
                 return float(law.limits(regime, there.of(law.at))[which][0][0])
 
             low = 0.0 if high == 0 else float(ENDS[high - 1])
@@ -329,16 +356,10 @@ def _left(state: _March, time: float, start: Place, tried: _Trial, length: float
     return found
 
 
-def _inside(state: _March, own: Steps, time: float) -> Points:
-    """At one time in a step."""
-    at = np.array([time])
-    turned, turning, y = own.at(at)
-    angle, speed, acceleration = state.given(at)
-    train = state.train
-    return Points(
-        at, own.torque(at), angle + train.rigid.T @ turned + np.real(train.angle @ y),
-        speed + train.rigid.T @ turning + np.real(train.speed @ y), acceleration,
-    )  # fmt: skip
+def _inside(state: _March, time: float, length: float, torque: FloatArray, share: FloatArray) -> Points:
+    """At shares of a step."""
+    there = state.train.inside(time, length, torque, share)
+    return Points(time + share * length, value((SERIES @ torque.T)[:, :, None], share), *there)
 
 
 def _root(of: Callable[[float], float], low: float, high: float) -> float:

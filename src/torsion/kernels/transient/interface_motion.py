@@ -3,7 +3,8 @@
 Only the deviation that these torques make is kept here, from nothing at time 0; given torques and the start add to it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -11,6 +12,8 @@ from numpy.polynomial import legendre
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, answers, integrals, value
+
+Known = tuple[FloatArray, FloatArray, FloatArray]  # angle, speed and acceleration, each (interfaces, times)
 
 
 @dataclass(frozen=True)
@@ -63,9 +66,7 @@ class Influence:
     answer: ComplexArray  # (coordinates, ends, nodes) s, of a force of 1 at one node
     once: FloatArray  # (ends, nodes) s, first integral
     twice: FloatArray  # (ends, nodes) s2
-    angle: FloatArray  # (interfaces, nodes, interfaces, nodes) rad/(N m)
-    speed: FloatArray
-    acceleration: FloatArray
+    moved: Known  # (interfaces, ends, interfaces, nodes) rad/(N m) and so on
 
     def after(self, train: Interfaces, start: Place, torque: FloatArray) -> Place:
         """At the end of the step, from torques (interfaces, nodes)."""
@@ -85,20 +86,18 @@ def influence(train: Interfaces, length: float) -> Influence:
     answer = answer.reshape(len(root), POINTS, len(ENDS)).transpose(0, 2, 1)
     once, twice = (np.array(rows) for rows in zip(*(integrals(one[:, None], ENDS) for one in SERIES.T), strict=True))
     once, twice = length * once.T, length**2 * twice.T
-    inside = answer[:, :-1]
-    growth = root[:, None, None] * inside + np.eye(POINTS)
+    at_once = np.concatenate([np.eye(POINTS), value(SERIES[:, :, None], ENDS[-1:]).T])
+    growth = root[:, None, None] * answer + at_once
     rates = [
         np.real(np.einsum("en,ncl,nf->ecfl", read, own, train.force, optimize=True))
-        for read, own in ((train.angle, inside), (train.speed, inside), (train.speed, growth))
+        for read, own in ((train.angle, answer), (train.speed, answer), (train.speed, growth))
     ]
-    turns = [
-        np.einsum("me,cl,mf->ecfl", rigid, own, rigid, optimize=True) for own in (twice[:-1], once[:-1], np.eye(POINTS))
-    ]
-    whole = (rate + turn for rate, turn in zip(rates, turns, strict=True))
-    return Influence(length, np.exp(z), answer, once, twice, *whole)
+    turns = [np.einsum("me,cl,mf->ecfl", rigid, own, rigid, optimize=True) for own in (twice, once, at_once)]
+    angle, speed, acceleration = (rate + turn for rate, turn in zip(rates, turns, strict=True))
+    return Influence(length, np.exp(z), answer, once, twice, (angle, speed, acceleration))
 
 
-def going_on(train: Interfaces, start: Place, own: Influence) -> tuple[FloatArray, FloatArray, FloatArray]:
+def going_on(train: Interfaces, start: Place, own: Influence) -> Known:
     """Angle, speed and acceleration (interfaces, ends) without torques in the step; speeds and so on in that order."""
     y = own.decay * start.y[:, None]
     turning = np.broadcast_to(start.turning[:, None], (len(start.turning), len(ENDS)))
@@ -152,3 +151,63 @@ def steps(train: Interfaces, rows: list[tuple[float, float, Place, FloatArray]])
     turned, turning = (np.array([getattr(one, name) for one in start]) for name in ("turned", "turning"))
     y = np.array([one.y for one in start])
     return Steps(train, np.array(begin), np.array(length), turned, turning, y, series)
+
+
+@dataclass
+class StepsTaken:
+    """A linear train beside a given motion, moved step by step: a LinearTrain."""
+
+    train: Interfaces
+    given: Callable[[FloatArray], Known]
+    rows: list[tuple[float, float, Place, FloatArray]] = field(default_factory=list)
+    influences: dict[float, Influence] = field(default_factory=dict)
+    start: Place = field(init=False)
+    parts: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.start, self.parts = Place.still(self.train), np.zeros((self.number, 1))
+
+    @property
+    def number(self) -> int:
+        return self.train.number
+
+    @property
+    def whole(self) -> Steps:
+        """All steps."""
+        return steps(self.train, self.rows)
+
+    def influence(self, length: float) -> Known:
+        return self._of(length).moved
+
+    def _of(self, length: float) -> Influence:
+        """Kept by length."""
+        if length not in self.influences:
+            if len(self.influences) > 64:
+                self.influences.clear()
+            self.influences[length] = influence(self.train, length)
+        return self.influences[length]
+
+    def going_on(self, time: float, length: float) -> Known:
+        own, given = going_on(self.train, self.start, self._of(length)), self.given(time + length * ENDS)
+        self.parts = np.abs(given[1]).max(axis=1, keepdims=True)
+        angle, speed, acceleration = (one + two for one, two in zip(own, given, strict=True))
+        return angle, speed, acceleration
+
+    def now(self, time: float) -> Known:
+        place = self.start
+        return self._beside(np.array([time]), place.turned[:, None], place.turning[:, None], place.y[:, None])
+
+    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Known:
+        at = time + share * length
+        return self._beside(at, *steps(self.train, [(time, length, self.start, torque)]).at(at))
+
+    def _beside(self, time: FloatArray, turned: FloatArray, turning: FloatArray, y: ComplexArray) -> Known:
+        """With the given motion, of which alone the acceleration is."""
+        train, (angle, speed, acceleration) = self.train, self.given(time)
+        angle = angle + train.rigid.T @ turned + np.real(train.angle @ y)
+        return angle, speed + train.rigid.T @ turning + np.real(train.speed @ y), acceleration
+
+    def advance(self, time: float, length: float, end: float, torque: FloatArray) -> float:
+        self.rows.append((time, length, self.start, torque))
+        self.start = self._of(length).after(self.train, self.start, torque)
+        return end
