@@ -355,13 +355,3 @@ def test_the_most_events_of_a_motion_are_said_with_a_shorter_duration(monkeypatc
     motions = "[{name: none, duration: 1 ms, initial: {speed: {a: 5 rad/s}}},\n {name: long, duration: 1 s, "
     several = f"{text}analyses: {{transient: {motions}initial: {{speed: {{a: 5 rad/s}}}}}}]}}\n"
     assert torsion.run(torsion.parse(several)).plan.unanswered[0].line == 4
-
-
-def test_a_joint_beside_a_play_is_refused_and_not_taken_as_straight() -> None:
-    joint = "joint: {angle: 30 deg}, disc: {inertia: 0.5}, coupling: {stiffness: 1e4}"
-    text = DRIVE.format(ripple="", c2=PLAY, c3="viscous: 3").replace(
-        "- propeller", f"- disc: {{inertia: 1}}\n- {joint.replace(', disc', chr(10) + '- disc', 1)}\n- propeller"
-    )
-    text = text.replace("0.5}, coupling", "0.5}\n- coupling")
-    with pytest.raises(SolveError, match="torques that follow the motion beside play"):
-        moved(text, duration=0.1, initial={"speed": "600 rpm"}, events=[{"at": "motor-1", "stop": {}}])

@@ -13,6 +13,8 @@ from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path
+from torsion.findings import Progress, silent
+from torsion.kernels.transient.collocation import Marched
 from torsion.kernels.transient.energy_balance import EnergyBalance, energy_balance
 from torsion.kernels.transient.event_driven_motion import EventDrivenMotion
 from torsion.kernels.transient.linear_regime import RADIANS
@@ -66,6 +68,7 @@ class EventDrivenCurves:
 
     built: Built
     motion: EventDrivenMotion
+    marched: Marched | None
 
     @property
     def shape(self) -> FloatArray:
@@ -81,12 +84,13 @@ class EventDrivenCurves:
     def cuts(self) -> FloatArray:
         """Times of all events, and at which a torque begins or ends."""
         events = [event.time for event in self.motion.events]
-        return np.unique([*events, *self.built.train.signals.breaks])
+        steps = [] if self.built.following is None else self.motion.begin.tolist()
+        return np.unique([*events, *self.built.train.signals.breaks, *steps])
 
     @cached_property
     def rows(self) -> tuple[FloatArray, ...]:
         """(spans, state) N m of every regime."""
-        built, (_, place, speed, _) = self.built, self.built.train.layout
+        built, (_, place, speed, _, _) = self.built, self.built.train.layout
         linear = np.zeros((len(built.slowed), built.train.size))
         linear[:, place] = built.modes.torque / built.train.w
         linear[:, speed] = built.slowed
@@ -131,10 +135,12 @@ class EventDrivenCurves:
         return self.built.train.rigid
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Places of the modes and speeds of all motions, (each, times)."""
-        z = self.motion.at(time)[0]
-        _, place, speed, _ = self.built.train.layout
-        return z[place] / self.built.train.w[:, None], z[speed]
+        """Places of the modes, behind angles of rigid motions where these are known, and speeds of all motions."""
+        return self._read(self.motion.at(time)[0])
+
+    def _read(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        _, place, speed, _, turned = self.built.train.layout
+        return np.concatenate([z[turned], z[place] / self.built.train.w[:, None]]), z[speed]
 
     def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """(rigid motions + modes, times)."""
@@ -143,8 +149,12 @@ class EventDrivenCurves:
 
     def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """Speeds (stations, times) of the stations."""
-        before = self.built.before.speed * np.abs(self.built.system.speed_ratio)
-        return np.asarray(before[:, None] + self.shape @ speed)
+        angle, turning, _ = self.built.carrier.at(time)
+        turning += self.shape @ speed
+        for cut in self.built.cuts:
+            if cut.massless:
+                cut.patched(self.built.system, angle + self.shape @ place, turning)
+        return turning
 
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Torques (spans, times), their rates, and places and speeds of the modes (each, times)."""
@@ -154,8 +164,7 @@ class EventDrivenCurves:
             here, rows = regime == number, self.rows[number]
             torque[:, here] = rows @ z[:, here]
             rate[:, here] = rows @ (self.motion.regimes[number].matrix @ z[:, here])
-        _, place, speed, _ = self.built.train.layout
-        return torque, rate, (z[place], z[speed])
+        return torque, rate, self._read(z)
 
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
@@ -171,20 +180,21 @@ class EventDrivenCurves:
 
 
 def event_driven_curves(
-    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None = None
-) -> tuple[EventDrivenCurves, EnergyBalance, Switching]:
+    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None = None,
+    progress: Progress = silent,
+) -> tuple[EventDrivenCurves, EnergyBalance, Switching]:  # fmt: skip
     """The motion of a train with nonlinear couplings, its balance of energy and its events."""
     built = build(study, system, settings, place, damping_ratio=damping_ratio)
-    curves = EventDrivenCurves(built, built.run(settings.duration))
+    curves = EventDrivenCurves(built, *built.run(settings.duration, 1.0, progress))
     balance = energy_balance(curves.motion)
     time = np.linspace(0.0, settings.duration, COMPARED)
-    fine = EventDrivenCurves(built, built.run(settings.duration, 0.5))
+    fine = EventDrivenCurves(built, *built.run(settings.duration, 0.5, progress))
     changes = _changes(curves, fine, time)
     late = np.flatnonzero(changes > TOLERANCE)
     change = 0.0
     if built.is_band:
         half = build(study, system, settings, place, damping_ratio=damping_ratio, halved=True)
-        change = float(_changes(curves, EventDrivenCurves(half, half.run(settings.duration)), time).max())
+        change = float(_changes(curves, EventDrivenCurves(half, *half.run(settings.duration)), time).max())
     words = Counter((built.standing[event.element].coupling, event.word) for event in curves.motion.events)
     heat = np.zeros(len(built.couplings))
     np.add.at(heat, [one.coupling for one in built.standing], balance.heat)

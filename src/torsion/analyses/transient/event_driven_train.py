@@ -7,8 +7,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude, excitations
+from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.direct_torques import direct_torques
-from torsion.analyses.transient.following_torques import turns
+from torsion.analyses.transient.event_kind import Point
+from torsion.analyses.transient.following_signals import FollowingSignals, quickest, refuse_couplings_beside_joints
+from torsion.analyses.transient.following_torques import carrier_of, dampers_beside_loads, following, turns
+from torsion.analyses.transient.joint_cuts import JointCut, joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads
 from torsion.analyses.transient.modal_train import (
     kept_modes,
@@ -33,15 +37,12 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
+from torsion.findings import Progress, silent
 from torsion.kernels.spanning_forest import connected
+from torsion.kernels.transient.collocation import Marched
 from torsion.kernels.transient.damped_motion import ModalTrain
-from torsion.kernels.transient.event_driven_motion import (
-    Chatter,
-    EventDrivenMotion,
-    PiecewiseTrain,
-    TooManyEvents,
-    event_driven,
-)
+from torsion.kernels.transient.endless_events import Chatter, TooManyEvents
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March, PiecewiseTrain
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.torque_history import Piece
 from torsion.study import Study
@@ -63,24 +64,40 @@ class Built:
     couplings: tuple[Coupling, ...]
     standing: tuple[Standing, ...]
     train: PiecewiseTrain
+    carrier: Carrier
+    following: FollowingSignals | None
     is_band: bool  # modes were left out
     place: FloatArray
     speed: FloatArray
     where: Path = PATH  # of the settings in the file
 
-    def run(self, duration: float, fineness: float = 1.0) -> EventDrivenMotion:
-        """The motion; raises SolveError where a coupling changes its regime without end."""
+    @property
+    def cuts(self) -> tuple[JointCut, ...]:
+        """At joints."""
+        return () if self.following is None else self.following.follows.cuts
+
+    def run(
+        self, duration: float, fineness: float = 1.0, progress: Progress = silent
+    ) -> tuple[EventDrivenMotion, Marched | None]:
+        """The motion, and how it was marched where torques follow it.
+
+        Raises SolveError where a coupling changes its regime without end, or steps become too short.
+        """
+        march, regimes = March(self.train, duration, fineness), tuple(one.regime for one in self.standing)
+        z = self.train.at_first(np.array([one.twist for one in self.standing]), self.place, self.speed)
         try:
-            return event_driven(
-                self.train, tuple(one.regime for one in self.standing), duration=duration, fineness=fineness,
-                twist=np.array([one.twist for one in self.standing]), place=self.place, speed=self.speed,
-            )  # fmt: skip
+            if self.following is None:
+                return march.whole(z, regimes), None
+            untwisted = self.place if self.before.mean is not None else np.zeros_like(self.place)
+            return self.following.march(march, regimes, z, self.shape, untwisted, progress)
         except Chatter as chatter:
             name = self.couplings[self.standing[chatter.element].coupling].part.name
             message = f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
             raise SolveError(message, "give its contact damping, or its friction a stiffness", self.where) from None
         except TooManyEvents as end:
             raise SolveError(end.message, f"a `duration` below {end.time:.4g} s", (*self.where, "duration")) from None
+        except SolveError as error:
+            raise SolveError(error.message, error.hint, self.where) from None
 
 
 @dataclass(frozen=True)
@@ -89,6 +106,7 @@ class Acting:
 
     pieces: tuple[tuple[Piece, ...], ...]
     where: ComplexArray  # (stations, signals)
+    direct: FloatArray  # (spans, signals) that joints carry of them
     capacities: Mapping[int, tuple[int, bool]] = field(default_factory=dict)  # of a coupling: its signal; zero at first
 
     def with_capacities(self, settings: TransientSettings, found: tuple[Coupling, ...]) -> "Acting":
@@ -99,8 +117,8 @@ class Acting:
             if capacity is not None:
                 signals[number] = len(pieces), not any(piece.begin == 0.0 for piece in capacity)
                 pieces.append(capacity)
-        none = np.zeros((len(self.where), len(signals)))
-        return Acting(tuple(pieces), np.concatenate([self.where, none], axis=1), signals)
+        behind = (0, 0), (0, len(signals))
+        return Acting(tuple(pieces), np.pad(self.where, behind), np.pad(self.direct, behind), signals)
 
 
 def build(
@@ -112,19 +130,31 @@ def build(
     halved: with half the band of modes that would be kept. speed: of a steady state (rad/s of the reference station),
     in place of the operation's.
     """
-    found = couplings(study.train, system)
-    bare = opened(system, found)
+    found, events, is_driven = couplings(study.train, system), settings.events, turns(study, system, settings.events)
+    if is_driven and speed is not None:
+        raise SolveError("the joints of the train turn unevenly, and a settled vibration beside them is not built")
+    before = state_before(study, system, settings, place, vibrates=False, speed=speed)
+    cuts = joint_cuts(system, before.mean)
+    if cuts and before.speeds:
+        message = "parts that turn at speeds of their own beside uneven joints are not built"
+        raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`", (*place, "initial"))
+    dampers = dampers_beside_loads(study, system, events)
+    bare = opened(replace(parts_of(system, cuts), dampers=dampers), found)
     if bare.bars is not None:
         message = f"play and friction in motion over time take shafts as lumped masses, not the model {bare.model}"
         raise SolveError(message, "model: lumped", place)
     modes = kept_modes(bare, "all", place)[0]
-    before = state_before(study, system, settings, place, vibrates=False, speed=speed)
     shape = shapes(bare, modes)
-    train = modal_train(study, bare, modes, shape, before)
+    train = modal_train(study, bare, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
     turning = _speeds(study, bare, before, shape)
-    acting = _signals(study, system, settings, before, place).with_capacities(settings, found)
+    points = points_of_events(study, system, events, before, place, turns=is_driven)
+    follows: FollowingSignals | None = None
+    if is_driven:
+        follows = FollowingSignals(following(study, system, events, points, before, cuts, shape), system, settings)
+        refuse_couplings_beside_joints(follows.follows, found)
+    acting = _signals(study, system, settings, before, points, follows, place).with_capacities(settings, found)
     ends = twists(bare, modes, shape, np.array([one.span for one in found]))
     torque = before.torque + before.twist
     carried, all_standing = torque.copy(), list[Standing]()
@@ -134,9 +164,11 @@ def build(
         carried[one.span] = linear
         all_standing += elements
     place_of, _ = start(bare, modes, replace(before, twist=carried), shape)
-    slowed = slowed_torques(study, bare, modes, shape, before)
-    parts = _Parts(bare, modes, before, shape, train, slowed, place_of, turning)
-    built = _in_modes(parts, found, tuple(all_standing), acting, _kept(train.w, settings, halved=halved))
+    slowed = slowed_torques(study, bare, modes, shape, before, turns=is_driven)
+    carrier = carrier_of(study, system, events, before, cuts)
+    parts = _Parts(bare, modes, before, shape, train, slowed, place_of, turning, carrier, follows)
+    kept = _kept(train.w, settings, halved=halved)
+    built = _in_modes(parts, found, tuple(all_standing), acting, kept, settings.duration)
     return replace(built, where=place)
 
 
@@ -152,29 +184,36 @@ class _Parts:
     slowed: FloatArray
     place: FloatArray
     speed: FloatArray
+    carrier: Carrier
+    follows: FollowingSignals | None
 
 
 def _in_modes(
-    parts: _Parts, found: tuple[Coupling, ...], all_standing: tuple[Standing, ...], acting: Acting, kept: int
-) -> Built:
+    parts: _Parts, found: tuple[Coupling, ...], all_standing: tuple[Standing, ...], acting: Acting, kept: int,
+    duration: float,
+) -> Built:  # fmt: skip
     """With as many modes kept, and the compliance of the others in series with the elements."""
     bare, modes, rigid, w = parts.bare, parts.modes, parts.train.rigid, parts.train.w
     own, others, is_band = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
     spans = np.array([found[one.coupling].span for one in all_standing])
-    force, ends = parts.shape.T @ acting.where, np.array([one.element.ends for one in all_standing])
+    where, carried, follows = acting.where, acting.direct, parts.follows
+    if follows is not None:
+        where = np.concatenate([where, follows.where.astype(complex)], axis=1)
+        carried = np.concatenate([carried, follows.carried], axis=1)
+    force, ends = parts.shape.T @ where, np.array([one.element.ends for one in all_standing])
     soft, answer = ends[:, others] / w[kept:] ** 2, force[others] / w[kept:, None] ** 2
     higher = modes.torque[:, kept:]
     of_elements = direct_torques(bare, modes, _pushed(bare, spans)) - higher @ soft.T
     of_elements[spans, np.arange(len(spans))] += 1.0
     elements = tuple(replace(one.element, ends=row[own]) for one, row in zip(all_standing, ends, strict=True))
     compliance, rest = (soft @ ends[:, others].T, soft @ force[others]) if is_band else (None, None)
-    train = PiecewiseTrain(
-        w[:kept], parts.train.damping[own, own], elements, Signals(acting.pieces), force[own], compliance, rest
-    )
+    following_too = 0 if follows is None else follows.number
+    signals = Signals(acting.pieces, following_too, quickest(w[:kept], elements, duration))
+    train = PiecewiseTrain(w[:kept], parts.train.damping[own, own], elements, signals, force[own], compliance, rest)
     return Built(
         bare, lowest(modes, kept), parts.before, parts.shape[:, own], parts.slowed[:, own],
-        _direct(bare, modes, acting.where) + higher @ answer, of_elements, found, all_standing, train, is_band,
-        parts.place[rigid : rigid + kept], parts.speed[own],
+        _direct(bare, modes, where) + carried + higher @ answer, of_elements, found, all_standing, train,
+        parts.carrier, follows, is_band, parts.place[rigid : rigid + kept], parts.speed[own],
     )  # fmt: skip
 
 
@@ -186,19 +225,21 @@ def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
     return max(min(half, kept - 1), 0) if halved else int(kept)
 
 
-def _signals(study: Study, system: System, settings: TransientSettings, before: State, place: Path) -> Acting:
-    """The torques of events, mean torques and periodic ones."""
-    if turns(study, system, settings.events):
-        message = "torques that follow the motion beside play, friction, stages or a capacity are not built"
-        advice = "leave out `start`, `load`, `speed` and joints, or make the couplings linear"
-        raise SolveError(message, advice, place)
-    points = points_of_events(study, system, settings.events, before, place, turns=False)
-    loads, acting = known_loads(study, system, settings.events, points, None)
-    pieces, columns = [tuple(one) for one in loads], list(acting.T.astype(complex))
+def _signals(
+    study: Study, system: System, settings: TransientSettings, before: State, points: list[Point],
+    follows: FollowingSignals | None, place: Path,
+) -> Acting:  # fmt: skip
+    """The torques of events, mean torques and periodic ones, without those that follow the motion."""
+    loads, acting = known_loads(study, system, settings.events, points, None if follows is None else follows.follows)
+    number = len(loads) - (0 if follows is None else len(follows.signal))
+    pieces, columns = [tuple(one) for one in loads[:number]], list(acting.T[:number].astype(complex))
+    direct = np.zeros(len(system.spans))
     if before.mean is not None:
         pieces.append((Piece(0.0, math.inf, 1.0),))
-        columns.append(before.mean.applied[:, 0].astype(complex))
-    if settings.initial in (None, "steady") and before.speed:
+        of_joints, direct = (np.zeros(len(acting)), direct) if follows is None else follows.means
+        columns.append(before.mean.applied[:, 0] + of_joints + 0j)
+    behind = len(pieces)
+    if follows is None and settings.initial in (None, "steady") and before.speed:
         at = np.array([before.speed])
         for excitation in excitations(system):
             if excitation.errors:
@@ -210,7 +251,9 @@ def _signals(study: Study, system: System, settings: TransientSettings, before: 
                 column[torque.station] += amplitude(system, torque, at, before.mean)[0]
             pieces.append((Piece(0.0, math.inf, 1.0, rate=1j * float(excitation.line.circular_frequency(at)[0])),))
             columns.append(column)
-    return Acting(tuple(pieces), np.array(columns).reshape(-1, len(acting)).T)
+    carried = np.zeros((len(system.spans), len(pieces)))
+    carried[:, behind - 1 : behind] = direct[:, None]
+    return Acting(tuple(pieces), np.array(columns).reshape(-1, len(acting)).T, carried)
 
 
 def _speeds(study: Study, bare: System, before: State, shape: FloatArray) -> FloatArray:

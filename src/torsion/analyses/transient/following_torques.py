@@ -57,7 +57,7 @@ class Following:
         self, system: System, moved: Motion, shape: FloatArray, settings: TransientSettings, progress: Progress
     ) -> tuple[DrivenMotion, Collocated]:
         """The motion; the last loads of `moved` are nothing, and stand for the interfaces."""
-        column, ratio = shape[self.station], system.speed_ratio[self.station]
+        column = shape[self.station]
 
         def given(time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
             place, speed = moved.at(time)
@@ -66,11 +66,15 @@ class Following:
             angle, turning, gaining = (turn + column @ one for turn, one in zip(turns, rates, strict=True))
             return angle, turning, gaining
 
-        kinks = (*moved.cuts.tolist(), *(end for line in self.carrier.rates for end in line[:2]))
-        duration = settings.duration
-        scheme = Scheme(duration, settings.tolerance, FIRST * duration, LONGEST * duration, np.abs(ratio), kinks)
+        scheme = self.scheme(system, settings, moved.cuts)
         found = march(interfaces(moved, column), self.laws, given, scheme, partial(progress, "torques that follow"))
         return driven(moved, found.steps), found
+
+    def scheme(self, system: System, settings: TransientSettings, kinks: FloatArray) -> Scheme:
+        """How finely the motion is found; kinks: (times,) s, of the torques that are given."""
+        cuts = (*kinks.tolist(), *(end for line in self.carrier.rates for end in line[:2]))
+        duration, weight = settings.duration, np.abs(system.speed_ratio[self.station])
+        return Scheme(duration, settings.tolerance, FIRST * duration, LONGEST * duration, weight, cuts)
 
 
 def turns(study: Study, system: System, events: Sequence[Event]) -> bool:

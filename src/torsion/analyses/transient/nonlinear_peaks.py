@@ -85,7 +85,7 @@ def settled_amplitude(study: Study, found: Response, span: int, at: tuple[float,
             duration=windows * window, initial="steady", events=(), samples=None, modes="all"
         )
         built = build(replace(study, analyses={}), found.system, settings, ("analyses", "response"), speed=speed)
-        curves = EventDrivenCurves(built, built.run(settings.duration))
+        curves = EventDrivenCurves(built, *built.run(settings.duration))
         before, last = (_component(curves, span, w, (windows - back) * window, window) for back in (2, 1))
         if abs(last - before) <= SETTLED * last:
             return last

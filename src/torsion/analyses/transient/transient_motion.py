@@ -39,7 +39,7 @@ from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.transient.collocation import Collocated
+from torsion.kernels.transient.collocation import Marched
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
 from torsion.results import derived, reported, result
 from torsion.study import Study
@@ -224,12 +224,15 @@ def _event_driven(
     progress: Progress,
 ) -> TransientMotion:  # fmt: skip
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
-    curves, balance, switching = event_driven_curves(study, system, settings, place, damping_ratio)
-    built = curves.built
+    curves, balance, switching = event_driven_curves(study, system, settings, place, damping_ratio, progress)
+    built, added = curves.built, dict[str, Any]()
+    if built.following is not None and curves.marched is not None:
+        added = _of_steps(built.following.follows, curves.marched)
     samples = _samples(settings, built.modes)
     time = np.linspace(0.0, settings.duration, samples + 1)
     looked, finer = looked_at_of(curves, built.modes, time, counts=settings.fatigue is not None)
     seen = sampled(curves, looked, progress)
+    refuse_beyond_tables(study, settings.events, seen.turning, place)
     before, (top, bottom) = built.before, seen.ends
     lacking = missed(built.modes, curves, time, finer) + curves.unseen(looked.left)
     if any(wave.w >= looked.left for wave in curves.regimes):
@@ -237,7 +240,7 @@ def _event_driven(
     return TransientMotion(
         time, seen.torque, seen.turning, *top, -bottom[0], bottom[1], before.torque, _reversals(seen), lacking,
         balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
-        turns=seen.turns,
+        turns=seen.turns, **added,
     )  # fmt: skip
 
 
@@ -253,11 +256,11 @@ def _straight(study: Study, system: System, before: State) -> ModalTrain:
     return modal_train(study, system, found, shapes(system, found), before, turns=True)
 
 
-def _of_steps(follows: Following, solved: Collocated) -> dict[str, Any]:
+def _of_steps(follows: Following, solved: Marched) -> dict[str, Any]:
     """What the result says of torques that follow the motion."""
     changed = dict.fromkeys((time, follows.words[law]) for time, law, _ in solved.changes)
     return {
-        "steps": len(solved.steps.begin), "following": tuple(dict.fromkeys(follows.words)),
+        "steps": solved.number, "following": tuple(dict.fromkeys(follows.words)),
         "left_in_series": solved.lack, "changes": tuple(Change(*one) for one in changed),
     }  # fmt: skip
 

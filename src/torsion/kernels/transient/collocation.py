@@ -138,12 +138,10 @@ class Marched:
 
 
 @dataclass(frozen=True)
-class Collocated:
+class Collocated(Marched):
     """The motion that the laws make."""
 
     steps: Steps
-    changes: tuple[tuple[float, int, int], ...]  # (s, law, regime that begins)
-    lack: float  # as of Marched
 
 
 @dataclass
@@ -183,7 +181,7 @@ def march(
     """
     taken = StepsTaken(train, given)
     how = marched(taken, laws, scheme, progress)
-    return Collocated(taken.whole, how.changes, how.lack)
+    return Collocated(how.number, how.changes, how.lack, taken.whole)
 
 
 def marched(

@@ -1,9 +1,9 @@
 """Exact motion of a train whose few nonlinear elements are linear between events.
 
-The state is z = (x of the elements, w q of the elastic modes, speeds of all motions, states of the torques, 1). x of an
-element is a state of its own, so that no twist is a difference of large angles; it is scaled by the root of the
-element's stiffness, as the modes are by their frequencies, so that A is balanced. A regime is one state of every
-element; its matrix, exponentials and rows are kept.
+The state is z = (x of the elements, w q of the elastic modes, speeds of all motions, states of the torques, angles of
+the rigid motions where torques follow them, 1). x of an element is a state of its own, so that no twist is a difference
+of large angles; it is scaled by the root of the element's stiffness, as the modes are by their frequencies, so that A
+is balanced. A regime is one state of every element; its matrix, exponentials and rows are kept.
 
 Modes above a band may be left out: their `compliance` F is then in series with the elements, u = x + rest - F T.
 """
@@ -17,12 +17,12 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
+from torsion.kernels.transient.endless_events import MOST_EVENTS, Chatter, TooManyEvents
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.linear_regime import RADIANS, STEPS, Regime
 from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, Element, Friction, Law, Switch
 
 CHATTER = 50  # events of one element without progress
-MOST_EVENTS = 200_000
 State = tuple[int, ...]  # the regime of every element
 
 
@@ -44,16 +44,25 @@ class PiecewiseTrain:
         return len(self.damping) - len(self.w)
 
     @cached_property
-    def layout(self) -> tuple[slice, slice, slice, slice]:
-        """Where x, w q, the speeds and the signals stand in a state; 1 stands last."""
-        ends = np.cumsum([0, len(self.elements), len(self.w), len(self.damping), self.signals.size]).tolist()
-        x, place, speed, signal = (slice(*pair) for pair in pairwise(ends))
-        return x, place, speed, signal
+    def layout(self) -> tuple[slice, slice, slice, slice, slice]:
+        """Where x, w q, the speeds, the signals and the angles stand in a state; 1 stands last."""
+        angles = self.rigid if self.signals.polynomials else 0
+        ends = np.cumsum([0, len(self.elements), len(self.w), len(self.damping), self.signals.size, angles]).tolist()
+        x, place, speed, signal, turned = (slice(*pair) for pair in pairwise(ends))
+        return x, place, speed, signal, turned
 
     @property
     def size(self) -> int:
         """Of a state."""
-        return int(self.layout[3].stop) + 1
+        return int(self.layout[4].stop) + 1
+
+    def at_first(self, twist: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """(state,) from x (elements,) rad, places (modes,), speeds (rigid motions + modes,), without signals."""
+        z = np.zeros(self.size)
+        for part, values in zip(self.layout, (self.root * twist, self.w * place, speed), strict=False):
+            z[part] = values
+        z[-1] = 1.0
+        return z
 
     @cached_property
     def root(self) -> FloatArray:
@@ -76,21 +85,20 @@ class PiecewiseTrain:
     @cached_property
     def unforced(self) -> FloatArray:
         """(state, state) A without elements."""
-        matrix, (_, place, speed, signal) = np.zeros((self.size, self.size)), self.layout
+        matrix, (_, place, speed, signal, turned) = np.zeros((self.size, self.size)), self.layout
         elastic = slice(speed.start + self.rigid, speed.stop)
         matrix[place, elastic] = np.diag(self.w)
         matrix[elastic, place] = -np.diag(self.w)
         matrix[speed, speed] = -self.damping
         matrix[speed] += self.rows(self.force)
         matrix[signal, signal] = self.signals.matrix
+        matrix[turned, speed.start : speed.start + turned.stop - turned.start] = np.eye(turned.stop - turned.start)
         return matrix
 
     @cached_property
     def relative_speed(self) -> FloatArray:
         """(elements, state) scaled."""
-        rows = np.zeros((len(self.elements), self.size))
-        rows[:, self.layout[2]] = self.ends
-        return rows
+        return np.pad(self.ends, ((0, 0), (self.layout[2].start, self.size - self.layout[2].stop)))
 
     @cached_property
     def resting(self) -> FloatArray:
@@ -108,7 +116,7 @@ class PiecewiseTrain:
     @cached_property
     def capacity(self) -> FloatArray:
         """(elements, state) N m."""
-        constant, chosen = np.zeros(len(self.elements)), np.zeros((len(self.elements), len(self.signals.pieces)))
+        constant, chosen = np.zeros(len(self.elements)), np.zeros((len(self.elements), self.signals.number))
         for number, element in enumerate(self.elements):
             if isinstance(element, Friction) and element.signal is not None:
                 chosen[number, element.signal] = 1.0
@@ -134,16 +142,16 @@ def regime(train: PiecewiseTrain, state: State, *, longest: float, fineness: flo
         for number, (element, own) in enumerate(zip(train.elements, state, strict=True))
         for switch in element.switches(own)
     ]
-    fastest = float(np.abs(np.linalg.eigvals(matrix)).max(initial=0.0))
+    own = slice(0, train.layout[3].start + train.signals.known)
+    fastest = float(np.abs(np.linalg.eigvals(matrix[own, own])).max(initial=0.0))
     step = fineness * min(longest, RADIANS / fastest if fastest else math.inf)
     for number, (law, element) in enumerate(zip(laws, train.elements, strict=True)):
         if law.kind in ("free", "stuck") or math.isinf(element.stiffness):
             elastic[number] = 0.0
         elif law.kind == "given":
             elastic[number] = torque[number]
-    return Regime(
-        matrix, np.array(events).reshape(-1, train.size), torque * train.root[:, None], elastic, step, dips
-    )  # fmt: skip
+    rows = np.array(events).reshape(-1, train.size)
+    return Regime(matrix, rows, torque * train.root[:, None], elastic, step, dips)
 
 
 def _offsets(train: PiecewiseTrain, laws: list[Law]) -> FloatArray:
@@ -169,8 +177,11 @@ def _torques(train: PiecewiseTrain, laws: list[Law]) -> tuple[FloatArray, FloatA
     try:
         torque = np.asarray(np.linalg.solve(left, right)) if len(laws) else right
     except np.linalg.LinAlgError:
-        message = "rigid clutches stand beside each other, and nothing divides their torque"
-        raise SolveError(message, "give all but one a stiffness") from None
+        message, hint = (
+            "rigid clutches stand beside each other, and nothing divides their torque",
+            "give one a stiffness",
+        )
+        raise SolveError(message, hint) from None
     return torque, elastic - train.series @ torque
 
 
@@ -220,7 +231,6 @@ class EventDrivenMotion:
     state: FloatArray  # (blocks, states)
     regime: IntArray  # (blocks,) which of `regimes`
     regimes: tuple[Regime, ...]
-    states: tuple[State, ...]  # of every regime
     events: tuple[Event, ...]
     released: FloatArray  # (blocks, elements) J until then, elastic energy of friction that lost its capacity
     end: float  # s
@@ -244,24 +254,31 @@ class EventDrivenMotion:
 
 
 @dataclass
-class _March:
+class March:
     """The motion while it is computed."""
 
     train: PiecewiseTrain
     duration: float
     fineness: float
-    dips: bool
-    released: FloatArray
-    kept: dict[State, Regime] = field(default_factory=dict)
-    blocks: list[tuple[float, FloatArray, State, FloatArray]] = field(default_factory=list)
+    dips: bool = True
+    released: FloatArray = field(init=False)
+    halvings: int = 0  # of the steps
+    idle: int = 0  # events without progress
+    last: float = -math.inf  # s, when there was some
+    kept: dict[tuple[State, int], Regime] = field(default_factory=dict)
+    blocks: list[tuple[float, FloatArray, tuple[State, int], FloatArray]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.released = np.zeros(len(self.train.elements))
 
     def regime(self, state: State) -> Regime:
         """Of a state of the elements, built once."""
-        if state not in self.kept:
-            longest = self.duration / 16.0
-            self.kept[state] = regime(self.train, state, longest=longest, fineness=self.fineness, dips=self.dips)
-        return self.kept[state]
+        if (state, self.halvings) not in self.kept:
+            longest, fineness = self.duration / 16.0, self.fineness * 0.5**self.halvings
+            one = regime(self.train, state, longest=longest, fineness=fineness, dips=self.dips)
+            self.kept[state, self.halvings] = one
+        return self.kept[state, self.halvings]
 
     def pair(self, state: State, function: int) -> tuple[int, int]:
         """The element that a switching function is of, and the regime that it enters."""
@@ -294,8 +311,8 @@ class _March:
 
     def rearm(self, time: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
         """At a break: the signals that begin, and friction whose capacity ends or begins."""
-        before, signals = self.regime(state).elastic @ z, self.train.layout[3]
-        z = z.copy()
+        before, first = self.regime(state).elastic @ z, self.train.layout[3].start
+        z, signals = z.copy(), slice(first, first + self.train.signals.known)
         z[signals] = self.train.signals.state(time)
         if time > 0.0:  # what slips gives up the energy that a lower capacity does not hold
             self.released = self.released + 0.5 * (before**2 - (self.regime(state).elastic @ z) ** 2)
@@ -315,44 +332,50 @@ class _March:
         slipping = float(row @ z)
         return 0 if abs(slipping) <= 1e-12 * float(np.abs(row) @ np.abs(z)) else int(np.sign(slipping))
 
+    def on(self, time: float, end: float, z: FloatArray, state: State) -> tuple[float, FloatArray, State, bool]:
+        """A block, or less where an event ends it: until when, and whether one did."""
+        one = self.regime(state)
+        self.blocks.append((time, z, (state, self.halvings), self.released))
+        length = min(STEPS * one.step, end - time)
+        found = one.first_event(z, length)
+        if found is None:
+            return end if length == end - time else time + length, one.after(z, length), state, False
+        late, function = found
+        z, time = one.after(z, late), time + late
+        number, to = self.pair(state, function)
+        z, state = self.enter(time, z, state, number, to)
+        near = max(1e-12 * one.step, 4.0 * math.ulp(time))
+        self.idle, self.last = (self.idle + 1, self.last) if time - self.last <= near else (0, time)
+        if self.idle > CHATTER * len(state):
+            raise Chatter(time, number)
+        if len(self.events) > MOST_EVENTS:
+            raise TooManyEvents(time)
+        return time, z, state, True
+
     def to(self, time: float, end: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
         """From one break to the next."""
-        idle, last = 0, -math.inf
         while time < end:
-            one = self.regime(state)
-            self.blocks.append((time, z, state, self.released))
-            length = min(STEPS * one.step, end - time)
-            found = one.first_event(z, length)
-            if found is None:
-                z, time = one.after(z, length), end if length == end - time else time + length
-                continue
-            late, function = found
-            z, time = one.after(z, late), time + late
-            number, to = self.pair(state, function)
-            z, state = self.enter(time, z, state, number, to)
-            near = max(1e-12 * one.step, 4.0 * math.ulp(time))
-            idle, last = (idle + 1, last) if time - last <= near else (0, time)
-            if idle > CHATTER * len(state):
-                raise Chatter(time, number)
-            if len(self.events) > MOST_EVENTS:
-                raise TooManyEvents(time)
+            time, z, state, _ = self.on(time, end, z, state)
         return z, state
 
+    def whole(self, z: FloatArray, state: State) -> EventDrivenMotion:
+        """From regimes and a state at time 0 to the end."""
+        breaks = [float(one) for one in self.train.signals.breaks if one < self.duration]
+        for begin, end in zip([0.0, *breaks], [*breaks, self.duration], strict=True):
+            z, state = self.rearm(begin, z, state)
+            z, state = self.to(begin, end, z, state)
+        return self.finished(z, state)
 
-class Chatter(SolveError):
-    """An element switches without end."""
-
-    def __init__(self, time: float, element: int) -> None:
-        super().__init__(f"from {time:.6g} s on, a coupling changes between its regimes without end")
-        self.time, self.element = time, element
-
-
-class TooManyEvents(SolveError):
-    """More events than are kept."""
-
-    def __init__(self, time: float) -> None:
-        super().__init__(f"the motion has its {MOST_EVENTS} events at {time:.6g} s, and no more are followed")
-        self.time = time
+    def finished(self, z: FloatArray, state: State) -> EventDrivenMotion:
+        """The whole motion, which ends there."""
+        self.regime(state)
+        self.blocks.append((self.duration, z, (state, self.halvings), self.released))
+        times, states, regimes, released = zip(*self.blocks, strict=True)
+        numbers = {one: number for number, one in enumerate(self.kept)}
+        return EventDrivenMotion(
+            self.train, np.array(times), np.array(states), np.array([numbers[one] for one in regimes]),
+            tuple(self.kept.values()), tuple(self.events), np.array(released), self.duration,
+        )  # fmt: skip
 
 
 def event_driven(
@@ -362,20 +385,6 @@ def event_driven(
     """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
 
     fineness: of the steps, of those that the fastest motion of a regime allows. dips: look for functions that fall
-    below zero and rise again between two samples. Raises Chatter where events follow each other without progress,
-    and TooManyEvents.
+    below zero and rise again between two samples. Raises Chatter where events have no progress, and TooManyEvents.
     """
-    march = _March(train, duration, fineness, dips, np.zeros(len(train.elements)))
-    z = np.concatenate([train.root * twist, train.w * place, speed, np.zeros(train.signals.size), [1.0]])
-    breaks = [float(one) for one in train.signals.breaks if one < duration]
-    for begin, end in zip([0.0, *breaks], [*breaks, duration], strict=True):
-        z, state = march.rearm(begin, z, state)
-        z, state = march.to(begin, end, z, state)
-    march.blocks.append((duration, z, state, march.released))
-    march.regime(state)
-    times, states, regimes, released = zip(*march.blocks, strict=True)
-    numbers = {one: number for number, one in enumerate(march.kept)}
-    return EventDrivenMotion(
-        train, np.array(times), np.array(states), np.array([numbers[one] for one in regimes]),
-        tuple(march.kept.values()), tuple(march.kept), tuple(march.events), np.array(released), duration,
-    )  # fmt: skip
+    return March(train, duration, fineness, dips).whole(train.at_first(twist, place, speed), state)

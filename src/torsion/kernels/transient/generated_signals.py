@@ -2,6 +2,7 @@
 ends, so that they and the train they act on have one matrix.
 
 A piece (level + slope t) exp(rate t) is the state y' = rate y + s, s' = rate s; its real and imaginary parts are two.
+A torque that follows the motion is a polynomial of a step: its Taylor coefficients are states a_k' = (k + 1) a_(k + 1).
 
 >>> ramp = Signals(((Piece(0.0, 2.0, 1.0, 3.0),),))
 >>> ramp.matrix.tolist(), ramp.state(1.0).tolist(), ramp.breaks.tolist()
@@ -15,7 +16,13 @@ from functools import cached_property
 import numpy as np
 
 from torsion.arrays import FloatArray
+from torsion.kernels.transient.polynomial_torques import POINTS, SERIES
 from torsion.kernels.transient.torque_history import Piece
+
+ROUNDED = 4.0 * np.finfo(float).eps  # of the largest coefficient of a series: nothing
+POWERS: FloatArray = np.array(  # (powers of the share, coefficients) of the Legendre series of a step
+    [[(-1.0) ** (k + n) * math.comb(n, k) * math.comb(n + k, k) for n in range(POINTS)] for k in range(POINTS)]
+)
 
 
 @dataclass(frozen=True)
@@ -47,6 +54,13 @@ class Signals:
     """Several torques, each the sum of its pieces; its complex value, of which a reader takes the real part."""
 
     pieces: tuple[tuple[Piece, ...], ...]
+    polynomials: int = 0  # signals behind them that follow the motion
+    scale: float = 1.0  # s, near that of the fastest motion
+
+    @property
+    def number(self) -> int:
+        """Of signals."""
+        return len(self.pieces) + self.polynomials
 
     @cached_property
     def groups(self) -> tuple[_Group, ...]:
@@ -62,9 +76,14 @@ class Signals:
         return tuple(found)
 
     @property
+    def known(self) -> int:
+        """Number of states of the pieces, which stand first."""
+        return sum(group.size for group in self.groups)
+
+    @property
     def size(self) -> int:
         """Number of states."""
-        return sum(group.size for group in self.groups)
+        return self.known + self.polynomials * POINTS
 
     @cached_property
     def matrix(self) -> FloatArray:
@@ -73,16 +92,20 @@ class Signals:
         for group in self.groups:
             here = slice(group.first, group.first + group.size)
             whole[here, here] = group.matrix()
+        here = slice(self.known, self.size)
+        whole[here, here] = np.kron(np.eye(self.polynomials), np.diag(np.arange(1.0, POINTS), 1)) / self.scale
         return whole
 
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """(signals, states) that read the real and the imaginary part of every value."""
-        real, imaginary = np.zeros((2, len(self.pieces), self.size))
+        real, imaginary = np.zeros((2, self.number, self.size))
         for group in self.groups:
             real[group.signal, group.first] = 1.0
             if group.parts == 2:
                 imaginary[group.signal, group.first + 1] = 1.0
+        behind = np.arange(self.polynomials)
+        real[len(self.pieces) + behind, self.known + behind * POINTS] = 1.0
         return real, imaginary
 
     @cached_property
@@ -92,8 +115,8 @@ class Signals:
         return np.array(sorted(end for end in ends if 0.0 < end < math.inf))
 
     def state(self, time: float) -> FloatArray:
-        """(states,) of the pieces that act from a time on."""
-        found = np.zeros(self.size)
+        """(known,) of the pieces that act from a time on."""
+        found = np.zeros(self.known)
         for group in self.groups:
             for piece in self.pieces[group.signal]:
                 if piece.rate == group.rate and piece.begin <= time < piece.end:
@@ -102,6 +125,13 @@ class Signals:
                     parts = [part for one in numbers for part in (one.real, one.imag)[: group.parts]]
                     found[group.first : group.first + group.size] += parts
         return found
+
+    def polynomial(self, torque: FloatArray, length: float) -> FloatArray:
+        """(polynomials * POINTS,) states at the begin of a step (s), from torques (polynomials, nodes) in it."""
+        series = SERIES @ torque.T
+        series[np.abs(series) <= ROUNDED * np.abs(series).max(axis=0, initial=0.0)] = 0.0
+        powers = POWERS @ series * ((self.scale / length) ** np.arange(POINTS))[:, None]
+        return np.asarray(powers.T.ravel())
 
     def acting(self, signal: int, state: FloatArray) -> bool:
         """A signal is not zero until the next break."""
