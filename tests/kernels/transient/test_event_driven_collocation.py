@@ -114,7 +114,7 @@ def test_a_motor_starts_through_friction_beside_a_spring() -> None:
     discs = Discs(
         [1.2, 0.3, 2.0],
         [(0, 1, 4e4, 1.0), (1, 2, 2e4, 1.0)],
-        [("friction", 1, 2, 5e4, lambda t: 200.0)],
+        [("friction", 1, 2, 5e4, lambda t: 200.0, lambda t: 0.0)],
         [(0, kloss), (2, pump)],
     )
     agrees(discs, MOTOR_AND_PUMP, 1.0)

@@ -9,11 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, PiecewiseTrain
-from torsion.kernels.transient.linear_regime import Regime
+from torsion.kernels.transient.linear_regime import STEPS, Regime
 
 GAUSS = 10  # nodes of a step: squares of its fastest motion turn by 4 rad in it
 COLUMNS = 4096  # states at once
@@ -38,12 +37,14 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     largest = 0.0
     node, weight = np.polynomial.legendre.leggauss(GAUSS)
     node, weight = (node + 1.0) / 2.0, weight / 2.0
-    for number, one in enumerate(motion.regimes):
-        whole = [expm(one.matrix * (share * one.step)) for share in node]
+    for number in np.unique(motion.regime[:-1]).tolist():
+        one, whole = motion.regimes[number], list[FloatArray]()
         for block, start, length in _steps(motion, one, np.flatnonzero(motion.regime[:-1] == number)):
             is_whole, powers = bool((length == one.step).all()), np.zeros((len(gained), len(block)))
-            for share, factor, matrix in zip(node, weight, whole, strict=True):
-                z = matrix @ start if is_whole else one.moved(start, share * length)
+            if is_whole and not whole:
+                whole = [one.moved(np.eye(train.size), np.full(train.size, share * one.step)) for share in node]
+            for at, (share, factor) in enumerate(zip(node, weight, strict=True)):
+                z = whole[at] @ start if is_whole else one.moved(start, share * length)
                 powers += factor * _powers(train, one, z)
                 largest = max(largest, float(_energies(train, one, z).max(initial=0.0)))
             gained[:, block] += powers * length
@@ -61,14 +62,16 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
 def _steps(motion: EventDrivenMotion, one: Regime, blocks: IntArray) -> Iterator[Piece]:
     """Whole steps of the blocks of a regime, then what is left of each."""
     length = motion.begin[blocks + 1] - motion.begin[blocks]
-    number = np.minimum((length / one.step).astype(int), len(one.steps) - 1)
-    for step in range(int(number.max(initial=0))):
-        chosen = blocks[number > step]
-        for part in np.array_split(chosen, len(chosen) // COLUMNS + 1):
-            yield part, one.steps[step] @ motion.state[part].T, np.full(len(part), one.step)
+    number = np.minimum((length / one.step).astype(int), STEPS)
     rest = length - number * one.step
-    left = rest > 0.0
-    yield blocks[left], motion.from_blocks(blocks[left], (number * one.step)[left]), rest[left]
+    for part in np.array_split(np.arange(len(blocks)), len(blocks) // COLUMNS + 1):
+        z = motion.state[blocks[part]].T.copy()
+        for step in range(int(number[part].max(initial=0))):
+            going = number[part] > step
+            yield blocks[part[going]], z[:, going], np.full(int(going.sum()), one.step)
+            z[:, going] = one.over_step(z[:, going])
+        left = rest[part] > 0.0
+        yield blocks[part[left]], z[:, left], rest[part[left]]
 
 
 def _powers(train: PiecewiseTrain, one: Regime, z: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.transient.endless_events import MOST_EVENTS, Chatter, TooManyEvents
 from torsion.kernels.transient.generated_signals import Signals
-from torsion.kernels.transient.linear_regime import RADIANS, STEPS, Regime
+from torsion.kernels.transient.linear_regime import RADIANS, STEPS, Regime, fastest
 from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, Element, Friction, Law, Switch
 
 CHATTER = 50  # events of one element without progress
@@ -142,9 +142,9 @@ def regime(train: PiecewiseTrain, state: State, *, longest: float, fineness: flo
         for number, (element, own) in enumerate(zip(train.elements, state, strict=True))
         for switch in element.switches(own)
     ]
-    own = slice(0, train.layout[3].start + train.signals.known)
-    fastest = float(np.abs(np.linalg.eigvals(matrix[own, own])).max(initial=0.0))
-    step = fineness * min(longest, RADIANS / fastest if fastest else math.inf)
+    inner = train.layout[3].start
+    w = max(fastest(matrix[:inner, :inner]), train.signals.fastest)
+    step = fineness * min(longest, RADIANS / w if w else math.inf)
     for number, (law, element) in enumerate(zip(laws, train.elements, strict=True)):
         if law.kind in ("free", "stuck") or math.isinf(element.stiffness):
             elastic[number] = 0.0
@@ -242,14 +242,10 @@ class EventDrivenMotion:
 
     def from_blocks(self, block: IntArray, late: FloatArray) -> FloatArray:
         """States (states, columns), each a time (s) after the begin of a block."""
-        found = np.empty((self.train.size, len(block)))
-        for number, one in enumerate(self.regimes):
-            here = np.flatnonzero(self.regime[block] == number)
-            whole = np.minimum((late[here] / one.step).astype(int), STEPS)
-            start = self.state[block[here]].T
-            for step in np.unique(whole[whole > 0]).tolist():
-                start[:, whole == step] = one.steps[step] @ start[:, whole == step]
-            found[:, here] = one.moved(start, np.maximum(late[here] - whole * one.step, 0.0))
+        found, regime = np.empty((self.train.size, len(block))), self.regime[block]
+        for number in np.unique(regime).tolist():
+            here = np.flatnonzero(regime == number)
+            found[:, here] = self.regimes[number].moved(self.state[block[here]].T, late[here])
         return found
 
 
@@ -266,6 +262,7 @@ class March:
     idle: int = 0  # events without progress
     last: float = -math.inf  # s, when there was some
     kept: dict[tuple[State, int], Regime] = field(default_factory=dict)
+    pairs: dict[State, list[tuple[int, int]]] = field(default_factory=dict)
     blocks: list[tuple[float, FloatArray, tuple[State, int], FloatArray]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
 
@@ -282,11 +279,13 @@ class March:
 
     def pair(self, state: State, function: int) -> tuple[int, int]:
         """The element that a switching function is of, and the regime that it enters."""
-        return [
-            (number, switch.to)
-            for number, (element, own) in enumerate(zip(self.train.elements, state, strict=True))
-            for switch in element.switches(own)
-        ][function]
+        if state not in self.pairs:
+            self.pairs[state] = [
+                (number, switch.to)
+                for number, (element, own) in enumerate(zip(self.train.elements, state, strict=True))
+                for switch in element.switches(own)
+            ]
+        return self.pairs[state][function]
 
     def enter(self, time: float, z: FloatArray, state: State, number: int, to: int) -> tuple[FloatArray, State]:
         """An element in another regime, its own coordinate set to what it is exactly there."""

@@ -86,6 +86,11 @@ class Signals:
         return self.known + self.polynomials * POINTS
 
     @cached_property
+    def fastest(self) -> float:
+        """1/s, the largest rate."""
+        return max((abs(group.rate) for group in self.groups), default=0.0)
+
+    @cached_property
     def matrix(self) -> FloatArray:
         """(states, states) 1/s."""
         whole = np.zeros((self.size, self.size))
