@@ -30,6 +30,8 @@ SAME_SHARE = 1e-14  # of a step
 MOST_STEPS = 50_000
 WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
 GAIN = 1.2
+BRACKETS = 8  # equal parts in which a change of regime is looked for at once
+NEAR = np.concatenate([-(side := 0.1 ** np.arange(1.0, 11.0, 1.5)), [0.0], side])  # of them: points about its guess
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
 
@@ -80,6 +82,9 @@ class Law(Protocol):
     def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
         """Margins (points,) of order 1, negative where the regime has been left, and the regime that follows."""
 
+    def still(self, regime: int) -> tuple[int, ...]:
+        """Interfaces that do not turn in that regime: laws at these alone keep theirs."""
+
 
 Known = tuple[FloatArray, FloatArray, FloatArray]  # angle, speed and acceleration, each (interfaces, times)
 Given = Callable[[FloatArray], Known]
@@ -104,6 +109,7 @@ class Collocated:
     steps: Steps
     changes: tuple[tuple[float, int, int], ...]  # (s, law, regime that begins)
     lack: float  # the largest of the last coefficients, of the largest torque
+    largest: float  # torque, N m times its weight
 
 
 @dataclass
@@ -187,7 +193,7 @@ def march(
                 if time in one.cuts:
                     state.regimes[number] = one.first(here.of(one.at))
     lack = state.lack / state.largest if state.largest else 0.0
-    return Collocated(steps(train, rows), tuple(changes), lack)
+    return Collocated(steps(train, rows), tuple(changes), lack, state.largest)
 
 
 def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:
@@ -245,10 +251,10 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
         for slope, matrix in zip(slopes[1:], moved, strict=True):
             if slope.any():
                 jacobian += np.einsum("egc,gcfl->ecfl", slope, matrix)
-        try:
-            change = np.linalg.solve(jacobian.reshape(size, size), -lack.ravel()).reshape(torque.shape)
-        except np.linalg.LinAlgError:
+        change = _solution(jacobian.reshape(size, size), -lack.ravel(), slopes[3][..., 0] @ train.at_once)
+        if change is None:
             return None
+        change = change.reshape(torque.shape)
         torque = torque + change
         weight = state.scheme.weight[:, None]
         ratio = float(np.abs(change * weight).max(initial=0.0))
@@ -267,6 +273,20 @@ def _tried(state: _March, time: float, length: float, start: Place, guess: Float
     left = max(float(last[1].max(initial=0.0)), BEFORE_LAST * float(last[0].max(initial=0.0)))
     rounding = ROUNDED * float((np.abs(np.einsum("eec->ec", slopes[2]) * known[1][:, :-1]) * weight).max(initial=0.0))
     return _Trial(torque, _whole(times, free, own, torque, end), after, left, rounding)
+
+
+def _solution(matrix: FloatArray, right: FloatArray, required: FloatArray) -> FloatArray | None:
+    """Of linear equations; the least where more stations stand than can by themselves, None where there is none.
+
+    required: (interfaces, interfaces) what torques change of accelerations that laws require.
+    """
+    rows = required[required.any(axis=1)]
+    if len(rows) > 1 and np.linalg.matrix_rank(rows / np.abs(rows).max(axis=1)[:, None], 1e-9) < len(rows):
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0])
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        return None
 
 
 def _whole(times: FloatArray, free: list[FloatArray], own: Influence, torque: FloatArray, end: Points) -> Points:
@@ -309,50 +329,57 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
 def _left(state: _March, time: float, start: Place, tried: _Trial, length: float) -> tuple[float, int, int] | None:
     """The first change of regime in a step: the share of it, the law, and the regime that follows."""
     found: tuple[float, int, int] | None = None
-    for number, (law, regime) in enumerate(zip(state.laws, state.regimes, strict=True)):
+    own = steps(state.train, [(time, length, start, tried.torque)])
+    pairs = list(zip(state.laws, state.regimes, strict=True))
+    still = {at for law, regime in pairs for at in law.still(regime) if at not in law.at}
+    for number, (law, regime) in enumerate(pairs):
+        if still.issuperset(law.at):
+            continue
         for which, (margin, follows) in enumerate(law.limits(regime, tried.points.of(law.at))):
             below = np.flatnonzero(margin < -AT_LIMIT)
             if not below.size:
                 continue
             high = int(below[0])
-            own = steps(state.train, [(time, length, start, tried.torque)])
 
-            def rest(share: float, law: Law = law, regime: int = regime, which: int = which, own: Steps = own) -> float:
+            def rest(share: FloatArray, law: Law = law, regime: int = regime, which: int = which) -> FloatArray:
                 there = _inside(state, own, time + share * length)
-                return float(law.limits(regime, there.of(law.at))[which][0][0])
+                return law.limits(regime, there.of(law.at))[which][0]
 
-            low = 0.0 if high == 0 else float(ENDS[high - 1])
-            first = rest(low)
-            share = low if first <= (AT_LIMIT if high == 0 else 0.0) else _root(rest, low, float(ENDS[high]))
+            share = _root(rest, 0.0 if high == 0 else float(ENDS[high - 1]), float(ENDS[high]))
             if found is None or share < found[0]:
                 found = share, number, follows
     return found
 
 
-def _inside(state: _March, own: Steps, time: float) -> Points:
-    """At one time in a step."""
-    at = np.array([time])
-    turned, turning, y = own.at(at)
-    angle, speed, acceleration = state.given(at)
+def _inside(state: _March, own: Steps, time: FloatArray) -> Points:
+    """At times in a step."""
+    turned, turning, y = own.at(time)
+    angle, speed, acceleration = state.given(time)
     train = state.train
     return Points(
-        at, own.torque(at), angle + train.rigid.T @ turned + np.real(train.angle @ y),
+        time, own.torque(time), angle + train.rigid.T @ turned + np.real(train.angle @ y),
         speed + train.rigid.T @ turning + np.real(train.speed @ y), acceleration,
     )  # fmt: skip
 
 
-def _root(of: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that is positive at `low` and not at `high` vanishes: regula falsi after Illinois."""
-    above, below, last = of(low), of(high), math.nan
-    while low < (low + high) / 2.0 < high:
-        middle = high - below * (high - low) / (below - above)
-        middle = middle if low < middle < high else (low + high) / 2.0
-        value = of(middle)
-        if abs(middle - last) <= SAME_SHARE or abs(value) <= AT_LIMIT / 10.0:
-            return middle
-        if value > 0.0:
-            low, above, below = middle, value, below / 2.0 if last < middle else below
-        else:
-            high, below, above = middle, value, above / 2.0 if last > middle else above
-        last = middle
-    return high
+def _root(of: Callable[[FloatArray], FloatArray], low: float, high: float) -> float:
+    """Where a function that is negative at `high` first becomes so: brackets, each looked at in many points at once.
+
+    The points stand about the root of the line through the ends, closer and closer, and evenly. `low` where the
+    function is about nothing there already.
+    """
+    at = np.linspace(low, high, BRACKETS + 1)
+    value = of(at)
+    if value[0] <= (AT_LIMIT if low == 0.0 else 0.0):
+        return low
+    while True:
+        first = int(np.argmax(value <= 0.0)) if (value <= 0.0).any() else len(at) - 1
+        low, high, above, below = float(at[first - 1]), float(at[first]), float(value[first - 1]), float(value[first])
+        share = above / (above - below) if below < above else 0.5
+        root = low + (high - low) * share
+        if high - low <= SAME_SHARE or not low < (low + high) / 2.0 < high:
+            return root if low < root < high else high
+        near = root + (high - low) * NEAR
+        at = np.unique(np.concatenate([np.linspace(low, high, BRACKETS + 1), near[(near > low) & (near < high)]]))
+        value = of(at)
+        value[[0, -1]] = above, below

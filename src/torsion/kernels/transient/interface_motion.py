@@ -4,6 +4,7 @@ Only the deviation that these torques make is kept here, from nothing at time 0;
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -22,6 +23,11 @@ class Interfaces:
     angle: ComplexArray  # (interfaces, coordinates): the angle is the real part of angle @ y
     speed: ComplexArray  # (interfaces, coordinates)
     rigid: FloatArray  # (rigid motions, interfaces)
+
+    @cached_property
+    def at_once(self) -> FloatArray:
+        """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
+        return np.asarray(np.real(self.speed @ self.force) + self.rigid.T @ self.rigid)
 
     @property
     def number(self) -> int:
