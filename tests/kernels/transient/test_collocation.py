@@ -14,6 +14,7 @@ from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Conditions, Law, Points, Scheme, march
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
+from torsion.kernels.transient.dry_friction import FORWARD, STANDS, DryFriction
 from torsion.kernels.transient.interface_motion import interfaces
 from torsion.kernels.transient.polynomial_torques import NODES, POINTS, SERIES, answers, integrals
 from torsion.kernels.transient.torque_history import Piece, history
@@ -153,21 +154,21 @@ def test_a_brake_that_grows_with_the_square_of_the_speed() -> None:
 
 def test_dry_friction_stops_a_disc_and_holds_it() -> None:
     square = laws.BySpeed(0, laws.quadratic(-0.02 * 100.0**2, 100.0))
-    answer, speed = one_disc(50.0, [square, laws.DryFriction(1, 30.0, 150.0)], 100.0, 150.0)
-    when = next(time for time, law, regime in answer.changes if (law, regime) == (1, laws.STANDS))
+    answer, speed = one_disc(50.0, [square, DryFriction((1,), (30.0,), 150.0, inertia=50.0)], 100.0, 150.0)
+    when = next(time for time, law, regime in answer.changes if (law, regime) == (1, STANDS))
     assert when == pytest.approx(85.08402656466177, rel=1e-13)
-    assert abs(speed(100.0)) < 1e-6
+    assert abs(speed(100.0)) < 1e-13 * 150.0
 
 
 def test_dry_friction_holds_until_the_torque_exceeds_it() -> None:
-    friction = laws.DryFriction(0, 30.0, 100.0)
+    friction = DryFriction((0,), (30.0,), 100.0, inertia=2.0)
     ramp = laws.Wave(1, laws.constant(40.0), 0.0, -math.pi / 2.0, 1j)  # 40 sin t exceeds 30 from arcsin(3/4) on
     answer, speed = one_disc(2.0, [friction, ramp], 1.5)
     begin = math.asin(0.75)
-    assert [regime for _, law, regime in answer.changes if law == 0] == [laws.FORWARD]
-    assert answer.changes[0][0] == pytest.approx(begin, rel=1e-6)  # it creeps before
+    assert [regime for _, law, regime in answer.changes if law == 0] == [FORWARD]
+    assert answer.changes[0][0] == pytest.approx(begin, rel=1e-13)
     exact = (40.0 * (math.cos(begin) - math.cos(1.5)) - 30.0 * (1.5 - begin)) / 2.0
-    assert speed(1.5) == pytest.approx(exact, rel=1e-6)
+    assert speed(1.5) == pytest.approx(exact, rel=1e-12)
 
 
 def test_a_table_over_speed_is_crossed_at_its_kinks() -> None:

@@ -14,6 +14,7 @@ from torsion.components.harmonic_torques import read_table
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.transient import torque_laws
 from torsion.kernels.transient.collocation import Law
+from torsion.kernels.transient.dry_friction import DryFriction
 from torsion.kernels.transient.torque_history import Piece
 
 SAME_SPEED = 1e-9  # relative, or rad/s
@@ -141,7 +142,7 @@ class Load(Kind):
         rows = [(0.0, torque), (speed, torque)] if self.law == "constant" else self.law
         still = rows[0][1]
         if still:
-            yield torque_laws.DryFriction(0, still, rows[-1][0], window)
+            yield DryFriction((0,), (still,), rows[-1][0], (window,))
         if self.law != "constant":
             line = [(turning, still - value) for turning, value in rows]
             yield torque_laws.BySpeed(0, torque_laws.table(torque_laws.mirrored(line, sign=-1.0)), window)

@@ -82,14 +82,14 @@ class FollowingSignals:
 
         untwisted: (modes,) places from which the angles count.
         """
+        shown = partial(progress, "torques that follow")
         at = Interfaces(shape[self.follows.station], self.signal, self._turning, untwisted)
         scheme = self.follows.scheme(self.system, self.settings, march.train.signals.breaks)
         scheme = replace(
             scheme, duration=march.duration, longest=march.fineness * scheme.longest,
             tolerance=CUT_SHORT * march.fineness**4 * scheme.tolerance,
         )  # fmt: skip
-        told = partial(progress, "torques that follow")
-        return event_driven_under_laws(march, state, z, at, self.follows.laws, scheme, told)
+        return event_driven_under_laws(march, state, z, at, self.follows.laws, scheme, shown)
 
 
 def refuse_couplings_beside_joints(follows: Following, found: tuple[Coupling, ...]) -> None:

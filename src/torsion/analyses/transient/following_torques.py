@@ -18,6 +18,7 @@ from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.events import Event
 from torsion.analyses.transient.following_events import Load, SpeedProgram
 from torsion.analyses.transient.joint_cuts import JointCut, joint_spans, standing
+from torsion.analyses.transient.joint_laws import RigidJoint
 from torsion.analyses.transient.state_before import State
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
@@ -28,11 +29,14 @@ from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
 from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
+from torsion.kernels.transient.dry_friction import DryFriction
 from torsion.kernels.transient.interface_motion import interfaces
 from torsion.primitives import Damper, Torque
 from torsion.study import Study
 
 FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
+AS_ONE = 1e-9  # relative: shapes of stations that turn as one differ by rounding
+Friction = tuple[DryFriction, int, str]  # of one event, its station, and what it is
 
 
 @dataclass(frozen=True)
@@ -58,10 +62,11 @@ class Following:
     ) -> tuple[DrivenMotion, Collocated]:
         """The motion; the last loads of `moved` are nothing, and stand for the interfaces."""
         column = shape[self.station]
+        needed = any(isinstance(law, DryFriction | RigidJoint) for law in self.laws)
 
         def given(time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
             place, speed = moved.at(time)
-            rates = (place, speed, moved.acceleration(time, place, speed) if self.cuts else np.zeros_like(place))
+            rates = (place, speed, moved.acceleration(time, place, speed) if needed else np.zeros_like(place))
             turns = (one[self.station] for one in self.carrier.at(time))
             angle, turning, gaining = (turn + column @ one for turn, one in zip(turns, rates, strict=True))
             return angle, turning, gaining
@@ -92,26 +97,68 @@ def following(
 ) -> Following:  # fmt: skip
     """What follows the motion."""
     found, station, words, first = list[Law](), list[int](), list[str](), list[int]()
+    offset, speed = standing(system, cuts, before.speed)
+    frictions = list[Friction]()
     for event, point in zip(events, points, strict=True):
+        there, what = study.train.part(event.at).stations[0], f"{event.body.key} at {event.at}"
         for law in event.body.laws(event.time, point):
+            if isinstance(law, DryFriction):
+                frictions.append((law, there, what))
+                continue
             found.append(replace(law, interface=len(station)))  # type: ignore[type-var]
-            station.append(study.train.part(event.at).stations[0])
-            words.append(f"{event.body.key} at {event.at}")
+            station.append(there)
+            words.append(what)
     for torque in system.train.torques:
         if torque.order is not None:
             size = _size(study, system, torque)
             found.append(laws.Wave(len(station), size, float(torque.order), torque.phase))
             station.append(torque.station)
             words.append(f"order {torque.order} at {torque.name}")
+    for together in _turning_as_one(frictions, shape):
+        beside = tuple(k for k, there in enumerate(station) if _as_one(shape[there], shape[together[0][1]]))
+        found.append(replace(_one_friction(together, len(station), shape, speed), beside=beside))
+        station += [there for _, there, _ in together]
+        words.append(", ".join(dict.fromkeys(what for _, _, what in together)))
     for cut in cuts:
         first.append(len(station))
         inertia = 1.0 / float((shape[[cut.front, cut.behind]] ** 2).sum())  # as they take a sudden torque
         found.append(cut.law(len(station), system, inertia))
         station += [cut.front, cut.behind]
         words.append(f"joint {system.spans[cut.span].name}")
-    offset, speed = standing(system, cuts, before.speed)
     carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
     return Following(tuple(found), np.array(station, dtype=np.int64), carrier, cuts, tuple(first), tuple(words))
+
+
+def _turning_as_one(frictions: Sequence[Friction], shape: FloatArray) -> list[list[Friction]]:
+    """Frictions at stations that turn in a constant ratio in every mode stand together."""
+    groups = list[list[Friction]]()
+    for one in frictions:
+        group = next((group for group in groups if _as_one(shape[one[1]], shape[group[0][1]])), None)
+        if group is None:
+            groups.append([one])
+        else:
+            group.append(one)
+    return groups
+
+
+def _as_one(row: FloatArray, other: FloatArray) -> bool:
+    """Two stations turn in a constant ratio, by their rows of the shapes."""
+    return bool(np.abs(row - other * (row @ other) / (other @ other)).max() <= AS_ONE * np.abs(row).max())
+
+
+def _one_friction(together: Sequence[Friction], interface: int, shape: FloatArray, speed: FloatArray) -> DryFriction:
+    """Their law; speed: (stations,) rad/s at time 0."""
+    each, stations, _ = zip(*together, strict=True)
+    row = shape[stations[0]]
+    square = float(row @ row)
+    return DryFriction(
+        tuple(range(interface, interface + len(each))),
+        tuple(one.torque[0] for one in each),
+        max(each[0].scale, abs(float(speed[stations[0]]))),
+        tuple(one.windows[0] for one in each),
+        tuple(float(shape[station] @ row) / square for station in stations),
+        1.0 / square,  # as it takes a sudden torque
+    )
 
 
 def carrier_of(

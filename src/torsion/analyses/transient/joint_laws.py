@@ -55,6 +55,9 @@ class ElasticJoint:
     def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
         return []
 
+    def still(self, regime: int) -> tuple[int, ...]:
+        return ()
+
     def conditions(self, regime: int, points: Points) -> Conditions:
         f0, f1, f2, _ = turned(self.joint, points.angle[0])
         k, c, (before, behind) = self.stiffness, self.viscous, points.speed
@@ -80,6 +83,7 @@ class RigidJoint:
     cuts: tuple[float, ...] = ()
     first = ElasticJoint.first
     limits = ElasticJoint.limits
+    still = ElasticJoint.still
 
     def conditions(self, regime: int, points: Points) -> Conditions:
         f0, f1, f2, f3 = turned(self.joint, points.angle[0])

@@ -184,7 +184,7 @@ def _solved(
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
     follows = following(study, system, events, points, before, cuts, shape) if is_driven else None
     loads, acting = known_loads(study, parts, events, points, follows)
-    direct, added = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any]()
+    direct, added, noise = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any](), 0.0
     begin = start(parts, modes, before, shape)
     if follows is None:
         moved = motion(train, shape.T @ acting, loads, *begin)
@@ -199,7 +199,7 @@ def _solved(
         except SolveError as error:
             raise SolveError(error.message, error.hint, place) from None
         follows.carried(system, direct)
-        added = _of_steps(follows, solved)
+        added, noise = _of_steps(follows, solved), settings.tolerance * solved.largest
     time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
     slowed = slowed_torques(study, parts, modes, shape, before, turns=is_driven)
     patches = [partial(cut.patched, system) for cut in cuts if cut.massless]
@@ -214,8 +214,9 @@ def _solved(
         added["passages"] = passages(system, follows, straight, time, turning)
     lacking = missed(modes, moved, time, finer) + curves.unseen(looked.left)
     return TransientMotion(
-        time, torque, turning, *top, -bottom[0], bottom[1], before.torque, _reversals(seen), lacking,
-        residual(moved, time), before.speed, len(modes.frequency), system, settings.name, turns=seen.turns, **added,
+        time, torque, turning, *top, -bottom[0], bottom[1], before.torque,
+        _reversals(seen, noise / np.abs(system.speed_ratio[system.driving])), lacking, residual(moved, time),
+        before.speed, len(modes.frequency), system, settings.name, turns=seen.turns, **added,
     )  # fmt: skip
 
 
@@ -244,9 +245,10 @@ def _event_driven(
     )  # fmt: skip
 
 
-def _reversals(seen: Seen) -> IntArray:
-    """(spans,) changes of sign; a torque of nothing, within a play, has none."""
-    there = [one[np.abs(one) > 1e-9 * np.abs(one).max(initial=0.0)] for one in seen.turns]
+def _reversals(seen: Seen, noise: FloatArray | float = 0.0) -> IntArray:
+    """(spans,) changes of sign; a torque of nothing, within a play, has none. noise: N m that do not count."""
+    least = np.maximum([1e-9 * float(np.abs(one).max(initial=0.0)) for one in seen.turns], noise)
+    there = [one[np.abs(one) > floor] for one, floor in zip(seen.turns, least.tolist(), strict=True)]
     return np.array([np.count_nonzero(np.diff(np.sign(one))) for one in there], dtype=np.int64)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
+from torsion.kernels.transient.bracketed_root import bracketed_root
 from torsion.kernels.transient.interface_motion import Interfaces, Known, Steps, StepsTaken
 from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, value
 
@@ -26,7 +27,6 @@ BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last 
 ROUNDED = 16.0 * np.finfo(float).eps  # of a speed: what it may lack in a last coefficient
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
-SAME_SHARE = 1e-14  # of a step
 MOST_STEPS = 50_000
 WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
 GAIN = 1.2
@@ -85,6 +85,9 @@ class Law(Protocol):
     def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
         """Margins (points,) of order 1, negative where the regime has been left, and the regime that follows."""
 
+    def still(self, regime: int) -> tuple[int, ...]:
+        """Interfaces that do not turn in that regime: laws at these alone keep theirs."""
+
 
 class LinearTrain(Protocol):
     """What answers polynomial torques at its interfaces linearly, at the time and place that it has reached.
@@ -99,6 +102,10 @@ class LinearTrain(Protocol):
     @property
     def parts(self) -> FloatArray:
         """(interfaces, 1) rad/s, size of the speeds whose sum a speed of the present step is."""
+
+    @property
+    def at_once(self) -> FloatArray:
+        """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
 
     def influence(self, length: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What torques of 1 at the nodes of a step (s) add, each (interfaces, ENDS, interfaces, nodes)."""
@@ -135,6 +142,7 @@ class Marched:
     number: int  # of steps
     changes: tuple[tuple[float, int, int], ...]  # (s, law, regime that begins)
     lack: float  # the largest of the last coefficients, of the largest torque
+    largest: float  # torque, N m times its weight
 
 
 @dataclass(frozen=True)
@@ -181,7 +189,7 @@ def march(
     """
     taken = StepsTaken(train, given)
     how = marched(taken, laws, scheme, progress)
-    return Collocated(how.number, how.changes, how.lack, taken.whole)
+    return Collocated(how.number, how.changes, how.lack, how.largest, taken.whole)
 
 
 def marched(
@@ -231,7 +239,8 @@ def marched(
                     state.regimes[number] = one.first(here.of(one.at))
         time = end
         progress(time / scheme.duration)
-    return Marched(len(begins), tuple(changes), state.lack / state.largest if state.largest else 0.0)
+    lack = state.lack / state.largest if state.largest else 0.0
+    return Marched(len(begins), tuple(changes), lack, state.largest)
 
 
 def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:
@@ -274,7 +283,7 @@ def _kept(state: _March, time: float, length: float, guess: FloatArray) -> tuple
 def _tried(state: _March, time: float, length: float, guess: FloatArray) -> _Trial | None:
     """A step by Newton's method; None where that does not converge."""
     train, times = state.train, time + length * ENDS
-    free, moved = train.going_on(time, length), train.influence(length)
+    free, moved, at_once = train.going_on(time, length), train.influence(length), train.at_once
     size, torque, before = train.number * POINTS, guess, math.inf
     for count in range(NEWTON):
         points = _under(times, free, moved, torque)
@@ -284,10 +293,10 @@ def _tried(state: _March, time: float, length: float, guess: FloatArray) -> _Tri
         for slope, matrix in zip(slopes[1:], moved, strict=True):
             if slope.any():
                 jacobian += np.einsum("egc,gcfl->ecfl", slope, matrix[:, :-1])
-        try:
-            change = np.linalg.solve(jacobian.reshape(size, size), -lack.ravel()).reshape(torque.shape)
-        except np.linalg.LinAlgError:
+        change = _solution(jacobian.reshape(size, size), -lack.ravel(), slopes[3][..., 0] @ at_once)
+        if change is None:
             return None
+        change = change.reshape(torque.shape)
         torque = torque + change
         weight = state.scheme.weight[:, None]
         ratio = float(np.abs(change * weight).max(initial=0.0))
@@ -317,6 +326,20 @@ def _under(times: FloatArray, free: Known, moved: Known, torque: FloatArray) -> 
     return Points(times, np.concatenate([torque, torque[:, -1:]], axis=1), angle, speed, acceleration)
 
 
+def _solution(matrix: FloatArray, right: FloatArray, required: FloatArray) -> FloatArray | None:
+    """Of linear equations; the least where more stations stand than can by themselves, None where there is none.
+
+    required: (interfaces, interfaces) what torques change of accelerations that laws require.
+    """
+    rows = required[required.any(axis=1)]
+    if len(rows) > 1 and np.linalg.matrix_rank(rows / np.abs(rows).max(axis=1)[:, None], 1e-9) < len(rows):
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0])
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        return None
+
+
 def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArray]]:
     """What all torques lack, (interfaces, points), and its derivatives (interfaces, interfaces, points)."""
     number = state.train.number
@@ -335,20 +358,23 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
 def _left(state: _March, time: float, tried: _Trial, length: float) -> tuple[float, int, int] | None:
     """The first change of regime in a step: the share of it, the law, and the regime that follows."""
     found: tuple[float, int, int] | None = None
-    for number, (law, regime) in enumerate(zip(state.laws, state.regimes, strict=True)):
+    pairs = list(zip(state.laws, state.regimes, strict=True))
+    still = {at for law, regime in pairs for at in law.still(regime) if at not in law.at}
+    for number, (law, regime) in enumerate(pairs):
+        if still.issuperset(law.at):
+            continue
         for which, (margin, follows) in enumerate(law.limits(regime, tried.points.of(law.at))):
             below = np.flatnonzero(margin < -AT_LIMIT)
             if not below.size:
                 continue
             high = int(below[0])
 
-            def rest(share: float, law: Law = law, regime: int = regime, which: int = which) -> float:
-                there = _inside(state, time, length, tried.torque, np.array([share]))
-                return float(law.limits(regime, there.of(law.at))[which][0][0])
+            def rest(share: FloatArray, law: Law = law, regime: int = regime, which: int = which) -> FloatArray:
+                there = _inside(state, time, length, tried.torque, share)
+                return law.limits(regime, there.of(law.at))[which][0]
 
             low = 0.0 if high == 0 else float(ENDS[high - 1])
-            first = rest(low)
-            share = low if first <= (AT_LIMIT if high == 0 else 0.0) else _root(rest, low, float(ENDS[high]))
+            share = bracketed_root(rest, low, float(ENDS[high]), nothing=0.0 if low else AT_LIMIT)
             if found is None or share < found[0]:
                 found = share, number, follows
     return found
@@ -358,20 +384,3 @@ def _inside(state: _March, time: float, length: float, torque: FloatArray, share
     """At shares of a step."""
     there = state.train.inside(time, length, torque, share)
     return Points(time + share * length, value((SERIES @ torque.T)[:, :, None], share), *there)
-
-
-def _root(of: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that is positive at `low` and not at `high` vanishes: regula falsi after Illinois."""
-    above, below, last = of(low), of(high), math.nan
-    while low < (low + high) / 2.0 < high:
-        middle = high - below * (high - low) / (below - above)
-        middle = middle if low < middle < high else (low + high) / 2.0
-        value = of(middle)
-        if abs(middle - last) <= SAME_SHARE or abs(value) <= AT_LIMIT / 10.0:
-            return middle
-        if value > 0.0:
-            low, above, below = middle, value, below / 2.0 if last < middle else below
-        else:
-            high, below, above = middle, value, above / 2.0 if last > middle else above
-        last = middle
-    return high

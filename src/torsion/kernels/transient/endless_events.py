@@ -2,8 +2,6 @@
 
 from torsion.errors import SolveError
 
-MOST_EVENTS = 200_000
-
 
 class Chatter(SolveError):
     """An element switches without end."""
@@ -16,6 +14,6 @@ class Chatter(SolveError):
 class TooManyEvents(SolveError):
     """More events than are kept."""
 
-    def __init__(self, time: float) -> None:
-        super().__init__(f"the motion has its {MOST_EVENTS} events at {time:.6g} s, and no more are followed")
+    def __init__(self, time: float, number: int) -> None:
+        super().__init__(f"the motion has its {number} events at {time:.6g} s, and no more are followed")
         self.time = time

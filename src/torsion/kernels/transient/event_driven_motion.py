@@ -17,12 +17,13 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.transient.endless_events import MOST_EVENTS, Chatter, TooManyEvents
+from torsion.kernels.transient.endless_events import Chatter, TooManyEvents
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.linear_regime import RADIANS, STEPS, Regime, fastest
 from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, Element, Friction, Law, Switch
 
 CHATTER = 50  # events of one element without progress
+MOST_EVENTS = 200_000
 State = tuple[int, ...]  # the regime of every element
 
 
@@ -348,7 +349,7 @@ class March:
         if self.idle > CHATTER * len(state):
             raise Chatter(time, number)
         if len(self.events) > MOST_EVENTS:
-            raise TooManyEvents(time)
+            raise TooManyEvents(time, MOST_EVENTS)
         return time, z, state, True
 
     def to(self, time: float, end: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:

@@ -5,6 +5,7 @@ Only the deviation that these torques make is kept here, from nothing at time 0;
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -25,6 +26,11 @@ class Interfaces:
     angle: ComplexArray  # (interfaces, coordinates): the angle is the real part of angle @ y
     speed: ComplexArray  # (interfaces, coordinates)
     rigid: FloatArray  # (rigid motions, interfaces)
+
+    @cached_property
+    def at_once(self) -> FloatArray:
+        """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
+        return np.asarray(np.real(self.speed @ self.force) + self.rigid.T @ self.rigid)
 
     @property
     def number(self) -> int:
@@ -170,6 +176,10 @@ class StepsTaken:
     @property
     def number(self) -> int:
         return self.train.number
+
+    @property
+    def at_once(self) -> FloatArray:
+        return self.train.at_once
 
     @property
     def whole(self) -> Steps:

@@ -1,4 +1,4 @@
-"""Torques that follow how their station turns: by parts over its speed, dry friction, motors, waves of its angle.
+"""Torques that follow how their station turns: by parts over its speed, motors, waves of its angle.
 
 Angles and speeds are whole and of the own shaft, torques positive in the sense of rotation.
 """
@@ -12,8 +12,6 @@ import numpy as np
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.transient.collocation import Conditions, Points
 from torsion.kernels.transient.torque_history import History
-
-CREEP = 1e-9  # of the speed scale: below it a station with dry friction counts as standing
 
 
 @dataclass(frozen=True)
@@ -111,6 +109,9 @@ class BySpeed:
     def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
         return self.parts.limits(regime, points.speed[0])
 
+    def still(self, regime: int) -> tuple[int, ...]:
+        return ()
+
 
 @dataclass(frozen=True)
 class InductionMotor:
@@ -123,6 +124,7 @@ class InductionMotor:
     window: Window = Window()
     at = BySpeed.at
     cuts = BySpeed.cuts
+    still = BySpeed.still
 
     def first(self, points: Points) -> int:
         return 0
@@ -136,41 +138,6 @@ class InductionMotor:
 
     def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
         return []
-
-
-BACKWARD, STANDS, FORWARD = range(3)
-
-
-@dataclass(frozen=True)
-class DryFriction:
-    """A torque against the rotation that does not depend on its speed, and holds the station while it suffices.
-
-    A station that stands creeps, with `torque` at CREEP of `scale`.
-    """
-
-    interface: int
-    torque: float  # N m
-    scale: float  # rad/s
-    window: Window = Window()
-    at = BySpeed.at
-    cuts = BySpeed.cuts
-
-    def first(self, points: Points) -> int:
-        speed = float(points.speed[0, 0])
-        return STANDS if abs(speed) <= CREEP * self.scale else FORWARD if speed > 0.0 else BACKWARD
-
-    def conditions(self, regime: int, points: Points) -> Conditions:
-        acts = self.window.holds(points.time) * self.torque
-        if regime != STANDS:
-            return Conditions(acts * (BACKWARD + 1 - regime) - points.torque)
-        slope = -acts / (CREEP * self.scale)
-        return Conditions(slope * points.speed[0] - points.torque, by_speed=slope[None, None])
-
-    def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
-        share = points.speed[0] / self.scale
-        if regime == STANDS:
-            return [(1.0 - share / CREEP, FORWARD), (1.0 + share / CREEP, BACKWARD)]
-        return [(share if regime == FORWARD else -share, STANDS)]
 
 
 @dataclass
@@ -188,6 +155,7 @@ class Wave:
 
     at = BySpeed.at
     cuts = BySpeed.cuts
+    still = BySpeed.still
 
     def first(self, points: Points) -> int:
         if self.from_begin and points.time[0] <= self.window.begin:
@@ -219,6 +187,7 @@ class ByAngle:
 
     at = BySpeed.at
     cuts = BySpeed.cuts
+    still = BySpeed.still
 
     def first(self, points: Points) -> int:
         if points.time[0] <= self.window.begin:
