@@ -9,6 +9,7 @@ from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearP
 from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Results
 
+COMPUTED = "computed_synthesis"  # name of that which the exact motion is compared with, where another stands for it
 SAMPLED = 1e-3  # share by which the extremes of a sampled motion may be off: no smaller surplus counts
 
 
@@ -25,7 +26,8 @@ def on_the_safe_side(evidence: Results) -> Results:
     half_range, peak = total.half_range * factors[0], total.peak * factors[1]
     for at in _unknown(response, response.balanced, found):
         half_range[at], peak[at] = np.inf, np.inf
-    return evidence.having(synthesis=replace(total, half_range=half_range, peak=peak))
+    safe = replace(total, half_range=half_range, peak=peak)
+    return evidence.having(**{"synthesis": safe, COMPUTED: evidence.results.get(COMPUTED, total)})
 
 
 def surplus(evidence: Results, spans: IntArray) -> tuple[float, float]:
@@ -35,21 +37,30 @@ def surplus(evidence: Results, spans: IntArray) -> tuple[float, float]:
 
 
 def words(evidence: Results, spans: IntArray, speed: float) -> str:
-    """What was done to a value in some spans; empty for nothing."""
+    """What a reader of a value in some spans must know of nonlinear couplings; empty for nothing."""
     response, found = evidence.get(Response), evidence.get(NonlinearPeaks)
     if response is None or response.balanced is None or not spans.size:
         return ""
+    notes = [f"the play of '{name}' opens" for name in _opening(found)]
     if speed in response.speed[list(_unknown(response, response.balanced, found))]:
-        return "harmonic balance alone, no exact motion settles beside it: compute the motion over time"
-    factors = surplus(evidence, spans)
-    if max(factors) == 1.0:
-        return ""
-    return "as the exact motion at a peak: half range {:.3g} times, greatest torque {:.3g} times".format(*factors)
+        notes.append("harmonic balance alone, no exact motion settles beside it: compute the motion over time")
+    elif max(factors := surplus(evidence, spans)) > 1.0:
+        half_range, peak = factors
+        notes.append(
+            f"as the exact motion at a peak: half range {half_range:.3g} times, greatest torque {peak:.3g} times"
+        )
+    return "; ".join(notes)
+
+
+def _opening(found: NonlinearPeaks | None) -> list[str]:
+    """Couplings whose play opens at some speed."""
+    return list(dict.fromkeys(one.coupling for one in found.each if one.opens_from is not None)) if found else []
 
 
 def _factors(evidence: Results, spans: IntArray) -> tuple[FloatArray, FloatArray]:
     """(spans,) each, by which the exact motion exceeds half range and largest magnitude at most, 1 at least."""
-    found, total, response = evidence.get(NonlinearPeaks), evidence.get(Synthesis), evidence.get(Response)
+    found, response = evidence.get(NonlinearPeaks), evidence.get(Response)
+    total: Synthesis | None = evidence.results.get(COMPUTED, evidence.get(Synthesis))
     factors = np.ones((2, len(spans)))
     if found is None or total is None or response is None:
         return factors[0], factors[1]
