@@ -78,11 +78,6 @@ class Train:
         """A coupling has play, friction, stages or a capacity."""
         return any(part.nonlinear is not None for part in self.parts)
 
-    @property
-    def has_friction(self) -> bool:
-        """A coupling has dry friction beside its spring."""
-        return any(part.nonlinear is not None and part.nonlinear.friction for part in self.parts)
-
     def shaft(self, bar: Bar) -> ShaftRecord:
         """What is known of the shaft that a `Bar` is of; raises LookupError where it is of another component."""
         if (found := self.parts[bar.part].shaft) is None:

@@ -212,3 +212,24 @@ def test_the_idler_of_the_gearbox_hits_both_flanks_in_every_firing(solved) -> No
     assert motion.greatest[1] > 0.0 > motion.least[1]
     assert works["clutch"].heat > 0.0
     assert motion.residual < 1e-8
+
+
+def test_the_play_of_the_toothed_coupling_opens_at_a_resonance_that_bends(solved) -> None:
+    found = solved("toothed_coupling")
+    response, checks = found.need(Response), found.need(Checks).lines
+    balanced, speed = response.balanced, response.speed * 30.0 / math.pi
+    assert balanced is not None
+    opens, several = speed[balanced.share[:, 0] < 1.0], speed[balanced.number[:, 0] > 1]
+    mean, resonance = 15e3 / (1800.0 * RPM), 20.0 * found.need(Modes).frequency[0]
+    assert opens.max() == pytest.approx(1579.4, abs=2.0)  # the closed play carries 79.6 N m of vibration there
+    assert np.abs(response.torque[speed > opens.max(), 0, 0]).max() < mean
+    assert several.max() < opens.max() < 1.07 * resonance
+    each = found.results["nonlinear_peaks"].each
+    assert len(each) >= 4
+    assert all(one.exact is not None for one in each)
+    kept = [one for one in each if one.response < 1.2 * one.exact]
+    assert all(abs(one.difference) < 0.06 for one in kept)
+    assert [one.from_rest for one in kept[-1:]] == [None]  # one solution alone
+    (judged,) = (check for check in checks if check.clause == "T_KW")
+    assert judged.value > max(*(one.half_range for one in each), np.abs(response.torque).max())
+    assert "as the exact motion at a peak" in judged.note

@@ -88,8 +88,9 @@ def run_assembly(work: Work) -> None:
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     for part in work.study.train.parts:
         if part.nonlinear is not None:
-            why = f"all but motion over time takes the coupling as linear: {part.nonlinear.words}"
-            why += "; the response adds that by harmonic balance" if part.nonlinear.friction else ""
+            what = "all but motion over time takes" if part.is_clutch else "modes take"
+            why = f"{what} the coupling as linear: {part.nonlinear.words}"
+            why += "" if part.is_clutch else "; the response takes it by harmonic balance"
             work.log.without(f"what is nonlinear in '{part.name}'", why)
     work.put(system=system)
     if system.bars is not None and system.bars.degree:

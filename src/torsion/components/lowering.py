@@ -83,7 +83,7 @@ class NonlinearRecord:
 
     @property
     def words(self) -> str:
-        """How modes take it; the response takes its friction by harmonic balance."""
+        """How modes take it; the response takes all but a clutch by harmonic balance."""
         taken = {
             "its play closed": self.play, "without its friction": self.friction, "in its first stage": self.stages,
             "as a clutch that is stuck": self.capacity is not None,
@@ -149,7 +149,7 @@ class Part:
     shaft: ShaftRecord | None = None
     joint: JointRecord | None = None
     propeller: PropellerRecord | None = None
-    nonlinear: NonlinearRecord | None = None  # of a coupling that modes and response take as linear
+    nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
 
     @property
     def is_clutch(self) -> bool:

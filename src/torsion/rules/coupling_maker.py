@@ -70,13 +70,19 @@ class CouplingMaker(RuleOverSpeed):
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     """(speeds,) W: mean power that spans turn into heat, all lines together.
 
-    Of each line omega k eta |twist|^2/2 + omega^2 c |twist|^2/2 with twist = torque/(k (1 + i eta) + i omega c); with
-    damping by hysteresis alone it is psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
+    Of each line omega Im K |twist|^2/2 with twist = torque/K and K = k (1 + i eta) + i omega c, of a coupling with
+    play, friction or stages as harmonic balance has it; with damping by hysteresis alone it is
+    psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
     """
     omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
+    added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
         stiffness = 1.0 / system.flexibility[span]
         loss = stiffness * system.loss_factor[span] + omega * system.viscous[span]
+        if span in added:
+            one = added[span]
+            loss = one.share[:, None] * loss + one.extra.imag[:, None]
+            stiffness = one.share[:, None] * stiffness + one.extra.real[:, None]
         size, dynamic = np.abs(response.torque[:, :, span]), np.hypot(stiffness, loss)
         twist = np.divide(size, dynamic, out=np.zeros_like(omega), where=loss > 0)
         power += np.sum(0.5 * omega * loss * twist**2, axis=1)
@@ -96,6 +102,10 @@ def _vibration(
     use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
     half_range, peak = synthesis.half_range[:, spans[0]], synthesis.peak[:, spans[0]]
     power = heat(response, evidence.system, spans)
+    if evidence.study.train.has_nonlinear_couplings:
+        from torsion.rules.beside_exact_motion import surplus
+
+        power *= surplus(evidence, spans)[0] ** 2
     varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
     rows = (
         ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, in_use),

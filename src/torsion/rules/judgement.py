@@ -115,8 +115,17 @@ def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
         value=float(curve.value[at]) if is_known else math.inf, limit=float(curve.limit[at]), unit=clause.unit,
         verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known else "fail",  # whatever the limit
         standing=clause.standing, speed=float(curve.speed[at]),
-        note="; ".join(note for note in (_status_words(curve, at), *notes) if note),
+        note="; ".join(note for note in (_status_words(curve, at), *notes, _exact_words(evidence, clause, at)) if note),
     )  # fmt: skip
+
+
+def _exact_words(evidence: Results, clause: Clause, at: int) -> str:
+    """What the exact motion at the peaks of nonlinear couplings did to a vibration; empty for nothing."""
+    if not evidence.study.train.has_nonlinear_couplings:
+        return ""
+    from torsion.rules.beside_exact_motion import words
+
+    return words(evidence, clause.spans, float(clause.curve.speed[at]))
 
 
 def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:

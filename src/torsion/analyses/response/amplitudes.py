@@ -3,17 +3,18 @@
 A response that needs more memory than it may is refused beforehand; any other is computed in blocks.
 """
 
-from collections.abc import Iterator
-from dataclasses import field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, TypeVar
 
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import Line
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
+from torsion.kernels.describing_functions import Secant
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result, words
 
@@ -22,6 +23,25 @@ SMALL_BLOCK = 2**20  # the same of the synthesis, which needs some twenty arrays
 COMPLEX, REAL = 16, 8  # bytes
 COPIES = 2  # of all amplitudes, while points are added or written
 REAL_ROWS = 5  # of a span over the points: mean torque, half range, peak, RMS, bound
+
+
+@dataclass(frozen=True)
+class Balanced:
+    """Couplings with play, friction or stages in harmonic balance; arrays (points, couplings)."""
+
+    spans: tuple[int, ...]  # of the couplings
+    number: IntArray  # of solutions
+    settled: BoolArray  # (points,) all couplings are in balance
+    amplitude: FloatArray  # rad, of the twist in the largest harmonic component: the largest solution
+    smallest: FloatArray  # rad, the smallest solution
+    first: FloatArray  # rad, up to which the coupling stays linear about its mean twist
+    share: FloatArray  # of its own spring and damper
+    extra: ComplexArray  # N m/rad beside them
+
+    @property
+    def added(self) -> dict[int, Secant]:
+        """What every coupling is."""
+        return {span: Secant(self.share[:, k], self.extra[:, k]) for k, span in enumerate(self.spans)}
 
 
 @reported
@@ -53,6 +73,7 @@ class Response:
     system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
     remark: str = result("", (), "what the refinement of speeds left out", default="")
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
+    balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
 
     @property
     def points(self) -> FloatArray:
@@ -147,7 +168,7 @@ def _in_gigabytes(number: float, digits: int = 3) -> str:
     return f"{number / 1e9:.{digits}g} GB"
 
 
-Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse)
+Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse | Balanced)
 
 
 def merged(first: Result, second: Result, along: FloatArray, others: FloatArray) -> Result:
@@ -161,4 +182,16 @@ def merged(first: Result, second: Result, along: FloatArray, others: FloatArray)
             both[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
             both[key][mine] = value[kept]
             both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
+        elif isinstance(value, Balanced):
+            both[key] = merged(value, getattr(second, key), along, others)
     return replace(first, **both)
+
+
+def joined(parts: Sequence[Balanced]) -> Balanced | None:
+    """Of points one after another; None of none."""
+    if not parts:
+        return None
+    rows: dict[str, Any] = {
+        key: np.concatenate([getattr(one, key) for one in parts]) for key in vars(parts[0]) if key != "spans"
+    }
+    return replace(parts[0], **rows)

@@ -28,6 +28,9 @@ GAIN = 2e-4  # relative: a peak that stands higher above its highest point is co
 SMALL = 1e-3  # of the largest torque of a span: lower peaks are not searched for
 ROUNDS_FOR_PEAKS = 2  # of looking for peaks between the points: the first finds them, the second sharpens them
 MOST_PEAKS = 500  # added in one round
+ROUNDS_FOR_JUMPS, MOST_JUMPS = 3, 12  # of narrowing the places at which the largest of several solutions ends
+JUMP_POINTS = 7  # in each of them
+NARROW = 1e-5  # of a point: such a place is narrow enough
 SAME_PLACE = 0.02  # of the distance between the neighbouring points: peaks that near are computed once
 
 
@@ -148,7 +151,24 @@ def with_peaks(
         if missed.size == 0:
             break
         found = merged(found, solve(missed), found.points, missed)
+    for _ in range(ROUNDS_FOR_JUMPS):
+        jumps = _about_jumps(found)
+        if jumps.size == 0:
+            break
+        found = merged(found, solve(jumps), found.points, jumps)
     return replace(found, requested=np.isin(found.points, requested), remark=remark)
+
+
+def _about_jumps(found: Response | FrequencyResponse) -> FloatArray:
+    """Points between two that have other numbers of solutions by harmonic balance: there the largest ends."""
+    balanced = found.balanced if isinstance(found, Response) else None
+    if balanced is None:
+        return np.empty(0)
+    left = np.flatnonzero((np.diff(balanced.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]
+    begin, end = found.points[left], found.points[left + 1]
+    begin, end = (one[end - begin > NARROW * end] for one in (begin, end))
+    share = np.linspace(0.0, 1.0, JUMP_POINTS + 2)[1:-1]
+    return np.asarray((begin[:, None] + (end - begin)[:, None] * share).ravel())
 
 
 def apart(known: FloatArray, more: FloatArray) -> FloatArray:

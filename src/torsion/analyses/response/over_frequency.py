@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, refuse_too_large
-from torsion.analyses.response.dry_friction import friction_stiffness
+from torsion.analyses.response.balanced_couplings import balanced
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
@@ -18,6 +18,7 @@ from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 PATH = ("analyses", "response", "frequencies")
@@ -52,12 +53,14 @@ def frequency_response(
     def solved(hertz: FloatArray) -> FrequencyResponse:
         columns = (1, len(hertz))
         force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
-        added = friction_stiffness(system, [w], lambda added: [answer(system, w, force, tiled, added)])
-        found = answer(system, w, force, tiled, added)
+        carried = np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
+        balance = balanced(system, [w], carried, lambda added: [answer(system, w, force, tiled, added)])
+        found = answer(system, w, force, tiled, {} if balance is None else balance.added)
+        status = found.status if balance is None else np.where(balance.settled, found.status, Status.SINGULAR)
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources
         return FrequencyResponse(
-            hertz, flags, names, float(at[0]), found.angle, found.torque, found.residual, found.status, system
+            hertz, flags, names, float(at[0]), found.angle, found.torque, found.residual, status, system
         )
 
     known = grid.resonances(system, 2.0 * math.pi * float(requested[-1]), modes, damped)

@@ -14,7 +14,15 @@ from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
 from torsion.analyses.response import grid
-from torsion.analyses.response.amplitudes import Response, Synthesis, blocks, merged, refuse_too_large
+from torsion.analyses.response.amplitudes import (
+    Balanced,
+    Response,
+    Synthesis,
+    blocks,
+    joined,
+    merged,
+    refuse_too_large,
+)
 from torsion.analyses.response.harmonic_components import (
     Excitation,
     Sources,
@@ -33,6 +41,8 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
+from torsion.kernels.describing_functions import Secant
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 MOST_ROUNDS = 4  # of looking for higher shares of the limits between the speeds
@@ -100,6 +110,9 @@ def response(
     solved = partial(_solved, study, system, found, progress or silent)
     result = grid.with_peaks(solved, requested, points, remark, refuse)
     kept = {one.line.order for one in found}
+    if result.balanced is not None and (lost := int(np.count_nonzero(~result.balanced.settled))):
+        words = f"harmonic balance of play, friction or stages has no answer at {lost} speeds: use motion over time"
+        result = replace(result, remark="; ".join(one for one in (result.remark, words) if one))
     return replace(result, left_out=tuple(line for line in lines(system) if line.order not in kept))
 
 
@@ -153,6 +166,7 @@ def _solved(
     angle, torque = (np.empty((*shape, len(each)), dtype=np.complex128) for each in (system.stations, system.spans))
     mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
+    balance: list[Balanced] = []
     for part in blocks(len(speed), len(system.stations)):
         here = speed[part]
         known = steady_if_known(study, system, here)
@@ -161,11 +175,12 @@ def _solved(
             mean[part] = known.torque.T
         each_w = [one.line.circular_frequency(here) for one in found]
         forces = [sources(system, one, here, known) for one in found]
-        added: Mapping[int, ComplexArray] = {}
-        if system.train.has_friction:
-            from torsion.analyses.response.dry_friction import friction_stiffness
+        if system.train.has_nonlinear_couplings:
+            from torsion.analyses.response.balanced_couplings import balanced
 
-            added = friction_stiffness(system, each_w, partial(_answers, system, each_w, forces, ground))
+            if one_block := balanced(system, each_w, mean[part].T, partial(_answers, system, each_w, forces, ground)):
+                balance.append(one_block)
+        added = balance[-1].added if balance else {}
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
@@ -174,13 +189,18 @@ def _solved(
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
             joint_error[part, k] = joint_errors(system, one, answered.angle)
+    whole = joined(balance)
+    if whole is not None:
+        status[~whole.settled] = Status.SINGULAR
     each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
-    return Response(speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system)
+    return Response(
+        speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system, balanced=whole
+    )
 
 
 def _answers(
     system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
-    added: Mapping[int, ComplexArray],
+    added: Mapping[int, Secant],
 ) -> list[Answer]:  # fmt: skip
     """Of every harmonic component, with a stiffness added to some spans."""
     return [answer(system, own, force, ground, added) for own, force in zip(w, forces, strict=True)]

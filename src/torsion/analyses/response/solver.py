@@ -13,13 +13,14 @@ from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
+from torsion.kernels.describing_functions import Secant
 from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
     from torsion.kernels.loops import Chords
 
 
-NOTHING: Mapping[int, ComplexArray] = {}
+NOTHING: Mapping[int, Secant] = {}
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Answer:
 
 
 def answer(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, ComplexArray] = NOTHING
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, Secant] = NOTHING
 ) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
@@ -42,7 +43,7 @@ def answer(
     """
     if not system.train.modal_damping:
         return swept(system, w, sources, damping, added)
-    if added:
+    if any(not one.is_linear for one in added.values()):
         message = "friction in the response changes the modes, and the train is damped by mode"
         raise SolveError(message, "give the damping of the components", ("damping",))
     from torsion.analyses.response.modal_response import modal_sums
@@ -63,14 +64,15 @@ def undamped(system: System) -> System:
 
 
 def swept(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, ComplexArray] = NOTHING
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, Secant] = NOTHING
 ) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
     The train is damped by its components.
 
-    damping: (stations, frequencies) N m s/rad to ground at own speed. added: of some spans a stiffness (frequencies,)
-    N m/rad beside their own, at the driving station's speed. Raises SolveError where such a span closes a loop.
+    damping: (stations, frequencies) N m s/rad to ground at own speed. added: of some spans what is left of their own
+    spring and damper, and a stiffness beside them, at the driving station's speed. Raises ValueError where such a span
+    closes a loop.
     """
     condensed = system.condensed
     tree = condensed.tree.cut(np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0))
@@ -79,8 +81,9 @@ def swept(
     ground = np.zeros((tree.size, len(w)))
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
-    if added:
-        compliance = _with_added(system, compliance, added, len(w))
+    changed = {span: one for span, one in added.items() if not one.is_linear}
+    if changed:
+        compliance = _with_added(system, compliance, changed, len(w))
     acting: dict[str, Any] = {"twist": sources.twist, "ground_damping": ground, "compliance": compliance}
     if system.condensed_shafts is not None:
         tree, loss = replace(tree, shafts=system.condensed_shafts), condensed.loss_factor[system.condensed_shafts.node]
@@ -99,17 +102,16 @@ def swept(
 
 
 def _with_added(
-    system: System, compliance: NDArray[Any], added: Mapping[int, ComplexArray], frequencies: int
+    system: System, compliance: NDArray[Any], added: Mapping[int, Secant], frequencies: int
 ) -> ComplexArray:
     """(tree stations, frequencies) rad/(N m)."""
     whole = np.empty((len(compliance), frequencies), dtype=complex)
     whole[:] = compliance.reshape(len(compliance), -1)
-    for span, stiffness in added.items():
+    for span, one in added.items():
         node = int(system.condensed.span[span])
         if node < 0:
-            message = f"'{system.spans[span].name}' closes a loop, and its friction in the response is not built"
-            raise SolveError(message, "leave its friction to motion over time")
-        whole[node] = 1.0 / (1.0 / whole[node] + stiffness * system.span_ratio[span] ** 2)
+            raise ValueError(f"'{system.spans[span].name}' closes a loop")
+        whole[node] = whole[node] / (one.share + whole[node] * one.extra * system.span_ratio[span] ** 2)
     return whole
 
 

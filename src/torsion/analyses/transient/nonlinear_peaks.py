@@ -1,22 +1,26 @@
 """The exact motion at the peaks of a response whose couplings have play, friction or stages."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.amplitudes import Balanced, Response
+from torsion.analyses.response.balanced_couplings import balanced_spans
 from torsion.analyses.transient.event_driven_curves import EventDrivenCurves
-from torsion.analyses.transient.event_driven_train import build
-from torsion.analyses.transient.nonlinear_couplings import couplings
+from torsion.analyses.transient.event_driven_train import Built, build
+from torsion.analyses.transient.nonlinear_couplings import Standing, couplings
 from torsion.analyses.transient.transient_settings import TransientSettings
-from torsion.arrays import FloatArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
+from torsion.kernels.transient.piecewise_elements import Clearance, DelayedFriction
+from torsion.kernels.tree_response import Status
 from torsion.results import reported, result
 from torsion.study import Study
 
 SETTLED = 1e-4  # of the amplitude: change from one window to the next
+PARTS = 4  # of the range in which a coupling is not linear: the largest amplitude of each is compared
 CYCLES = 16  # of the component, in a window
 MOST_WINDOWS = 64
 SAMPLES = 4096  # of a window
@@ -25,14 +29,32 @@ LARGEST_COMMON = 64  # revolutions of a window that orders have in common
 
 @reported
 class NonlinearPeak:
-    """The largest torque amplitude of a nonlinear coupling, twice."""
+    """A large torque amplitude of a nonlinear coupling, twice; the largest stands first."""
 
     coupling: str = result("", (), "which")
     component: str = result("", (), "harmonic component of the largest amplitude")
     speed: float = result("rad/s", (), "reference speed of it")
-    response: float = result("N*m", (), "amplitude in the response: play closed, friction by harmonic balance")
-    exact: float | None = result("N*m", (), "amplitude of the exact motion, settled; null where it does not settle")
+    response: float = result("N*m", (), "amplitude in the response, by harmonic balance")
+    exact: float | None = result(
+        "N*m",
+        (),
+        "amplitude of the exact motion that begins as the response is, settled; null where it does not settle",
+    )
     difference: float | None = result("1", (), "of the response from the exact motion, of the latter")
+    half_range: float = result("N*m", (), "(max - min)/2 of the exact motion in its last window, all components")
+    greatest: float = result("N*m", (), "largest magnitude of its torque in that window")
+    from_rest: float | None = result(
+        "N*m", (), "amplitude of the exact motion that begins without vibration, where the response has several "
+        "solutions; null elsewhere, or where it does not settle"
+    )  # fmt: skip
+    solutions: int = result("", (), "of harmonic balance at that speed; the response has the largest")
+    several_from: float | None = result("rad/s", (), "lowest reference speed of several solutions; null for none")
+    several_to: float | None = result("rad/s", (), "highest of them")
+    opens_from: float | None = result("rad/s", (), "lowest reference speed at which its play opens; null for none")
+    opens_to: float | None = result("rad/s", (), "highest of them")
+    span: int  # of the coupling
+    half_ranges: FloatArray  # (spans,) N m, as `half_range`
+    greatests: FloatArray  # (spans,) N m
 
 
 @reported
@@ -47,53 +69,154 @@ def run(work: Work) -> None:
     found, title = work.get(Response), "exact motion at the peaks of nonlinear couplings"
     if found is None:
         return
+    if found.balanced is None:
+        return
     try:
-        with work.log.step(title, "the response takes them as linear") as step:
-            every = couplings(work.study.train, found.system)
-            peaks = tuple(_peak(work.study, found, one.span) for one in every if one.record.capacity is None)
+        with work.log.step(title, "the response has one harmonic of their torques") as step:
+            peaks = tuple(
+                _peak(work.study, found, found.balanced, span, at)
+                for span in found.balanced.spans
+                for at in _compared(found, found.balanced, span)
+            )
             step.method = "from event to event, until it repeats itself"
-            step.size = f"{len(peaks)} couplings"
+            step.size = f"{len(found.balanced.spans)} couplings, {len(peaks)} motions"
         work.put(nonlinear_peaks=NonlinearPeaks(peaks))
     except (InputError, SolveError) as error:
         work.log.without(title, str(error))
+        work.put(nonlinear_peaks=NonlinearPeaks(()))
 
 
-def _peak(study: Study, found: Response, span: int) -> NonlinearPeak:
-    amplitude = np.abs(found.torque[:, :, span])
-    at, line = (int(one) for one in np.unravel_index(amplitude.argmax(), amplitude.shape))
+def _compared(found: Response, balanced: Balanced, span: int) -> list[int]:
+    """Speeds, by number: of the largest torque amplitude, then of that in each part of the range that is not linear."""
+    number, size = balanced.spans.index(span), _amplitude(found, span).max(axis=1)
+    beyond = np.flatnonzero(balanced.amplitude[:, number] > balanced.first[:, number])
+    parts = (part for part in np.array_split(beyond, PARTS) if part.size)
+    return list(dict.fromkeys([int(size.argmax()), *(int(part[size[part].argmax()]) for part in parts)]))
+
+
+def _amplitude(found: Response, span: int) -> FloatArray:
+    """(speeds, components) N m, 0 where it is not known."""
+    return np.where(found.status == Status.OK, np.abs(found.torque[:, :, span]), 0.0)
+
+
+def _peak(study: Study, found: Response, balanced: Balanced, span: int, at: int) -> NonlinearPeak:
+    amplitude = _amplitude(found, span)
+    line = int(amplitude[at].argmax())
     speed, w = float(found.speed[at]), 2.0 * math.pi * float(found.frequency[at, line])
+    number = balanced.spans.index(span)
+    window = _window(found, speed, w)
+    motion = settled(study, found, span, at, w, window, vibrates=True)
+    linear, exact = float(amplitude[at, line]), motion.amplitude
+    several = found.speed[balanced.number[:, number] > 1]
+    play = couplings(study.train, found.system)
+    has_play = any(one.span == span and one.record.play for one in play)
+    opens = found.speed[balanced.share[:, number] < 1.0] if has_play else np.empty(0)
+    rest = None
+    if balanced.number[at, number] > 1:
+        rest = settled(study, found, span, at, w, window, vibrates=False).amplitude
+    return NonlinearPeak(
+        study.train.parts[int(found.system.span_part[span])].name, found.lines[line].words, speed, linear, exact,
+        linear / exact - 1.0 if exact else None, float(motion.half_range[span]), float(motion.greatest[span]), rest,
+        int(balanced.number[at, number]), *_ends(several), *_ends(opens), span, motion.half_range,
+        motion.greatest,
+    )  # fmt: skip
+
+
+def _ends(speed: FloatArray) -> tuple[float | None, float | None]:
+    """The lowest and highest of some."""
+    return (float(speed[0]), float(speed[-1])) if speed.size else (None, None)
+
+
+def _window(found: Response, speed: float, w: float) -> float:
+    """s in which all orders repeat, CYCLES of the component at least."""
     orders = [one.order for one in found.lines if one.order is not None]
     turns = math.lcm(*(order.denominator for order in orders)) if orders else 1
     window = 2.0 * math.pi / speed * turns if orders and turns <= LARGEST_COMMON else 2.0 * math.pi / w
-    window *= max(1, math.ceil(CYCLES * 2.0 * math.pi / (w * window)))
-    exact = settled_amplitude(study, found, span, (speed, w), window)
-    linear = float(amplitude[at, line])
-    name = study.train.parts[int(found.system.span_part[span])].name
-    difference = linear / exact - 1.0 if exact else None
-    return NonlinearPeak(name, found.lines[line].words, speed, linear, exact, difference)
+    return window * max(1, math.ceil(CYCLES * 2.0 * math.pi / (w * window)))
 
 
-def settled_amplitude(study: Study, found: Response, span: int, at: tuple[float, float], window: float) -> float | None:
-    """N m of the component of a speed and circular frequency (rad/s) over a window (s); None where it does not settle.
+@dataclass(frozen=True)
+class Settled:
+    """What a motion is in its last window."""
 
-    The motion begins with the mean torques, and its windows are compared until one repeats the one before.
+    amplitude: float | None  # N m of the component; None where the window before differs
+    half_range: FloatArray  # (spans,) N m
+    greatest: FloatArray  # (spans,) N m
+
+
+def settled(study: Study, found: Response, span: int, at: int, w: float, window: float, *, vibrates: bool) -> Settled:
+    """The component of circular frequency w (rad/s) in a span over a window (s), at the speed number `at`.
+
+    The motion begins with the mean torques, and as the response is where it `vibrates`; its windows are compared until
+    one repeats the one before.
     """
-    speed, w = at
-    windows, before = 8, math.nan
-    while windows <= MOST_WINDOWS:
+    windows, speed = 8, float(found.speed[at])
+    while True:
         settings = TransientSettings.model_construct(
             duration=windows * window, initial="steady", events=(), samples=None, modes="all"
         )
         built = build(replace(study, analyses={}), found.system, settings, ("analyses", "response"), speed=speed)
+        if vibrates:
+            built = vibrating(built, found, at)
         curves = EventDrivenCurves(built, *built.run(settings.duration))
-        before, last = (_component(curves, span, w, (windows - back) * window, window) for back in (2, 1))
-        if abs(last - before) <= SETTLED * last:
-            return last
+        each = [_torques(curves, (windows - back) * window, window) for back in (2, 1)]
+        before, last = (2.0 * abs(complex(np.mean(torque[span] * np.exp(-1j * w * time)))) for time, torque in each)
+        torque, repeats = each[1][1], abs(last - before) <= SETTLED * last
+        if repeats or 2 * windows > MOST_WINDOWS:
+            half_range = (torque.max(axis=1) - torque.min(axis=1)) / 2.0
+            return Settled(last if repeats else None, half_range, np.abs(torque).max(axis=1))
         windows *= 2
-    return None
 
 
-def _component(curves: EventDrivenCurves, span: int, w: float, begin: float, window: float) -> float:
+def _torques(curves: EventDrivenCurves, begin: float, window: float) -> tuple[FloatArray, FloatArray]:
+    """Times (samples,) s of a window and the torques (spans, samples) N m."""
     time: FloatArray = begin + (np.arange(SAMPLES, dtype=np.float64) + 0.5) * (window / SAMPLES)
-    torque = curves.torque(time)[0][span]
-    return 2.0 * abs(complex(np.mean(torque * np.exp(-1j * w * time))))
+    return time, curves.torque(time)[0]
+
+
+def vibrating(built: Built, found: Response, at: int) -> Built:
+    """The same, begun as a response is at the speed number `at`."""
+    balanced, system = found.balanced, built.system
+    if balanced is None:
+        return built
+    rate = 2.0j * math.pi * found.frequency[at][:, None]
+    shape, inertia = built.shape, np.where(system.held, 0.0, system.lumped_inertia)
+    motion = [shape.T @ (inertia * part.sum(axis=0).real) for part in (found.angle[at], rate * found.angle[at])]
+    place, speed = built.place + motion[0][len(built.speed) - len(built.place) :], built.speed + motion[1]
+    standing = list(built.standing)
+    for number, span in enumerate(balanced.spans):
+        coupling = balanced_spans(found.system)[span]
+        mean = found.mean[at, span]
+        size, torque = balanced.amplitude[at, [number]], np.abs(found.mean[at, [span]])
+        bias = float(np.sign(mean) * coupling.bias(size, torque)[0])
+        if not coupling.half:  # its own spring is one of the linear train
+            moved = coupling.stiffness * (bias - float(np.sign(mean) * coupling.static(torque)[0]))
+            w = 2.0 * math.pi * built.modes.frequency
+            place += built.modes.torque[span] * (moved / coupling.stiffness) / w**2
+        own = coupling_twists(found, balanced, number, at)
+        twist, twisting = float(own.sum().real), float((rate[:, 0] * own).sum().real)
+        for k, one in enumerate(standing):
+            if built.couplings[one.coupling].span == span:
+                standing[k] = _standing(one, bias, twist, twisting)
+    return replace(built, place=place, speed=speed, standing=tuple(standing))
+
+
+def coupling_twists(found: Response, balanced: Balanced, number: int, at: int) -> ComplexArray:
+    """(components,) rad of a coupling."""
+    span, system, w = balanced.spans[number], found.system, 2.0 * math.pi * found.frequency[at]
+    stiffness = (1.0 + 1j * system.loss_factor[span]) / system.flexibility[span] + 1j * w * system.viscous[span]
+    return np.asarray(found.torque[at, :, span] / (balanced.share[at, number] * stiffness + balanced.extra[at, number]))
+
+
+def _standing(one: Standing, bias: float, twist: float, twisting: float) -> Standing:
+    """How an element stands at a deviation (rad) from its mean twist and a rate of it (rad/s)."""
+    element = one.element
+    if isinstance(element, Clearance):
+        whole = bias + twist
+        side = int(np.sign(whole)) if abs(whole) > element.half else 0
+        torque = side * (element.stiffness * (whole - side * element.half) + element.viscous * twisting)
+        return replace(one, twist=whole, regime=side if torque >= 0.0 else 2 * side)
+    half = element.half if isinstance(element, DelayedFriction) else 0.0
+    most = half + element.capacity / element.stiffness
+    x = min(max(twist, -most), most)
+    return replace(one, twist=x, regime=int(np.sign(x)) if half and abs(x) > half else 0)

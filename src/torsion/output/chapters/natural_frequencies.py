@@ -29,6 +29,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
         return
     yield Heading("Natural frequencies")
     yield _introduction(modes)
+    taken = [f"{one.name} {one.nonlinear.words}" for one in findings.study.train.parts if one.nonlinear is not None]
+    if taken:
+        text = f"Modes take couplings as linear: {'; '.join(taken)}. How far that holds depends on the amplitude."
+        yield Paragraph(text, "note")
     if len(modes.frequency) == 0:
         return
     yield _frequencies(modes)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.response.dry_friction import slider_stiffness
 from torsion.errors import SolveError
+from torsion.kernels.describing_functions import slider
 
 DISC = """name: x
 operation: {{speeds: {{from: 112 rad/s, to: 118 rad/s, steps: 3}}}}
@@ -25,7 +25,7 @@ def response(text: str):
 
 
 def test_the_stiffness_of_a_slider_stores_and_loses_what_its_loop_does() -> None:
-    found = slider_stiffness(np.array([1e-3, 5e-5]), ((5.0, 5e4),))
+    found = slider(np.array([1e-3, 5e-5]), 5.0, 5e4)
     assert found[0] == pytest.approx(2602.200966545695 + 5729.57795130823j, rel=1e-14)
     assert math.pi * found[0].imag * 1e-3**2 == pytest.approx(0.018, rel=1e-13)  # 4 T (A - T/k)
     assert found[1] == 5e4  # it sticks
@@ -63,7 +63,7 @@ analyses: {{response: }}
     w = found.speed
     twist = np.stack([found.angle[:, 0, 0] - found.angle[:, 0, 1], found.angle[:, 0, 1]], axis=1)
     for span, (stiffness, torque) in enumerate([(1e4, 20.0), (2e4, 9.0)]):
-        own = stiffness + 2j * w + slider_stiffness(np.abs(twist[:, span]), ((torque, 4e3),))
+        own = stiffness + 2j * w + slider(np.abs(twist[:, span]), torque, 4e3)
         assert found.torque[:, 0, span] == pytest.approx(own * twist[:, span], rel=1e-9)
 
 
@@ -118,12 +118,12 @@ def test_the_exact_motion_stands_beside_the_response_at_its_peak() -> None:
     from tests.analyses.transient.test_nonlinear_couplings import truck
 
     findings = torsion.run(torsion.parse(DISC.format("{torque: 20, stiffness: 4e3}", 10)))
-    (disc,) = findings.results["nonlinear_peaks"].each
+    disc, *_ = findings.results["nonlinear_peaks"].each
     assert (disc.coupling, disc.component) == ("dry", "order 1 (d)")
     assert disc.difference == pytest.approx(disc.response / disc.exact - 1.0)
     assert abs(disc.difference) < 4e-3  # one term of many is enough at a resonance
     text = truck(1.95, 7.139) + (TRUCK % (1900, 2000, 11)).removeprefix("name: x\n")
-    (clutch,) = torsion.run(torsion.parse(text)).results["nonlinear_peaks"].each
+    clutch, *_ = torsion.run(torsion.parse(text)).results["nonlinear_peaks"].each
     assert clutch.speed == pytest.approx(2000.0 * math.pi / 30.0)
     assert clutch.exact == pytest.approx(9.995606016475547, rel=1e-4)  # DOP853 at 1e-6 over 250 periods
     assert clutch.difference > 0.3  # it slips nearly all the time
@@ -141,7 +141,7 @@ train:
 - propeller: {{inertia: 2}}
 analyses: {{response: }}
 """
-    (teeth,) = torsion.run(torsion.parse(text)).results["nonlinear_peaks"].each
+    teeth, *_ = torsion.run(torsion.parse(text)).results["nonlinear_peaks"].each
     if parts:
         assert abs(teeth.difference) > 0.01
     else:

@@ -1,0 +1,216 @@
+"""Play, dry friction and stages in the steady vibration, by harmonic balance at the amplitude that is found.
+
+A coupling twisted by a mean and a vibration answers at the order of the vibration as a share of its own spring and
+damper with a complex stiffness beside it (kernels.describing_functions; theory, T115 to T115d). The reciprocal of the
+twist in one span is linear in its dynamic stiffness K, 1/u = a + b K, so two answers of the linear train give
+A |a + b K(A)| = 1, of which all solutions are found and the largest is taken. The largest harmonic component of the
+span sets its amplitude for all of them.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Balanced
+from torsion.analyses.response.solver import Answer
+from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.components.lowering import NonlinearRecord
+from torsion.errors import SolveError
+from torsion.kernels.amplitude_equation import LARGEST, Amplitudes, Ratio, amplitudes
+from torsion.kernels.describing_functions import PiecewiseCoupling, Secant, Slider
+from torsion.kernels.tree_response import complex_compliance
+
+Solved = Callable[[Mapping[int, Secant]], Sequence[Answer]]
+ROUNDS = 181  # over several couplings, whose amplitudes depend on each other, until they change by SETTLED
+LARGEST_FIRST = 40  # rounds that take the largest solution of every coupling; later ones that nearest to the last
+WHOLE = 6  # every so many rounds all solutions are looked for, else that near the last
+NEAR, NEAR_SAMPLES = 1.3, 8  # range about the last amplitude, to either side
+HALF_WAY = 60  # rounds from which on an amplitude goes half the way
+SETTLED = 1e-11
+BOTTOM = 1e-2  # by which the lowest amplitude is reduced until it lies below all solutions
+REMEDY = "use motion over time"
+
+
+@dataclass(frozen=True)
+class Trials:
+    """1/twist = a + b K of every harmonic component, about the dynamic stiffness of a coupling taken as linear."""
+
+    own: ComplexArray  # (components, columns) N m/rad
+    inverse: ComplexArray  # (components, columns) 1/rad, of the linear coupling
+    slope: ComplexArray  # (components, columns) 1/(N m)
+    moves: BoolArray  # (components, columns)
+    linear: float  # N m/rad beside its own stiffness in the first
+
+    def twist(self, secant: Secant, at: IntArray) -> FloatArray:
+        """(columns,) rad of the largest component, of the columns `at`."""
+        change = (secant.share - 1.0) * self.own[:, at] + (secant.extra - self.linear)
+        with np.errstate(divide="ignore"):
+            twist = 1.0 / np.abs(self.inverse[:, at] + self.slope[:, at] * change)
+        return np.asarray(np.where(self.moves[:, at], twist, 0.0).max(axis=0))
+
+
+def piecewise(record: NonlinearRecord) -> PiecewiseCoupling:
+    """What a coupling with play, friction or stages is to harmonic balance."""
+    sliders = [Slider(torque, stiffness) for torque, stiffness in record.friction]
+    sliders += [Slider(torque, stiffness, begin) for begin, _, (torque, stiffness) in record.stages if torque]
+    stages = tuple((begin, stiffness) for begin, stiffness, _ in record.stages)
+    return PiecewiseCoupling(record.stiffness, record.play, stages, tuple(sliders))
+
+
+def balanced_spans(system: System) -> dict[int, PiecewiseCoupling]:
+    """The spans with play, friction or stages; a clutch is taken as stuck."""
+    records = {number: part.nonlinear for number, part in enumerate(system.train.parts) if part.nonlinear is not None}
+    spans = ((span, records.get(part)) for span, part in enumerate(system.span_part.tolist()))
+    return {span: piecewise(one) for span, one in spans if one is not None and one.capacity is None}
+
+
+def balanced(system: System, w: Sequence[FloatArray], mean: FloatArray, solved: Solved) -> Balanced | None:
+    """What every coupling with play, friction or stages is at the amplitudes found; None without any.
+
+    w: circular frequencies (columns,) rad/s of every harmonic component. mean: torques (spans, columns) N m. solved:
+    its answer with such couplings. Raises SolveError where one would have to change in a loop or in a train that is
+    damped by mode.
+    """
+    couplings, columns = balanced_spans(system), len(w[0]) if w else 0
+    if not (couplings and columns):
+        return None
+    rows = _Rows(system, w, np.abs(mean), solved, couplings)
+    fixed = [span for span in couplings if system.train.modal_damping or system.condensed.span[span] < 0]
+    free = [span for span in couplings if span not in fixed]
+    found = {span: rows.at_rest(span) for span in couplings}
+    for span in fixed:
+        found[span] = rows.unchanged(span)
+    settled = np.zeros(columns, dtype=bool)
+    for number in range(ROUNDS):
+        before = {span: found[span].largest for span in free}
+        for span in free:
+            found[span] = rows.solutions(span, found, np.flatnonzero(~settled), number)
+        same = [np.abs(found[span].largest - before[span]) <= SETTLED * before[span] for span in free]
+        if len(free) < 2 or number % WHOLE == 0:
+            settled = settled | np.all(same, axis=0) if len(free) > 1 else ~settled
+        if settled.all():
+            break
+    return rows.collected(found, settled)
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """The balances of every coupling; `largest` of its amplitudes is the one that stands."""
+
+    system: System
+    w: Sequence[FloatArray]
+    mean: FloatArray
+    solved: Solved
+    couplings: Mapping[int, PiecewiseCoupling]
+
+    def at_rest(self, span: int) -> Amplitudes:
+        """Where an iteration begins."""
+        columns = len(self.w[0])
+        tiny = np.full(columns, 1e-9 * max(self.couplings[span].scale, 1e-9))
+        return Amplitudes(tiny, tiny, tiny, np.ones(columns, dtype=np.int64))
+
+    def unchanged(self, span: int) -> Amplitudes:
+        """The amplitudes of a coupling that nothing but the linear train can answer for."""
+        coupling, name = self.couplings[span], self.system.spans[span].name
+        loops = "closes a loop" if self.system.condensed.span[span] < 0 else "is in a train that is damped by mode"
+        hint = "give the damping of the components" if self.system.train.modal_damping else REMEDY
+        if not coupling.lasts_linear:
+            raise SolveError(f"'{name}' {loops}, and its friction in the response is not built", hint)
+        amplitude = np.abs(self._twists(span, self.solved({}), self._own(span))).max(axis=0)
+        if (amplitude >= coupling.first(self.mean[span])).any():
+            raise SolveError(f"'{name}' {loops}, and its play or stages in the response are not built", hint)
+        return Amplitudes(amplitude, amplitude, amplitude, np.ones(len(amplitude), dtype=np.int64))
+
+    def solutions(self, span: int, found: Mapping[int, Amplitudes], at: IntArray, number: int) -> Amplitudes:
+        """With those of a coupling in columns `at`, while the others stand; in a round of that number."""
+        coupling, former = self.couplings[span], found[span]
+        trials = self._trials(span, {other: self.secant(other, found[other].largest) for other in found})
+        mean = self.mean[span]
+
+        def ratio(amplitude: FloatArray, columns: IntArray) -> FloatArray:
+            own = at[columns]
+            with np.errstate(divide="ignore"):
+                return amplitude / trials.twist(coupling.secant(amplitude, mean[own]), own)
+
+        is_whole, last = number % WHOLE == 0, former.largest[at]
+        bottom, top = _range(coupling, trials, mean, at, ratio)
+        if is_whole:
+            new = amplitudes(ratio, bottom, top, last)
+        else:
+            new = amplitudes(ratio, last / NEAR, last * NEAR, last, NEAR_SAMPLES)
+            lacks = np.flatnonzero(new.number == 0)
+            among = partial(_among, ratio, lacks)
+            new = new.having(amplitudes(among, bottom[lacks], top[lacks], last[lacks]), lacks)
+        taken = new.largest if is_whole and number < LARGEST_FIRST else new.nearest
+        if number >= HALF_WAY:
+            taken = np.sqrt(taken * former.largest[at])
+        still = ~trials.moves[:, at].any(axis=0)
+        taken = np.where(still, bottom, np.where(new.number > 0, taken, LARGEST))
+        rows = (taken, new.smallest, new.nearest, np.where(still, 1, new.number))
+        return former.having(Amplitudes(*rows), at)
+
+    def secant(self, span: int, amplitude: FloatArray) -> Secant:
+        """Of one coupling at amplitudes (columns,) rad."""
+        return self.couplings[span].secant(amplitude, self.mean[span])
+
+    def collected(self, found: Mapping[int, Amplitudes], settled: BoolArray) -> Balanced:
+        """All together; a column without a solution is not settled."""
+        each = [self.secant(span, one.largest) for span, one in found.items()]
+        first = [self.couplings[span].first(self.mean[span]) for span in found]
+        number = np.array([one.number for one in found.values()]).T
+
+        def columns(rows: Sequence[FloatArray]) -> FloatArray:
+            return np.array(rows).T
+
+        return Balanced(
+            tuple(found), number, settled & (number > 0).all(axis=1), columns([one.largest for one in found.values()]),
+            columns([one.smallest for one in found.values()]), columns(first), columns([one.share for one in each]),
+            np.array([one.extra for one in each]).T,
+        )  # fmt: skip
+
+    def _trials(self, span: int, others: Mapping[int, Secant]) -> Trials:
+        coupling, own = self.couplings[span], self._own(span)
+        step, columns = coupling.whole * (0.5 + 0.5j), len(self.w[0])
+        twists = list[ComplexArray]()
+        for extra in (coupling.stuck, coupling.stuck + step):
+            one = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
+            twists.append(self._twists(span, self.solved({**others, span: one}), own + extra))
+        moves = (twists[0] != 0.0) & (twists[1] != 0.0)
+        first, second = (np.asarray(1.0 / np.where(moves, one, 1.0), dtype=np.complex128) for one in twists)
+        return Trials(own, first, (second - first) / step, moves, coupling.stuck)
+
+    def _own(self, span: int) -> ComplexArray:
+        """(components, columns) N m/rad of the spring and damper of a span."""
+        system = self.system
+        given = (values[[span]] for values in (system.flexibility, system.viscous, system.loss_factor))
+        flexibility, viscous, loss = given
+        rows = [complex_compliance(flexibility, viscous, loss, w).reshape(-1) for w in self.w]
+        return np.array([np.broadcast_to(1.0 / one, len(self.w[0])) for one in rows], dtype=complex)
+
+    def _twists(self, span: int, answers: Sequence[Answer], stiffness: ComplexArray) -> ComplexArray:
+        """(components, columns) rad."""
+        return np.asarray(np.array([one.torque[:, span] for one in answers]) / stiffness)
+
+
+def _among(ratio: Ratio, chosen: IntArray, amplitude: FloatArray, columns: IntArray) -> FloatArray:
+    """The ratio of some of the columns, counted among those chosen."""
+    return ratio(amplitude, chosen[columns])
+
+
+def _range(
+    coupling: PiecewiseCoupling, trials: Trials, mean: FloatArray, at: IntArray, ratio: Ratio
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Amplitudes (columns,) rad below and above all solutions."""
+    columns = np.arange(len(at))
+    bottom = 0.5 * np.maximum(coupling.first(mean[at]), 1e-6 * coupling.scale)
+    for _ in range(12):
+        bottom = np.where(ratio(bottom, columns) >= 1.0, BOTTOM * bottom, bottom)
+    own, slope = trials.own[:, at], np.abs(trials.slope[:, at])
+    differs = coupling.offset * np.abs(own) / coupling.stiffness
+    limit = np.abs(trials.inverse[:, at] + trials.slope[:, at] * (coupling.lasting - trials.linear))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = np.where(trials.moves[:, at], (1.0 + slope * differs) / limit, 0.0).max(axis=0)
+    return bottom, np.minimum(np.maximum(1.1 * most, 100.0 * np.maximum(coupling.scale, bottom)), LARGEST)

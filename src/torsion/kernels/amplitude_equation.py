@@ -1,0 +1,114 @@
+"""All solutions of A = twist(A), the amplitude of a vibration whose stiffness depends on it.
+
+The curve of a resonance that bends has several at one speed. A / twist(A) is sampled over the whole range; every sign
+change of its logarithm and every dip between three samples is followed to rounding.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.arrays import FloatArray, IntArray
+
+SAMPLES = 240  # of a whole range
+VALUES = 2**18  # of samples computed at once
+STEPS = 100
+TOLERANCE = 2e-16  # of the logarithm of an amplitude
+GOLDEN = 0.3819660112501051  # (3 - sqrt 5)/2
+NARROWED = 45  # times by 0.618: to 4e-10 of two samples, where a minimum is flat to rounding
+LARGEST = 1e4  # rad: no twist of a shaft; beyond it a solution is taken as unbounded
+Ratio = Callable[[FloatArray, IntArray], FloatArray]  # amplitude (any,) rad of columns (any,) to A / twist(A)
+
+
+@dataclass(frozen=True)
+class Amplitudes:
+    """The solutions of every column; none where the number is 0."""
+
+    largest: FloatArray  # (columns,) rad
+    smallest: FloatArray  # (columns,) rad
+    nearest: FloatArray  # (columns,) rad, to an amplitude that is given
+    number: IntArray  # (columns,)
+
+    def having(self, others: "Amplitudes", at: IntArray) -> "Amplitudes":
+        """The same with others in the columns `at`."""
+        each = {key: values.copy() for key, values in vars(self).items()}
+        for key, values in each.items():
+            values[at] = getattr(others, key)
+        return Amplitudes(**each)
+
+
+def amplitudes(
+    ratio: Ratio, bottom: FloatArray, top: FloatArray, near: FloatArray, samples: int = SAMPLES
+) -> Amplitudes:
+    """Every solution between `bottom` and `top` (columns,) rad, which the samples divide evenly in the logarithm."""
+    columns = np.arange(len(bottom))
+    steps = np.linspace(0.0, 1.0, samples)[:, None]
+    at = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)
+    rows = max(VALUES // max(len(bottom), 1), 1)
+    parts = [at[begin : begin + rows] for begin in range(0, samples, rows)]
+    found = np.concatenate([ratio(part.ravel(), np.tile(columns, len(part))).reshape(part.shape) for part in parts])
+    step, column = np.nonzero((found[:-1] < 1.0) != (found[1:] < 1.0))
+    low, high = at[step, column], at[step + 1, column]
+    first, second, of = _dips(ratio, at, found)
+    column, low, high = (np.concatenate(each) for each in ([column, of, of], [low, *first], [high, *second]))
+    roots = _roots(ratio, column, low, high)
+    largest, smallest, number = np.zeros(len(bottom)), np.full(len(bottom), np.inf), np.zeros(len(bottom), dtype=int)
+    np.maximum.at(largest, column, roots)
+    np.minimum.at(smallest, column, roots)
+    np.add.at(number, column, 1)
+    order = np.lexsort((np.abs(np.log(roots / near[column])), column))
+    nearest = np.zeros(len(bottom))
+    where, begin = np.unique(column[order], return_index=True)
+    nearest[where] = roots[order][begin]
+    return Amplitudes(largest, np.where(number > 0, smallest, 0.0), nearest, number)
+
+
+def _dips(
+    ratio: Ratio, at: FloatArray, found: FloatArray
+) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], IntArray]:
+    """Brackets of the two solutions in every dip below 1 between samples that all lie above: lows, highs, columns."""
+    step, column = np.nonzero((found[1:-1] >= 1.0) & (found[1:-1] <= found[:-2]) & (found[1:-1] <= found[2:]))
+    begin, end = at[step, column], at[step + 2, column]
+    low, high = np.log(begin), np.log(end)
+    left, right = low + GOLDEN * (high - low), high - GOLDEN * (high - low)
+    values = [ratio(np.exp(one), column) for one in (left, right)]
+    for _ in range(NARROWED):
+        down = values[0] < values[1]
+        low, high = np.where(down, low, left), np.where(down, right, high)
+        moved = np.where(down, low + GOLDEN * (high - low), high - GOLDEN * (high - low))
+        value = ratio(np.exp(moved), column)
+        left, right = np.where(down, moved, right), np.where(down, left, moved)
+        values = [np.where(down, value, values[1]), np.where(down, values[0], value)]
+    middle = np.exp(np.where(values[0] < values[1], left, right))
+    deep = np.minimum(*values) < 1.0
+    return (begin[deep], middle[deep]), (middle[deep], end[deep]), column[deep]
+
+
+def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """(brackets,) rad, by Chandrupatla's method in log(A / low) (Adv. Eng. Softw. 28 (1997) 145)."""
+    if not len(low):
+        return low
+
+    def height(at: FloatArray) -> FloatArray:
+        return np.asarray(np.log(ratio(low * np.exp(at), column)))
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x1, x2, step = np.log(high / low), np.zeros(len(low)), np.full(len(low), 0.5)
+        f1, f2 = height(x1), height(x2)
+        for _ in range(STEPS):
+            x = x1 + step * (x2 - x1)
+            f = height(x)
+            same = (f < 0.0) == (f1 < 0.0)
+            x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
+            x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
+            x1, f1 = x, f
+            least = TOLERANCE / np.abs(x2 - x1)
+            if ((least > 0.5) | (f == 0.0)).all():
+                break
+            part, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+            smooth = (rise**2 < part) & ((1.0 - rise) ** 2 < 1.0 - part)
+            inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+            step = np.where(smooth & np.isfinite(inverse), np.clip(inverse, least, 1.0 - least), 0.5)
+            step = np.where((least > 0.5) | (f == 0.0), 0.0, step)
+    return low * np.exp(np.where(np.abs(f1) <= np.abs(f2), x1, x2))

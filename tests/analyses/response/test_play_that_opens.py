@@ -1,0 +1,161 @@
+"""A play under a mean torque in the steady vibration: closed, opening, jumping; against shooting for the cycle."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import torsion
+from torsion.rules.beside_exact_motion import surplus
+
+STIFFNESS, HALF, DAMPING = 1e4, 0.01, 4.0
+TEXT = """name: x
+operation: {{speeds: {{from: {first} rad/s, to: {last} rad/s, steps: {steps}}}, {load}}}
+train:
+- disc: {{name: m, inertia: 1, damping: 4}}
+- coupling: {{name: teeth, stiffness: 1e4, {play}}}
+- disc: {{name: p, inertia: 1e13}}
+excitations: [{{at: m, order: 1, torque: {torque}}}]
+analyses: {{response: }}
+"""
+PLAY = "clearance: 0.02 rad"
+
+
+def run(torque: float, mean: float = 20.0, play: str = PLAY, speeds: tuple[float, float, int] = (60, 110, 51)):
+    load = f"rated: {{speed: 100 rad/s, power: {100.0 * mean} W}}, load: constant" if mean else ""
+    first, last, steps = speeds
+    text = TEXT.format(first=first, last=last, steps=steps, load=load, torque=torque, play=play)
+    return torsion.run(torsion.parse(text.replace(", }", "}")))
+
+
+def carried(u):
+    return STIFFNESS * (np.maximum(u - HALF, 0.0) - np.maximum(-u - HALF, 0.0))
+
+
+def cycle(w: float, mean: float, torque: float, start: tuple[float, float]) -> tuple[float, float]:
+    """Amplitude of the fundamental of the torque and its half range, of the periodic motion near a state at time 0."""
+    period = 2.0 * math.pi / w
+
+    def rate(time, z):
+        return [z[1], mean + torque * math.cos(w * time) - carried(z[0]) - DAMPING * z[1]]
+
+    def moved(state, times=None):
+        return solve_ivp(
+            rate, (0.0, period), state, method="DOP853", rtol=1e-10, atol=1e-12, max_step=period / 60, t_eval=times
+        )
+
+    state, small = np.array(start), 1e-7
+    for _ in range(30):  # the first of the transient, so that Newton's method begins near the cycle
+        state = moved(state).y[:, -1]
+    for _ in range(12):
+        end = moved(state).y[:, -1]
+        slope = np.array([(moved(state + small * one).y[:, -1] - end) / small for one in np.eye(2)]).T
+        step = np.linalg.solve(slope - np.eye(2), end - state)
+        state = state - step
+        if np.abs(step).max() < 1e-8:
+            break
+    else:
+        raise AssertionError("no periodic motion was found")
+    time = (np.arange(1024) + 0.5) * period / 1024
+    force = carried(moved(state, time).y[0])
+    return 2.0 * abs(np.mean(force * np.exp(-1j * w * time))), (force.max() - force.min()) / 2.0
+
+
+def state_of(response, at: int, amplitude: float, mean: float) -> tuple[float, float]:
+    """Twist and its rate at time 0 of a solution of harmonic balance with this amplitude, from its own mean."""
+    from torsion.kernels.describing_functions import PiecewiseCoupling
+
+    w, coupling = response.speed[at], PiecewiseCoupling(STIFFNESS, HALF)
+    one = coupling.secant(np.array([amplitude]), np.array([mean]))
+    u = 2.0 / (STIFFNESS * one.share[0] - w**2 + 1j * DAMPING * w)
+    assert abs(u) == pytest.approx(amplitude, rel=1e-8)  # it is a solution
+    return coupling.bias(np.array([amplitude]), np.array([mean]))[0] + u.real, (1j * w * u).real
+
+
+def test_below_the_mean_torque_the_play_changes_no_digit() -> None:
+    closed, plain = (run(0.3, play=play).results["response"] for play in (PLAY, "clearance: 2 rad"))
+    linear = run(0.3, play="tolerance: 0 %").results["response"]
+    assert np.abs(linear.torque).max() < 20.0
+    for one in (closed, plain):
+        assert np.array_equal(one.torque, linear.torque)
+        assert np.array_equal(one.angle, linear.angle)
+        assert (one.balanced.number == 1).all()
+
+
+def test_a_play_that_vanishes_is_none() -> None:
+    found = run(2.0, mean=0.0, play="clearance: 1e-12 rad").results["response"]
+    k = int(np.argmin(np.abs(found.speed - 80.0)))
+    linear = 2.0 / (STIFFNESS - found.speed[k] ** 2 + 1j * DAMPING * found.speed[k])
+    assert found.angle[k, 0, 0] == pytest.approx(linear, rel=1e-7)
+
+
+@pytest.mark.parametrize("speed", [75.0, 80.0, 90.0])
+def test_the_opened_resonance_bends_down_and_has_two_motions(speed: float) -> None:
+    found = run(2.0)
+    response, balanced = found.results["response"], found.results["response"].balanced
+    at = int(np.argmin(np.abs(response.speed - speed)))
+    assert balanced.number[at, 0] == 3
+    assert balanced.share[at, 0] < 0.8
+    linear = 2.0 / abs(STIFFNESS - speed**2 + 1j * DAMPING * speed)
+    assert balanced.smallest[at, 0] == pytest.approx(linear, rel=1e-12)  # the closed play is a solution too
+    upper = cycle(speed, 20.0, 2.0, state_of(response, at, float(balanced.amplitude[at, 0]), 20.0))
+    lower = cycle(speed, 20.0, 2.0, state_of(response, at, float(balanced.smallest[at, 0]), 20.0))
+    assert lower[0] == pytest.approx(STIFFNESS * linear, rel=1e-6)
+    assert abs(response.torque[at, 0, 0]) == pytest.approx(upper[0], rel=0.07)
+    assert upper[0] > 2.0 * lower[0]
+
+
+def test_the_jump_lies_below_the_natural_frequency_and_the_peak_beside_it() -> None:
+    found = run(2.0)
+    response, balanced = found.results["response"], found.results["response"].balanced
+    several = response.speed[balanced.number[:, 0] > 1]
+    assert several.max() < 100.0
+    left = int(np.flatnonzero(response.speed == several.max())[0])
+    assert response.speed[left + 1] - response.speed[left] < 3e-3  # narrowed
+    assert np.abs(response.torque[:, 0, 0]).max() > 1.5 * 20.0
+
+
+def test_the_exact_motion_beside_it_is_that_of_shooting() -> None:
+    found = run(2.0, speeds=(72, 110, 39))
+    response, balanced = found.results["response"], found.results["response"].balanced
+    each = found.results["nonlinear_peaks"].each
+    assert len(each) == 4
+    for one in each:
+        at = int(np.argmin(np.abs(response.speed - one.speed)))
+        start = state_of(response, at, float(balanced.amplitude[at, 0]), 20.0)
+        fundamental, half_range = cycle(one.speed, 20.0, 2.0, start)
+        assert one.exact == pytest.approx(fundamental, rel=2e-3)
+        assert one.half_range == pytest.approx(half_range, rel=2e-3)
+        assert abs(one.difference) < 0.07
+        if one.solutions > 1:
+            assert one.from_rest == pytest.approx(STIFFNESS * balanced.smallest[at, 0], rel=1e-3)
+    assert each[0].opens_from == each[0].several_from == 72.0
+    ratios = [one.half_range / abs(response.torque[response.speed == one.speed, 0, 0])[0] for one in each]
+    assert surplus(found, np.array([0]))[0] == pytest.approx(max(ratios), rel=1e-12)
+
+
+def test_without_mean_torque_the_play_floats_or_hammers() -> None:
+    found = run(2.0, mean=0.0, speeds=(30, 110, 41))
+    response, balanced = found.results["response"], found.results["response"].balanced
+    at = int(np.argmin(np.abs(response.speed - 35.0)))
+    assert balanced.number[at, 0] == 3
+    floating = 2.0 / abs(-(response.speed[at] ** 2) + 1j * DAMPING * response.speed[at])
+    assert balanced.smallest[at, 0] == pytest.approx(floating, rel=1e-9)
+    assert balanced.amplitude[at, 0] > HALF
+    (one, *_) = found.results["nonlinear_peaks"].each
+    assert one.opens_from == 30.0
+
+
+def test_further_stages_stiffen_and_bend_the_resonance_up() -> None:
+    stages = "stages: [{from: 0.004 rad, stiffness: 1e4}]"
+    found = run(4.0, mean=0.0, play=stages, speeds=(90, 150, 61))
+    response, balanced = found.results["response"], found.results["response"].balanced
+    several = response.speed[balanced.number[:, 0] > 1]
+    assert several.size
+    assert several.min() > 100.0
+    upper = int(np.flatnonzero(response.speed == several.min())[0])
+    assert balanced.extra[upper, 0].real > 1e3
+    for one in found.results["nonlinear_peaks"].each:
+        assert one.exact is not None
+        assert abs(one.difference) < 0.1 or one.response > one.exact
