@@ -9,6 +9,7 @@ from torsion.analyses.transient.transient_motion import TransientMotion, Transie
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.chapters.motion_orders import orders
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
 from torsion.output.selection import Element, elements
 
@@ -66,6 +67,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
         )
         yield Paragraph(text, "note")
     yield from _figures(findings, found, settings, unit)
+    yield from orders(found.orders, found.name)
 
 
 def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
