@@ -13,7 +13,7 @@ from torsion.components.lowering import ShaftRecord
 from torsion.components.material import STEEL
 from torsion.errors import Fault, Path
 from torsion.findings import Results
-from torsion.rules import judgement, m68_shafts
+from torsion.rules import barred_time, judgement, m68_shafts
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Curve, curve_of, in_rpm, judge, rated_speed, worst_of
 from torsion.rules.m68_shafts import BARRED_BELOW, FLAT_FROM, LAST_CONTINUOUS, PA, ClassedShaft, M68Settings
 from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Rule, verdict_of
@@ -166,10 +166,12 @@ def _stresses(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> 
     passed = f"barred range {_words(barred.permitted)}, to be passed rapidly"
     meter = settings.tachometer
     tachometer = f"tachometer tolerance {100 * meter:.3g} % " + ("added" if meter else "assumed")
-    notes, tau_t = (*reasons, passed, tachometer, MOSTLY), _limits(evidence, shaft).tau_t
+    times = barred_time.barred_times(evidence, barred.permitted)
+    notes = *reasons, passed, tachometer, MOSTLY, barred_time.words(times)
+    tau_t = _limits(evidence, shaft).tau_t
     line = judged("tau_T", "stress amplitude in the barred range", tau_t, barred.passed, *notes)
     if line is not None:
-        yield replace(line, verdict="fail" if reasons else line.verdict, barred=barred.permitted)
+        yield replace(line, verdict="fail" if reasons else line.verdict, barred=barred.permitted, times=times)
     what, note = "stress amplitude above 1.05 of the rated speed", "outside the rule: it has no limit above 1.05"
     line = judged("tau_C", what, np.ones(len(curve.speed)), ~ruled, f"{note} of the rated speed")
     if line is not None:

@@ -41,6 +41,20 @@ class BarredRange:
 
 
 @reported
+class BarredTime:
+    """A motion over time within a barred range."""
+
+    motion: str = result("", (), "name of the motion over time")
+    lower: float = result("rad/s", (), "lower end of the range, reference speed")
+    upper: float = result("rad/s", (), "upper end")
+    seconds: float = result("s", (), "how long it is within the range", key="time_s")
+    share: float | None = result(
+        "1", (), "greatest amplitude of the resonances passed there, of the steady one; null where none is known"
+    )
+    stays: bool = result("", (), "it ends within the range")
+
+
+@reported
 class Check:
     """One line of the verdict table."""
 
@@ -62,6 +76,7 @@ class Check:
         "", (), "the value must not be below the limit", key="limit_is_a_least_value", default=False
     )
     barred: tuple[BarredRange, ...] = result("", (), "ranges that the verdict stands on", default=())
+    times: tuple[BarredTime, ...] = result("", (), "motions over time within these ranges", default=())
 
     @property
     def fails(self) -> bool:

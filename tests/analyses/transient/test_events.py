@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.response.over_speed import response
 from torsion.analyses.transient.events import Event, Point
+from torsion.analyses.transient.transient_motion import Transients
 from torsion.errors import InputError
 from torsion.kernels.transient.torque_history import value
 
@@ -232,3 +234,42 @@ def test_a_stop_that_begins_before_another_ends_along_its_ramp_is_judged_where_t
     events = "{at: motor-1, stop: {until: 0.2 s}}, {at: motor-1, time: 0.1 s, stop: {ramp: 0.2 s}}"
     with pytest.raises(InputError, match="together end 150 % of its mean torque"):
         torsion.parse(SCENE.format(f"events: [{events}]"))
+
+
+SHAKEN = """name: x
+operation: {{speeds: {{from: 300 rpm, to: 900 rpm}}, rated: {{speed: 600 rpm, power: 60 kW}}}}
+train:
+- motor: {{name: drive, inertia: 1}}
+- coupling: {{name: rubber, stiffness: 1e4, viscous: 20}}
+{joint}- propeller: {{name: screw, inertia: 2, blades: 3,
+    excitation: [{{blade_order: 1, torque: 50 N*m, phase: 20 deg}}]}}
+analyses: {{transient: {{duration: 0.2 s{initial}}}}}
+"""
+JOINT = "- joint: {angle: 10 deg, inertia: [0.1, 0.1]}\n- coupling: {stiffness: 1e4, viscous: 20}\n"
+
+
+def test_without_events_a_steady_vibration_goes_on_as_it_is() -> None:
+    found = torsion.run(torsion.parse(SHAKEN.format(joint="", initial="")))
+    (one,) = found.need(Transients).each
+    steady = response(found.study, found.system, speeds=np.array([20.0 * np.pi]), refine=False)
+    w = 60.0 * np.pi
+    wanted = 3000.0 / np.pi + (steady.torque[0, 0, 0] * np.exp(1j * w * one.time)).real
+    assert np.abs(one.torque[0] - wanted).max() < 1e-12 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize(
+    ("joint", "initial", "moves"),
+    [
+        ("", ", initial: {speed: 600 rpm}", False),
+        ("", ", initial: rest", False),
+        (JOINT, ", initial: {speed: 600 rpm}", True),
+        (JOINT, ", initial: rest", False),
+    ],
+)
+def test_without_events_a_train_that_nothing_moves_is_refused(joint: str, initial: str, moves: bool) -> None:
+    text = SHAKEN.format(joint=joint, initial=initial)
+    if moves:
+        assert torsion.parse(text).analyses
+        return
+    with pytest.raises(InputError, match="nothing moves the train"):
+        torsion.parse(text)

@@ -151,6 +151,17 @@ def test_a_figure_shows_a_single_sample_that_stands_out() -> None:
     assert (high.max(), low.min()) == (5.0, -3.0)
 
 
+def test_a_figure_shows_the_peaks_between_its_samples() -> None:
+    found = torsion.run(torsion.parse(SCENE + HIT.replace("1 s,", "1 s, samples: 1000,", 1)))
+    (one,) = found.need(Transients).each
+    (drawn,) = [block for block in chapter(found) if isinstance(block, Figure) and block.name == "motion hit rubber"]
+    ((_, low, high),) = drawn.values["lines"]
+    unit = 1e-3  # kN m
+    assert (high.max(), low.min()) == pytest.approx((one.greatest[0] * unit, one.least[0] * unit), rel=1e-15)
+    assert one.torque[0].max() < one.greatest[0]
+    assert (np.diff(drawn.values["time"]) >= 0.0).all()
+
+
 def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None:
     found = torsion.run(torsion.parse(SCENE + HIT.replace("1 s,", "1 s, modes: 1,", 1)))
     (one,) = found.need(Transients).each

@@ -44,7 +44,7 @@ def _excitations(
                 yield f"order {order} of {words}", order * at * speed
 
 
-def _mean_speed(system: System, turning: FloatArray) -> FloatArray:
+def mean_speed(system: System, turning: FloatArray) -> FloatArray:
     """(times,) rad/s of the reference: where the train is fixed, else of its momentum."""
     ratio = np.abs(system.speed_ratio)
     weight = np.where(system.held, 1.0, 0.0) if system.held.any() else system.lumped_inertia * ratio
@@ -55,7 +55,7 @@ def passages(
     system: System, follows: Following, train: ModalTrain, time: FloatArray, turning: FloatArray
 ) -> tuple[Passage, ...]:
     """In the order of time; turning: (stations, times) rad/s."""
-    found, speed = list[Passage](), _mean_speed(system, turning)
+    found, speed = list[Passage](), mean_speed(system, turning)
     ratio = np.diag(train.damping)[train.rigid :] / (2.0 * train.w)
     for words, excited in _excitations(system, follows, time, speed):
         rate = np.diff(excited) / np.diff(time)

@@ -134,6 +134,11 @@ class Curves:
             patch(angle + self.shape @ place, turning)
         return turning
 
+    def turned(self, station: int, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Angle (rad) and speed (times,) of a station with inertia."""
+        (angle, turning, _), (place, speed), row = self.carrier.at(time), self.motion.at(time), self.shape[station]
+        return angle[station] + row @ place, turning[station] + row @ speed
+
     def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque and its rate (pairs,) of every span at a time of its own."""
         order = np.argsort(at, kind="stable")

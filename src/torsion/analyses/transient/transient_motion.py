@@ -22,6 +22,8 @@ from torsion.analyses.transient.following_torques import (
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.order_tracking import OrderTracking, order_tracking
+from torsion.analyses.transient.orders_requested import orders_requested
 from torsion.analyses.transient.resonances_passed import Passage, passages
 from torsion.analyses.transient.state_before import State, points_of_events, state_before
 from torsion.analyses.transient.times_looked_at import PER_PERIOD
@@ -103,6 +105,7 @@ class TransientMotion:
     )
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
+    orders: OrderTracking | None = result("", (), "torques by orders of a shaft; null where none are", default=None)
     turns: tuple[FloatArray, ...] = ()  # of every span, values at which its torque turns, while damage is counted
 
     @property
@@ -213,6 +216,10 @@ def _solved(
         straight = _straight(study, system, before) if cuts else train
         added["passages"] = passages(system, follows, straight, time, turning)
     lacking = missed(modes, moved, time, finer) + curves.unseen(looked.left)
+    peak = np.maximum(np.abs(top[0]), np.abs(bottom[0]))
+    requested = orders_requested(study, system, settings, place, peak=peak, turning=turning)
+    if requested is not None:
+        added["orders"] = order_tracking(curves, requested, time, max(shape.shape[1], len(torque)))
     return TransientMotion(
         time, torque, turning, *top, -bottom[0], bottom[1], before.torque,
         _reversals(seen, noise / np.abs(system.speed_ratio[system.driving])), lacking, residual(moved, time),

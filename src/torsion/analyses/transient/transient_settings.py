@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
 from torsion.analyses.transient.events import Event, Stop
+from torsion.analyses.transient.order_tracking import OrderSettings
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study
@@ -91,6 +92,10 @@ class TransientSettings(Declared):
         "names of elements whose torque, and points whose speed is drawn (default: the largest torques, both ends)", ()
     )
     export: Literal["npz", "csv"] | None = given("also write all samples: motion.npz, or motion.csv of each motion")
+    orders: OrderSettings | None = given(
+        "{at, reference, track, highest}: torques by orders of a shaft, where the speed changes by 8 revolutions or "
+        "more (default: where orders excite the train and its speed changes by itself or by a program)"
+    )
     fatigue: Fatigue | None = given("{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum")
 
 
@@ -128,9 +133,10 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
     each = settings.initial.get("speed") if isinstance(settings.initial, dict) else None
     apart = each if isinstance(each, dict) else {}
     twists = settings.initial.get("torque", {}) if isinstance(settings.initial, dict) else {}
-    if not settings.events and not apart and not any(twists.values()):
-        hint = "give `events`, or `initial: {torque: {coupling-1: 100 N*m}}`"
-        yield Fault(path, "nothing moves the train: no event, and no twist that is released", hint)
+    if not (settings.events or apart or any(twists.values()) or _is_shaken(study, settings)):
+        hint = "give `events`, `initial: {torque: {coupling-1: 100 N*m}}`, or excitations and `initial: steady`"
+        message = "nothing moves the train: no event, no excitation of a steady state, no twist that is released"
+        yield Fault(path, message, hint)
     known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
     named = [name_fault(name, (*path, "initial", "speed", name), known) for name in apart]
     yield from (fault for fault in named if fault is not None)
@@ -160,14 +166,24 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
             yield Fault((*place, event.body.key), message, f"at least {4.0 * math.ulp(event.time):.1g} s between them")
     yield from _stopped_twice(settings, path)
     yield from _names(settings, path, known)
+    yield from _order_faults(study, settings, path, known)
+
+
+def _is_shaken(study: Study, settings: TransientSettings) -> bool:
+    """Without events: periodic torques and errors of gears and joints go on, or joints turn unevenly at a speed."""
+    if settings.initial in (None, "steady"):
+        return bool(study.operation.speed) and (study.excites or study.has_joints)
+    return study.has_joints and isinstance(settings.initial, dict) and bool(settings.initial.get("speed"))
 
 
 def _names(settings: TransientSettings, path: Path, known: Mapping[str, tuple[str, bool]]) -> Iterator[Fault]:
-    """Of `plot` and `fatigue`; known: of every component its kind, and whether it is a point."""
-    for key, names in (("plot", settings.plot), ("fatigue", settings.fatigue.at if settings.fatigue else ())):
+    """Of `plot`, `fatigue` and `orders`; known: of every component its kind, and whether it is a point."""
+    named = [("plot", settings.plot)]
+    named += [(key, one.at) for key in ("fatigue", "orders") if (one := getattr(settings, key)) is not None]
+    for key, names in named:
         for word in names:
             where = (*path, key) if key == "plot" else (*path, key, "at")
-            if key == "fatigue" and word in known and known[word][1]:
+            if key != "plot" and word in known and known[word][1]:
                 links = ", ".join(name for name, (_, is_point) in known.items() if not is_point)
                 yield Fault(where, f"'{word}' is a {known[word][0]}, and no torque goes through it", links)
             elif word not in known:
@@ -189,3 +205,23 @@ def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
             message = f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"
             yield Fault((*path, "events", number, "stop"), message, "a `share` each, of 100 % together")
             return
+
+
+def _order_faults(
+    study: Study, settings: TransientSettings, path: Path, known: Mapping[str, tuple[str, bool]]
+) -> Iterator[Fault]:
+    """Of the reference of `orders`, and of orders above the highest."""
+    given_orders = settings.orders
+    if given_orders is None:
+        return
+    if given_orders.reference is not None:
+        fault = name_fault(given_orders.reference, (*path, "orders", "reference"), known)
+        if fault is not None:
+            yield fault
+    highest = given_orders.highest
+    if highest is not None and max(given_orders.track, default=0.0) > highest:
+        message = f"order {max(given_orders.track):g} is tracked, and the waterfall ends at {highest:g}"
+        yield Fault((*path, "orders", "highest"), message, f"{max(given_orders.track):g} or more, or leave it out")
+    if study.train.has_nonlinear_couplings:
+        message = "orders of a motion with play, friction, stages or a capacity are not built"
+        yield Fault((*path, "orders"), message, "leave it out, or make the couplings linear")

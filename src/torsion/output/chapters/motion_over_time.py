@@ -9,6 +9,7 @@ from torsion.analyses.transient.transient_motion import TransientMotion, Transie
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.chapters.motion_orders import orders
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
 from torsion.output.selection import Element, elements
 
@@ -66,6 +67,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
         )
         yield Paragraph(text, "note")
     yield from _figures(findings, found, settings, unit)
+    yield from orders(found.orders, found.name)
 
 
 def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
@@ -187,7 +189,8 @@ def _figures(findings: Findings, found: TransientMotion, settings: TransientSett
     drawn = [one for one in every if train.parts[one.part].name in plot] if plot else every[:MOST_CURVES]
     for one in drawn:
         span = max(one.spans, key=lambda span: found.peak[span])
-        values = envelope(found.time, [(one.name, found.torque[span] * unit.factor)])
+        time, torque = _with_peaks(found, span)
+        values = envelope(time, [(one.name, torque * unit.factor)])
         caption = f"Torque in {one.name} over time" + (f", {found.name}" if found.name else "")
         yield Figure(f"motion {mark}{one.name}", caption, "over time", {**values, "quantity": f"torque, {unit.unit}"})
     stations = [(k, s.name) for k, s in enumerate(train.stations) if not s.is_ground]
@@ -197,6 +200,15 @@ def _figures(findings: Findings, found: TransientMotion, settings: TransientSett
         values = envelope(found.time, [(name, found.speed[k] * RPM) for k, name in ends])
         caption = "Speed over time" + (f", {found.name}" if found.name else "")
         yield Figure(f"motion {mark}speeds", caption, "over time", {**values, "quantity": "own speed, rpm"})
+
+
+def _with_peaks(found: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarray]:
+    """The samples of a torque, and between them its greatest and least value."""
+    at, value = [found.greatest_at[span], found.least_at[span]], [found.greatest[span], found.least[span]]
+    place = np.searchsorted(found.time, at, side="right")
+    order = np.argsort(at, kind="stable")
+    chosen = place[order], np.array(at)[order], np.array(value)[order]
+    return np.insert(found.time, chosen[0], chosen[1]), np.insert(found.torque[span], chosen[0], chosen[2])
 
 
 def envelope(time: np.ndarray, curves: list[tuple[str, np.ndarray]]) -> dict[str, object]:

@@ -81,6 +81,15 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         ],
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
     )
+    times = dict.fromkeys(one for check in findings.need(Checks).lines for one in check.times)
+    if times:
+        cells = [
+            (one.motion or "the only", rpm(one.lower), rpm(one.upper), number(one.seconds, 3),
+             NONE if one.share is None else number(100.0 * one.share, 3), "ends within" if one.stays else "passes")
+            for one in times
+        ]  # fmt: skip
+        titles = "< Motion over time | From [rpm] | To [rpm] | Within [s] | Reached, of the steady resonance [%] | <"
+        yield table(titles, cells, "Motions over time within barred ranges; the rule has no limit of the time")
 
 
 def closing(findings: Findings) -> Iterator[Block]:

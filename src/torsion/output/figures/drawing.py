@@ -14,6 +14,8 @@ PLOTS = {
     "stability": "torsion.output.figures.curves_over_speed:stability",
     "stability map": "torsion.output.figures.curves_over_speed:stability_map",
     "over time": "torsion.output.figures.curves_over_time:over_time",
+    "orders": "torsion.output.figures.orders_over_speed:orders",
+    "waterfall": "torsion.output.figures.orders_over_speed:waterfall",
     "stress": "torsion.output.figures.curves_over_speed:stress",
     "gear": "torsion.output.figures.curves_over_speed:gear",
     "frequency": "torsion.output.figures.curves_over_speed:frequency",

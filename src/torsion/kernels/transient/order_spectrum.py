@@ -1,0 +1,84 @@
+"""Samples at equal angles as harmonic components of the angle: Hann's window over some revolutions, and its spectrum.
+
+With N samples x at angles a + 2 pi k/M, M to a revolution, and w = 1 - cos(2 pi k/N), the phasor of an order o is
+    X(o) = 2/N sum w x exp(-i o angle)   (half of it for the mean, o = 0),
+which of A cos(b angle + phase) is A exp(i phase) H(o - b) + A exp(-i phase) H(o + b), turned by the angle at the middle
+of the window; H(0) = 1, and H vanishes at all multiples of 1/(revolutions) from the second on (Harris 1978).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+
+ROUNDS = 60  # of Newton's method within brackets, which halve
+SETTLED = 1e-13  # of the whole angle
+
+
+def hann(count: int) -> FloatArray:
+    """(count,) of mean 1.
+
+    >>> hann(4).tolist()
+    [0.0, 1.0, 2.0, 1.0]
+    """
+    return np.asarray(1.0 - np.cos(2.0 * np.pi * np.arange(count) / count))
+
+
+def phasors(values: FloatArray, first: FloatArray, revolutions: int, highest: int) -> ComplexArray:
+    """(windows, highest + 1) of the orders 0, 1/revolutions, 2/revolutions ..
+
+    values: (windows, samples). first: (windows,) rad, the angle at the begin of each window.
+    """
+    count = values.shape[1]
+    found = np.fft.rfft(values * hann(count), axis=1)[:, : highest + 1] * (2.0 / count)
+    found[:, 0] /= 2.0
+    return np.asarray(found * np.exp(-1j * np.multiply.outer(first, np.arange(highest + 1) / revolutions)))
+
+
+def phasors_of(values: FloatArray, first: FloatArray, revolutions: int, orders: FloatArray) -> ComplexArray:
+    """(windows, orders) of any orders above 0."""
+    count = values.shape[1]
+    angle = 2.0 * np.pi * revolutions * np.arange(count) / count
+    turned = np.exp(-1j * np.multiply.outer(angle, orders))
+    return np.asarray((values * hann(count)) @ turned * (2.0 / count) * np.exp(-1j * np.multiply.outer(first, orders)))
+
+
+def leakage(off: FloatArray, revolutions: int) -> FloatArray:
+    """H of the module's text, of a difference of orders, for samples without number.
+
+    >>> leakage(np.array([0.0, 0.125, 0.25, 1.0]), 8).round(12).tolist()
+    [1.0, 0.5, -0.0, -0.0]
+    """
+    x = off * revolutions
+    near = np.abs(np.abs(x) - 1.0) < 1e-9
+    square = np.where(near, 0.0, x * x)
+    return np.asarray(np.where(near, 0.5, np.sinc(x) / (1.0 - square)))
+
+
+def times_at(
+    angle: FloatArray,
+    time: FloatArray,
+    known: FloatArray,
+    turned: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+) -> FloatArray:
+    """(angles,) s at which a rising angle has values that ascend: Newton's method, halving where it leaves its bracket.
+
+    time, known: samples of the angle, which rise. turned: angle and speed at times that ascend.
+    """
+    place: IntArray = np.clip(np.searchsorted(known, angle, side="right") - 1, 0, len(time) - 2)
+    low, high = time[place].copy(), time[place + 1].copy()
+    share = (angle - known[place]) / (known[place + 1] - known[place])
+    found = low + np.clip(share, 0.0, 1.0) * (high - low)
+    near = SETTLED * float(np.abs(known).max())
+    for _ in range(ROUNDS):
+        there, speed = turned(found)
+        late = there - angle
+        if (np.abs(late) <= near).all():
+            break
+        low, high = np.where(late <= 0.0, found, low), np.where(late >= 0.0, found, high)
+        step = np.divide(late, speed, out=np.full(len(late), np.inf), where=speed > 0.0)
+        better = found - step
+        inside = (better >= low) & (better <= high)
+        found = np.maximum.accumulate(np.where(inside, better, (low + high) / 2.0))
+    return found

@@ -1,0 +1,74 @@
+"""Section of a motion over time: its torques by orders of a shaft, largest amplitudes and a waterfall."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsion.analyses.transient.order_tracking import TURNS, OrderTracking, TrackedTorque
+from torsion.output.blocks import Block, Figure, Paragraph, table
+from torsion.output.numbers import RPM, counted, degrees, number, rpm, scale
+
+MOST_ORDERS = 6  # curves of a figure
+
+
+def orders(found: OrderTracking | None, name: str) -> Iterator[Block]:
+    """What the tracking says; `name` is that of the motion."""
+    if found is None:
+        return
+    if found.turns < TURNS:
+        text = f"{found.reference} makes {number(found.turns, 3)} revolutions; below {TURNS} no order is reported."
+        yield Paragraph(text, "note")
+        return
+    left = f" {counted(found.left_out, 'window')} left out: more happens there than samples show." * bool(
+        found.left_out
+    )
+    yield Paragraph(
+        f"Orders: torques read at equal angles of {found.reference}, on the exact motion, in windows of {TURNS} "
+        f"revolutions (Hann), {len(found.time)} of them; orders stand 1/{TURNS} apart. What changes within a window is "
+        f"averaged. Half as many samples change no amplitude by more than {number(found.aliased, 2)} of the "
+        f"largest.{left}"
+    )
+    rows = [row for one in found.each for row in _largest(found, one)]
+    if rows:
+        unit = scale("N m", [row[2] for row in rows])
+        titles = (
+            f"< Element | Order of {found.reference} | Largest amplitude [{unit.unit}] | at [rpm] | at [s] | Phase [°]"
+        )
+        cells = [(element, order, unit.text(size), *more) for element, order, size, *more in rows]
+        yield table(titles, cells, "Orders: largest amplitude, and its phase over the angle of the reference")
+    for one in found.each:
+        yield from _figures(found, one, name)
+
+
+def _largest(found: OrderTracking, one: TrackedTorque) -> Iterator[tuple[str, str, float, str, str, str]]:
+    for k, (order, window) in enumerate(zip(found.order.tolist(), one.window.tolist(), strict=True)):
+        turn = float(np.angle(one.torque[window, k]))
+        at = rpm(float(found.speed[window])), number(float(found.time[window]))
+        yield one.element, number(order), float(one.largest[k]), *at, degrees(turn, 3)
+
+
+def _figures(found: OrderTracking, one: TrackedTorque, name: str) -> Iterator[Block]:
+    """Amplitudes over the speed, or over the time where the speed does not go one way."""
+    speed, over = found.speed * RPM, f"speed of {found.reference}, rpm"
+    if (np.diff(speed) > 0.0).all() or (np.diff(speed) < 0.0).all():
+        axis = speed
+    else:
+        axis, over = found.time, "time, s"
+    unit = scale("N m", one.waterfall[:, 1:].max(axis=1))
+    mark, of = f"{name} {one.element}".lstrip(), f"{one.element}" + (f", {name}" if name else "")
+    strong = np.sort(np.argsort(-one.largest, kind="stable")[:MOST_ORDERS])
+    lines = [(f"order {number(float(found.order[k]))}", np.abs(one.torque[:, k]) * unit.factor) for k in strong]
+    sort = np.argsort(axis)
+    shared = {"x": axis[sort], "quantity": over, "unit": unit.unit}
+    if lines and len(axis) > 1:
+        values = {**shared, "lines": [(label, values[sort]) for label, values in lines]}
+        yield Figure(f"orders {mark}", f"Orders of the torque in {of}", "orders", values)
+    if len(axis) > 1:
+        order = np.arange(one.waterfall.shape[1]) * found.resolution
+        values = {
+            **shared,
+            "order": order,
+            "amplitude": one.waterfall[sort] * unit.factor,
+            "reference": found.reference,
+        }
+        yield Figure(f"waterfall {mark}", f"Waterfall of the torque in {of}", "waterfall", values)
