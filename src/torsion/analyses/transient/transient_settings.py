@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
-from torsion.analyses.transient.events import Event, Stop
+from torsion.analyses.transient.events import Event, ShortCircuit, Stop
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study
@@ -91,7 +91,17 @@ class TransientSettings(Declared):
         "names of elements whose torque, and points whose speed is drawn (default: the largest torques, both ends)", ()
     )
     export: Literal["npz", "csv"] | None = given("also write all samples: motion.npz, or motion.csv of each motion")
+    duty: Literal["normal", "rare"] | None = given(
+        "normal, or rare: a short circuit, an emergency, a misoperation, for which couplings have `max_torque_rare` "
+        "(default: rare where every event is a short circuit)"
+    )
     fatigue: Fatigue | None = given("{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum")
+
+    @property
+    def is_rare(self) -> bool:
+        """No motion of normal operation; where the file does not say it, in doubt it is one."""
+        faults = [isinstance(event.body, ShortCircuit) for event in self.events]
+        return self.duty == "rare" or (self.duty is None and bool(faults) and all(faults))
 
 
 def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
