@@ -43,7 +43,8 @@ def of_scene(found: Findings) -> dict[str, Digits]:
         for place, line in enumerate(made["response"]["lines"]):
             taken[f"response.lines[{place}].torque_Nm"] = digits(line["torque_Nm"])
     if made["checks"]:
-        lines = [line for line in made["checks"] if line["rule"] != "transient"]  # steps of a motion end where they may
+        over_time = ("transient", "ice")  # steps of a motion end where they may
+        lines = [line for line in made["checks"] if line["rule"] not in over_time]
         taken["checks"] = digits([[line["value"], line["limit"]] for line in lines])
         taken["verdicts"] = [line["verdict"] for line in made["checks"]]
     return taken

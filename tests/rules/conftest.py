@@ -12,6 +12,7 @@ from torsion.analyses.joints.joint_analysis import joints
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.steady import Steady
+from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.assembly import assemble
 from torsion.components import component
 from torsion.components.material import Material
@@ -33,13 +34,16 @@ def study() -> Callable[..., Study]:
         rules: Sequence[tuple[str, Declared]] = (),
         *,
         materials: Mapping[str, Material] | None = None,
+        analyses: Mapping[str, Declared] | None = None,
         **operation: Any,
     ) -> Study:
         requested = {"speeds": {"from": "100 rpm", "to": "1200 rpm"}, "rated": {"speed": "1000 rpm", "power": "100 kW"}}
         components = [component(kind).model_validate(body) for kind, body in parts]
         lowered = train(components, materials={"steel": STEEL_600, **(materials or {})})
         given = {key: value for key, value in {**requested, **operation}.items() if value is not None}
-        return Study("scene", lowered, operation=Operation.model_validate(given), rules=tuple(rules))
+        return Study(
+            "scene", lowered, operation=Operation.model_validate(given), analyses=analyses or {}, rules=tuple(rules)
+        )
 
     return make
 
@@ -81,6 +85,11 @@ def evidence() -> Callable[..., Results]:
         still = Steady(speed, steady.T, stations, stations, "by hand")
         bent = joints(study.train, study.operation) if study.has_joints else None
         found = {"system": system, "mean": still, "response": response, "synthesis": together, "joints": bent}
+        if "transient" in study.analyses:
+            nothing, time = np.zeros(number), np.linspace(0.0, 10.0, 101)
+            rest = np.zeros((number, 101)), np.zeros((len(system.stations), 101))
+            ends = (nothing, nothing, nothing, nothing, nothing, nothing.astype(int), nothing)
+            found["transient"] = Transients((TransientMotion(time, *rest, *ends, 0.0, 100.0 * RPM, 1),))
         return Results(study, found)
 
     return make

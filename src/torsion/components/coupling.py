@@ -72,7 +72,15 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
     )
     rated_torque: fields.Torque | None = given("T_KN of the maker")
     vibratory_torque: fields.Torque | None = given("T_KW of the maker: permissible vibratory torque, half range")
-    max_torque: fields.Torque | None = given("T_Kmax of the maker")
+    max_torque: fields.Torque | None = given(
+        "T_Kmax of the maker; where it gives two, T_Kmax1: of normal operation, as starts, resonances, clutching, ice"
+    )
+    max_torque_rare: fields.Torque | None = given(
+        "T_Kmax2 of the maker, of rare events: short circuit, emergency, misoperation (default: `max_torque`)"
+    )
+    max_torque_range: fields.Torque | None = given(
+        "dT_max of the maker: range of the torque, from peak to peak, in a motion of normal operation"
+    )
     heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
     tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
     clearance: Clearance | None = given(
@@ -93,12 +101,19 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
             raise refuse(f"{' and '.join(found)} exclude each other", "give one kind of damping", found[1])
         if self.flexibility == 0 and found:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
+        if self.max_torque_rare is not None and self.max_torque is None:
+            hint = "`max_torque` too: T_Kmax1, that of normal operation"
+            raise refuse("`max_torque_rare` limits rare events alone", hint, "max_torque_rare")
+        if self.max_torque_rare is not None and self.max_torque_rare < (self.max_torque or 0.0):
+            message = f"{self.max_torque_rare:g} N m is below the {self.max_torque:g} N m of `max_torque`"
+            raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")
         _refuse_nonlinear_clashes(self)
 
     def lower(self, build: Lowering) -> None:
         ratings = CouplingRatings(
-            self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance
-        )
+            self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance,
+            self.max_torque_rare, self.max_torque_range,
+        )  # fmt: skip
         damping = next(((key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None), None)
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)

@@ -47,6 +47,7 @@ class Gear(Component, keyword="gear", sort="link"):
     application_factor: Annotated[float, Quantity("1", at_least=1, usual=(None, 10.0), slip=("%",))] | None = given(
         "K_A of the gear rating"
     )
+    max_torque: fields.Torque | None = given("greatest torque of its rating, at the driving gear, in motion over time")
 
     def refuse_clashes(self) -> None:
         _one_ratio(self)
@@ -55,7 +56,7 @@ class Gear(Component, keyword="gear", sort="link"):
                 raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
 
     def lower(self, build: Lowering) -> None:
-        build.record(application_factor=self.application_factor)
+        build.record(application_factor=self.application_factor, max_torque=self.max_torque)
         before, part, gear = build.at, build.part, build.parts[-1]
         referred_to = before.ratio if self.referred and before.referred_to is None else before.referred_to
         driving, driven = build.link(self._speed(self), self.sense, self.inertia, referred_to=referred_to, yoke=None)

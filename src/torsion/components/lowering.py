@@ -50,9 +50,11 @@ class CouplingRatings:
 
     rated_torque: float | None  # N m, T_KN
     vibratory_torque: float | None  # N m, T_KW, half range
-    max_torque: float | None  # N m, T_Kmax
+    max_torque: float | None  # N m, T_Kmax, or T_Kmax1 of normal operation
     heat_limit: float | None  # W, P_KW
     tolerance: float | None  # of the stiffness
+    max_torque_rare: float | None = None  # N m, T_Kmax2
+    max_torque_range: float | None = None  # N m, dT_max
 
     @property
     def limit_vibration(self) -> bool:
@@ -125,6 +127,9 @@ class PropellerRecord:
     diameter: float | None  # m
     damping_model: str
     damping_factor: float | None
+    pitch_ratio: float | None = None
+    hub_ratio: float | None = None
+    is_ducted: bool = False
 
 
 @dataclass(frozen=True)
@@ -145,11 +150,23 @@ class Part:
     damping: tuple[str, float] | None = None  # key and value of its internal damping as given in the file
     power: float | None = None  # W, of a motor
     application_factor: float | None = None  # K_A, of a gear
+    max_torque: float | None = None  # N m, greatest of a gear, at its driving side
     ratings: CouplingRatings | None = None
     shaft: ShaftRecord | None = None
     joint: JointRecord | None = None
     propeller: PropellerRecord | None = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
+
+    def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
+        """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""
+        if self.max_torque is not None:
+            return "T_max", self.max_torque
+        if self.ratings is None or self.ratings.max_torque is None:
+            return None
+        normal, rare = self.ratings.max_torque, self.ratings.max_torque_rare
+        if rare is None:
+            return "T_Kmax", normal
+        return ("T_Kmax2", rare) if is_rare else ("T_Kmax1", normal)
 
     @property
     def is_clutch(self) -> bool:

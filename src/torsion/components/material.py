@@ -3,9 +3,10 @@
 from typing import Annotated
 
 from torsion import fields
-from torsion.fields import Quantity, Sized, given, required
+from torsion.fields import Quantity, Sized, given, refuse, required
 
 _DENSITIES = ("g/cm**3", "kg/mm**3", "t/mm**3", "g/m**3")
+Strength = Annotated[float, Quantity("Pa", above=0, usual=(1e6, 1e10), slip=("MPa", "GPa", "kPa", "Pa"))]
 
 
 class Material(Sized):
@@ -16,10 +17,13 @@ class Material(Sized):
     density: Annotated[float, Quantity("kg/m**3", at_least=0, usual=(500.0, 25e3), slip=_DENSITIES)] = required(
         "rho; 0 makes a massless shaft"
     )
-    tensile_strength: (
-        Annotated[float, Quantity("Pa", above=0, usual=(1e6, 1e10), slip=("MPa", "GPa", "kPa", "Pa"))] | None
-    ) = given("sigma_B, needed by the class rules")
+    tensile_strength: Strength | None = given("sigma_B, needed by the class rules")
+    yield_strength: Strength | None = given("R_eH or R_p0.2, needed by the rule `ice`")
     loss_factor: fields.LossFactor = given("energy lost in a cycle / (2 pi peak elastic energy)", 0.0)
+
+    def refuse_clashes(self) -> None:
+        if self.yield_strength and self.tensile_strength and self.yield_strength > self.tensile_strength:
+            raise refuse("the yield strength is above the tensile strength", "are they interchanged?", "yield_strength")
 
 
 STEEL = Material(shear_modulus=79.3e9, youngs_modulus=206e9, density=7850.0)

@@ -61,7 +61,11 @@ class Propeller(Component, keyword="propeller", sort="point"):
     )
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades")
     diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
-    pitch_ratio: Ratio | None = given("pitch / diameter")
+    pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
+    hub_ratio: Annotated[float, Quantity("1", above=0, below=1, slip=("%",))] | None = given(
+        "diameter of the hub / diameter; for the ice torque of a class"
+    )
+    ducted: bool = given("it turns in a duct; for the ice torque of a class", False)
     area_ratio: Ratio | None = given("expanded blade area / disc area")
     damping: Annotated[PropellerDamping, BeforeValidator(_plain_value, float | str | PropellerDamping)] | None = given(
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}"
@@ -81,7 +85,11 @@ class Propeller(Component, keyword="propeller", sort="point"):
         unit, amount = self.entrained or ("", 0.0)
         water = self.inertia * amount if unit == "1" else amount
         entrained = None if self.entrained is None else water
-        build.record(propeller=PropellerRecord(self.inertia, entrained, self.blades, self.diameter, model, factor))
+        record = PropellerRecord(
+            self.inertia, entrained, self.blades, self.diameter, model, factor, self.pitch_ratio, self.hub_ratio,
+            self.ducted,
+        )  # fmt: skip
+        build.record(propeller=record)
         here = build.point()
         build.add(Inertia(here, build.own(self.inertia + water)))
         if self.damping is not None:

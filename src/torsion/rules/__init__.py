@@ -16,6 +16,7 @@ RULES = {  # name in the file: class
     "iacs-m68": "torsion.rules.m68:M68",
     "coupling-maker": "torsion.rules.coupling_maker:CouplingMaker",
     "gear-hammer": "torsion.rules.gear_hammer:GearHammer",
+    "ice": "torsion.rules.ice_peaks:IcePeaks",
     "universal-joints": "torsion.rules.universal_joints:UniversalJoints",
 }
 STANDING = {  # result that a rule judges which needs no name in the file: class

@@ -1,4 +1,4 @@
-"""The verdict on motion over time: no coupling may carry more than the greatest torque that its maker allows.
+"""The verdict on motion over time: nothing may carry more than the greatest torque that its maker allows.
 
 Where damage is counted, a life that is used up fails too.
 """
@@ -14,10 +14,10 @@ WHOLE_LIFE = 1.0  # Miner's sum at which it is used up
 
 
 class GreatestTorque(Rule):
-    """The rule on every motion over time that was computed; a coupling without the rating is not judged."""
+    """The rule on every motion over time that was computed; what has no rating is not judged."""
 
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
-        """Of every coupling with a `max_torque`, and of every part whose damage is counted.
+        """Of every coupling and gear with a `max_torque`, and of every part whose damage is counted.
 
         Modes that the samples do not resolve are added to a peak. A motion whose status is not ok never passes.
         """
@@ -31,12 +31,19 @@ def _lines(evidence: Results, found: TransientMotion, number: int) -> list[Check
     part, spans = evidence.study.train.parts[number], spans_of(evidence.system, number)
     is_sound, lines = found.status == "ok", list[Check]()
     note = "" if is_sound else f"{found.status}; such a motion is never a pass"
-    limit = None if part.ratings is None else part.ratings.max_torque
-    if limit is not None:
+    rated = part.greatest_torque(is_rare=found.is_rare)
+    if rated is not None:
+        clause, limit = rated
         what = f"greatest torque of the motion over time {found.name}".rstrip()
         peak = float(found.peak[spans].max())
         verdict = verdict_of(is_sound and peak <= limit, "maker")
-        lines.append(Check("transient", "T_Kmax", part.name, what, peak, limit, "N m", verdict, "maker", note=note))
+        lines.append(Check("transient", clause, part.name, what, peak, limit, "N m", verdict, "maker", note=note))
+    widest = None if part.ratings is None or found.is_rare else part.ratings.max_torque_range
+    if widest is not None:
+        what = f"range of the torque in the motion over time {found.name}".rstrip()
+        whole = float((found.greatest - found.least + 2.0 * found.unresolved)[spans].max())
+        verdict = verdict_of(is_sound and whole <= widest, "maker")
+        lines.append(Check("transient", "dT_max", part.name, what, whole, widest, "N m", verdict, "maker", note=note))
     if found.damage is not None and spans.size and not np.isnan(found.damage[spans]).all():
         what = f"damage (Miner) by the motion over time {found.name}".rstrip()
         damage = float(found.damage[spans].max())

@@ -39,6 +39,7 @@ EXAMPLES = {
     "damper": "- damper: {housing: 1.5, ring: 4, damping: 600 N*m*s/rad}",
     "shaft": "- shaft: {length: 4.5 m, diameter: [150 mm, 140 mm], bore: 40 mm, role: propeller, features: shrink fit}",
     "coupling": "- coupling: {stiffness: 40 kN*m/rad, inertia: [0.9, 0.6], psi: 0.9, vibratory_torque: 1.2 kN*m}\n"
+    "- coupling: {stiffness: 70 kN*m/rad, psi: 1.1, max_torque: 15 kN*m, max_torque_rare: 45 kN*m}\n"
     "- coupling: {stiffness: 2 MN*m/rad, clearance: {angle: 0.2 deg, viscous: 40}}\n"
     "- coupling: {stiffness: 950, hysteresis_torque: 7 N*m, stages: [{from: 12 deg, stiffness: 4000}]}\n"
     "- coupling: {stiffness: 80 kN*m/rad, capacity: 400 N*m}",
@@ -51,7 +52,8 @@ NOTES = {  # what the keys of a kind need of each other
     "disc": "Give `inertia`, or `held: true`.",
     "motor": "Give `inertia`, or `held: true` (and then no `ripple`). The mean torque enters at the motors; "
     "`power` says their shares of it, never its size, which follows from `operation`.",
-    "propeller": "The mean torque leaves at the propellers. `excitation` needs `blades`. Of the models of damping "
+    "propeller": "The mean torque leaves at the propellers. `excitation` needs `blades`, ice of a class "
+    "`blades`, `diameter`, `pitch_ratio` and `hub_ratio`. Of the models of damping "
     "`viscous` has a `value`, `schwanecke` needs `diameter`, `pitch_ratio` and `area_ratio`, others have a `factor`.",
     "shaft": "Give `diameter`, with or without `bore`, or `section`. The bore is smaller than the diameter at both "
     "ends.\n\nA section, as `section: {mesh: keyed.msh, unit: mm}`, is a mesh of triangles with 3 or 6 nodes in a file "

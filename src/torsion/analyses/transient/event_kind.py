@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar, get_args
 
+from torsion.components.lowering import PropellerRecord
 from torsion.fields import Declared, Quantity
 from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.torque_history import Piece
@@ -27,6 +28,7 @@ class Point:
     rated_speed: float = 0.0  # rad/s of its own shaft; 0 where it is not known
     turns: bool = False  # torques follow the motion: events, joints
     is_clutch: bool = False
+    propeller: PropellerRecord | None = None
 
 
 Lack = tuple[str, str] | None  # what is wrong, and what would be right

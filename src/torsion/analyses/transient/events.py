@@ -3,30 +3,24 @@
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point, Time, settings_in_words
 from torsion.analyses.transient.following_events import Load, SpeedProgram, Start
+from torsion.analyses.transient.milling_ice import Ice
 from torsion.analyses.transient.torque_file import torque_rows
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.transient import torque_laws
 from torsion.kernels.transient.collocation import Law
-from torsion.kernels.transient.torque_history import Piece, history
+from torsion.kernels.transient.torque_history import Piece
 
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
 Coefficient = Annotated[float, Quantity("1")]
 SignedTorque = Annotated[float, Quantity("N*m")]
-ICE_CASES = {  # factor C_q, contact angle in deg by number of blades; FSICR 2017, from memory: to be verified
-    1: (0.75, {3: 90.0, 4: 90.0, 5: 72.0, 6: 60.0}), 2: (1.0, {3: 135.0, 4: 135.0, 5: 135.0, 6: 135.0}),
-    3: (0.5, {3: 45.0, 4: 45.0, 5: 36.0, 6: 30.0}), 4: (0.5, {3: 45.0, 4: 45.0, 5: 36.0, 6: 30.0}),
-}  # fmt: skip
-TWO_BLOCKS = 3  # the ice case of two blocks at once
 
 
 def _read_rows(value: Any) -> tuple[tuple[float, float], ...]:
@@ -192,76 +186,6 @@ class ShortCircuit(Kind):
 
     def lacks(self, at: Point) -> Lack:
         return None if at.rated else ("a short circuit needs the rated torque", "give `operation: rated` with a power")
-
-
-Contact = Annotated[float, Quantity("rad", above=0, at_most=2.0 * math.pi)]
-RampAngle = Annotated[float, Quantity("rad", at_least=0)]
-
-
-class Ice(Kind):
-    """Blades that mill ice at the speed before the events: half sines against the rotation, between two ramps."""
-
-    key, meaning = "ice", "{torque, case or angle and factor, turns, ramp}: a propeller that mills ice"
-
-    torque: fields.Torque = required("Q_max, the greatest ice torque at the propeller")
-    case: Literal[1, 2, 3, 4] | None = given("case of the ice rules: factor, angle and blocks (to be verified)")
-    factor: fields.Number = given("C_q, where no case is given", 1.0)
-    angle: Contact | None = given("angle of contact alpha_i, where no case is given")
-    turns: Annotated[int, Field(ge=2, le=1000)] = given("revolutions of the milling", 6)
-    ramp: RampAngle = given("angle over which the torque rises at the begin, and falls at the end", 1.5 * math.pi)
-
-    @model_validator(mode="after")
-    def _case_or_angle(self) -> Self:
-        if (self.case is None) == (self.angle is None):
-            raise refuse("ice has a `case`, or an `angle` and a `factor`", "give one of them")
-        if self.case is not None and "factor" in self.model_fields_set:
-            raise refuse("a case of ice has a factor of its own", "leave `factor` out, or `case`", "factor")
-        if self.ramp > math.pi * self.turns:
-            hint = f"at most {180 * self.turns} deg for {self.turns} turns"
-            raise refuse("the two ramps are longer than the milling", hint, "ramp")
-        return self
-
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        factor, angle = self.factor, self.angle or 0.0
-        if self.case is not None:
-            factor, angles = ICE_CASES[self.case]
-            angle = math.radians(angles[at.blades])
-        blocks = (0.0, math.pi / at.blades) if self.case == TWO_BLOCKS else (0.0,)
-        last = 2.0 * math.pi * self.turns
-        for hit in range(at.blades * self.turns):
-            for block in blocks:
-                first = 2.0 * math.pi * hit / at.blades + block
-                yield from self._hit(begin, at.speed, (first, min(first + angle, last)), angle, factor)
-
-    def lacks(self, at: Point) -> Lack:
-        if not (at.blades and (at.speed or at.turns)):
-            return "ice needs a turning propeller with `blades`", "give `blades` and a speed"
-        if self.case is not None and at.blades not in ICE_CASES[self.case][1]:
-            return f"the cases of the ice rules are of 3 to 6 blades, not {at.blades}", "give `angle` and `factor`"
-        return None
-
-    @property
-    def by_angle(self) -> bool:
-        return True
-
-    def laws(self, begin: float, at: Point) -> Iterator[Law]:
-        over_angle = list(self.pieces(0.0, replace(at, speed=1.0)))
-        yield torque_laws.ByAngle(0, history([over_angle]), torque_laws.Window(begin))
-
-    def _hit(
-        self, begin: float, speed: float, between: tuple[float, float], angle: float, factor: float
-    ) -> Iterator[Piece]:
-        """One blade, in pieces over which the ramps have one slope."""
-        last = 2.0 * math.pi * self.turns
-        kinks = [self.ramp, last - self.ramp]
-        edges = sorted({*between, *(kink for kink in kinks if between[0] < kink < between[1])})
-        for start, end in pairwise(edges):
-            level, later = (float(np.interp(x, [0.0, self.ramp, last - self.ramp, last], [0, 1, 1, 0]))
-                            for x in (start, end))  # fmt: skip
-            wave = 1j * factor * self.torque * cmath.exp(1j * math.pi * (start - between[0]) / angle)
-            slope = (later - level) / (end - start) * speed
-            times = begin + start / speed, begin + end / speed
-            yield Piece(*times, wave * level, wave * slope, 1j * math.pi * speed / angle)
 
 
 class Stop(Kind):

@@ -85,7 +85,7 @@ def points_of_events(
     """
     found, faults = list[Point](), list[Fault]()
     for number, event in enumerate(events):
-        at = replace(point(study, system, before, event.at), turns=turns)
+        at = replace(point(study, system, before.speed, event.at, before.mean), turns=turns)
         found.append(at)
         lack = _lack_of_freedom(study, system, event) or _lack_of_order(events, event) or event.body.lacks(at)
         if lack is not None:
@@ -123,17 +123,17 @@ def _lack_of_freedom(study: Study, system: System, event: Event) -> Lack:
     return None
 
 
-def point(study: Study, system: System, before: State, name: str) -> Point:
-    """The train where an event acts."""
+def point(study: Study, system: System, speed: float, name: str, mean: Steady | None = None) -> Point:
+    """The train where an event acts, at a reference speed (rad/s) and with the mean torques before it."""
     part = study.train.part(name)
     station, rated = part.stations[0], study.operation.rated
     ratio = abs(float(system.speed_ratio[station]))
     power = part.power if part.power is not None else None if rated is None else rated.power
     torque = 0.0 if rated is None or power is None else power / (rated.speed * ratio)
-    mean = 0.0 if before.mean is None else float(before.mean.applied[station, 0])
+    driving = 0.0 if mean is None else float(mean.applied[station, 0])
     blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
     rated_speed = 0.0 if rated is None else rated.speed * ratio
     return Point(
-        name, before.speed * ratio, mean, torque, blades, FilePath(study.file).parent, rated_speed,
-        is_clutch=part.is_clutch,
+        name, speed * ratio, driving, torque, blades, FilePath(study.file).parent, rated_speed,
+        is_clutch=part.is_clutch, propeller=part.propeller,
     )  # fmt: skip

@@ -1,5 +1,6 @@
 """Motion over time of a train, exactly from its modes: torques, their peaks and reversals, and speeds."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -21,11 +22,12 @@ from torsion.analyses.transient.following_torques import (
 )  # fmt: skip
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
+from torsion.analyses.transient.milling_ice import Ice, IceTorque
 from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
 from torsion.analyses.transient.order_tracking import OrderTracking, order_tracking
 from torsion.analyses.transient.orders_requested import orders_requested
 from torsion.analyses.transient.resonances_passed import Passage, passages
-from torsion.analyses.transient.state_before import State, points_of_events, state_before
+from torsion.analyses.transient.state_before import State, point, points_of_events, state_before
 from torsion.analyses.transient.times_looked_at import PER_PERIOD
 from torsion.analyses.transient.torque_curves import Curves, Seen, looked_at_of, missed, sampled
 from torsion.analyses.transient.transient_settings import (
@@ -106,6 +108,10 @@ class TransientMotion:
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
     orders: OrderTracking | None = result("", (), "torques by orders of a shaft; null where none are", default=None)
+    is_rare: bool = result(
+        "", (), "no motion of normal operation: T_Kmax2 limits its couplings", key="rare", default=False
+    )
+    ice: tuple[IceTorque, ...] = result("", (), "greatest ice torques that follow from a class", default=())
     turns: tuple[FloatArray, ...] = ()  # of every span, values at which its torque turns, while damage is counted
 
     @property
@@ -291,7 +297,19 @@ def _read(study: Study, system: System, settings: TransientSettings, found: Tran
         here = system.span_part == bar.part
         stress[here] = found.peak[here] / stress_modulus(bar)
     damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.turns)
-    return replace(found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=())
+    return replace(
+        found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=(),
+        is_rare=settings.is_rare, ice=tuple(_ice(study, system, settings, found)),
+    )  # fmt: skip
+
+
+def _ice(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> Iterator[IceTorque]:
+    """The greatest ice torques of the classes that its events name."""
+    for event in settings.events:
+        if isinstance(event.body, Ice):
+            torque = event.body.of_class(point(study, system, found.speed_before, event.at))
+            if torque is not None:
+                yield torque
 
 
 def run(work: Work) -> None:

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
-from torsion.analyses.transient.events import Event, Stop
+from torsion.analyses.transient.events import Event, ShortCircuit, Stop
 from torsion.analyses.transient.order_tracking import OrderSettings
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
@@ -96,7 +96,17 @@ class TransientSettings(Declared):
         "{at, reference, track, highest}: torques by orders of a shaft, where the speed changes by 8 revolutions or "
         "more (default: where orders excite the train and its speed changes by itself or by a program)"
     )
+    duty: Literal["normal", "rare"] | None = given(
+        "normal, or rare: a short circuit, an emergency, a misoperation, for which couplings have `max_torque_rare` "
+        "(default: rare where every event is a short circuit)"
+    )
     fatigue: Fatigue | None = given("{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum")
+
+    @property
+    def is_rare(self) -> bool:
+        """No motion of normal operation; where the file does not say it, in doubt it is one."""
+        faults = [isinstance(event.body, ShortCircuit) for event in self.events]
+        return self.duty == "rare" or (self.duty is None and bool(faults) and all(faults))
 
 
 def cases(study: Study) -> list[tuple[TransientSettings, Path]]:

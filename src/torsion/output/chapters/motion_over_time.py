@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.transient.event_driven_curves import Switching
+from torsion.analyses.transient.milling_ice import Ice
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
@@ -55,6 +56,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
     if events:
         yield table("< At | < Event | Begins at [s] | < Settings", events, "Events; torques at the point's own speed")
+    yield from _ice(found, settings)
     yield _peaks(found, rows, unit)
     if found.switching is not None:
         yield from _switching(found.switching)
@@ -86,6 +88,38 @@ def _method(found: TransientMotion) -> str:
     if found.switching is not None:
         return FROM_EVENT_TO_EVENT
     return DRIVEN if found.steps else METHOD
+
+
+def _ice(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+    """How the greatest torque of a class of ice was found, and what of the ice is to be verified."""
+    if any(isinstance(event.body, Ice) and event.body.case for event in settings.events):
+        text = (
+            "Factor, angle and blocks of the cases of ice were not compared with the printed rules: to be verified "
+            "against the edition in force."
+        )
+        yield Paragraph(text, "note")
+    if not found.ice:
+        return
+    rows = [
+        (one.at, one.ice_class, number(one.thickness), "duct" if one.is_ducted else "open", number(one.factor),
+         number(one.diameter), number(one.hub_ratio), number(one.pitch_ratio), number(one.speed / (2.0 * np.pi)),
+         number(one.revolutions), number(one.torque * 1e-3))
+        for one in found.ice
+    ]  # fmt: skip
+    titles = (
+        "< Propeller | < Class | H [m] | < Propeller is | k | D [m] | d/D | P/D | n [1/s] | Revolutions "
+        "| Q_{max} [kN m]"
+    )
+    yield table(titles, rows, "Greatest ice torque of the class, to be verified against the edition in force")
+    small = "k (1 − d/D) (P/D)^0.16 (n D)^0.17 D³"
+    large = "1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1"
+    used = {large if one.is_large else small: ("beyond" if one.is_large else "up to") for one in found.ice}
+    text = "; ".join(f"{formula} for diameters {ends} 1.8 H" for formula, ends in used.items())
+    yield Paragraph(
+        f"Q_{{max}} = {text}; in kN m, with lengths in m and n in 1/s. Formula, factors, thickness of the ice and its "
+        "2 revolutions a metre were not compared with the printed rules: to be verified against the edition in force.",
+        "note",
+    )
 
 
 def _following(found: TransientMotion) -> Iterator[Block]:

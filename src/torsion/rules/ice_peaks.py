@@ -1,0 +1,200 @@
+"""Rule `ice`: greatest torques of motion over time in ice, against yield of the shafts and ratings of couplings, gears.
+
+From memory of the Finnish-Swedish ice class rules (2017): to be verified against the edition in force.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from torsion.analyses.transient.following_events import Start
+from torsion.analyses.transient.milling_ice import CASES, Ice
+from torsion.analyses.transient.transient_motion import TransientMotion, Transients
+from torsion.analyses.transient.transient_settings import TransientSettings, cases
+from torsion.analyses.undamped_modes import Modes
+from torsion.components.lowering import Part
+from torsion.errors import Fault, Path
+from torsion.fields import Declared, Quantity, given
+from torsion.findings import Results
+from torsion.rules.judgement import RATED, in_rpm, spans_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, verdict_of
+from torsion.study import Study
+
+PA = 1e-6  # N/mm2
+SHEAR = 1.0 / math.sqrt(3.0)  # yield in shear / yield in tension (von Mises)
+MARGIN = 0.2  # beyond the speeds of the operation, within which the first blade order is to meet no mode
+SAME_SPEED = 0.01  # a motion this near to a resonance is at it
+LACKING = {"shaft": "yield_strength` of its material", "coupling": "max_torque`", "gear": "max_torque`"}
+UNDRIVEN = "the torque of the drive is not known, and the rule ice judges it together with that of the ice"
+Factor = Annotated[float, Quantity("1", at_least=1)]
+
+
+class IceSettings(Declared):
+    """Settings of `ice`."""
+
+    factor: Factor = given("safety factor of the shafts against yield (to be verified)", 1.3)
+
+
+@dataclass(frozen=True)
+class InIce:
+    """A motion over time in ice, and where it stands in the file."""
+
+    settings: TransientSettings
+    path: Path
+    milled: tuple[tuple[str, Ice, float], ...]  # propellers, what they mill, and from when (s) on
+
+    @property
+    def is_steady(self) -> bool:
+        """It begins with the mean torques of the operation."""
+        return self.settings.initial in (None, "steady")
+
+    @property
+    def words(self) -> str:
+        """What it computes."""
+        each = (f"case {ice.case}" if ice.case else f"contact over {math.degrees(ice.angle or 0.0):g} deg"
+                for _, ice, _ in self.milled)  # fmt: skip
+        return " and ".join(dict.fromkeys(each)) + (f" ({self.settings.name})" if self.settings.name else "")
+
+
+class IcePeaks(Rule):
+    """The rule, as the study reads it."""
+
+    name = "ice"
+    settings = IceSettings
+    needs = ("transient",)
+
+    def faults(self, study: Study, settings: IceSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        motions, here, found = _motions(study), self.path(study, settings), list[Fault]()
+        if not motions:
+            hint = "analyses: {transient: {duration: 4 s, events: [{at: propeller-1, ice: {class: IA, case: 1}}]}}"
+            return [Fault(here, "no motion over time has an event `ice`", hint)]
+        if not any(_limit(study, part, settings) for part in study.train.parts):
+            hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
+            found.append(Fault(here, "no shaft has a yield strength, and no coupling or gear a greatest torque", hint))
+        if any(one.is_steady for one in motions) and not study.operation.has_mean_torque:
+            found.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
+        undriven = [one for one in motions if not (one.is_steady or _starts(one.settings))]
+        hint = "initial: steady, or an event `start`"
+        return found + [Fault((*one.path, "initial"), UNDRIVEN, hint) for one in undriven]
+
+    def left_out(self, study: Study, settings: IceSettings) -> tuple[tuple[str, str], ...]:
+        """What was not judged, and why."""
+        found = [(f"ice for {words}", "no motion over time has it") for words in _missing(study)]
+        for part in study.train.parts:
+            if part.kind in LACKING and _limit(study, part, settings) is None:
+                found.append((f"ice for {part.name}", f"not judged: give `{LACKING[part.kind]}"))
+        return (*found, ("ice for fatigue and for failure of a blade", "the rule judges the greatest torques alone"))
+
+    def check(self, evidence: Results, settings: IceSettings) -> tuple[Check, ...]:
+        """Of every part with a limit, at the worst of the motions in ice; where one is not ok nothing passes."""
+        study, by_name = evidence.study, {one.name: one for one in evidence.need(Transients).each}
+        motions = [(one, by_name.get(one.settings.name)) for one in _motions(study)]
+        every = ((one.words, _doubt(evidence, one, found)) for one, found in motions)
+        doubts = [f"{words}: {doubt}; such a motion is never a pass" for words, doubt in every if doubt]
+        computed = [(one.words, found) for one, found in motions if found is not None]
+        open_cases = [f"{words} not judged" for words in _missing(study)]
+        notes, lines = (*doubts, *open_cases, *_resonances(evidence, [found for _, found in computed])), []
+        for number, part in enumerate(study.train.parts):
+            limit = _limit(study, part, settings)
+            if limit is not None:
+                values = {words: _value(evidence, number, part, found) for words, found in computed}
+                lines.append(_line(part, limit, values, notes, is_sound=not doubts))
+        return tuple(lines)
+
+
+def _line(
+    part: Part, limit: tuple[str, float], values: dict[str, float], notes: tuple[str, ...], *, is_sound: bool
+) -> Check:
+    """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
+    what, unit = ("shear stress at the greatest torque in ice", "N/mm2") if part.shaft else ("torque in ice", "N m")
+    is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
+    words, worst = max(values.items(), key=lambda pair: pair[1]) if is_known else ("", math.inf)
+    verdict = verdict_of(worst <= limit[1], TO_BE_VERIFIED) if is_known and is_sound else "fail"
+    note = "; ".join((f"worst in {words}" if is_known else "no value is known", *notes))
+    return Check("ice", limit[0], part.name, what, worst, limit[1], unit, verdict, TO_BE_VERIFIED, note=note)
+
+
+def _motions(study: Study) -> list[InIce]:
+    """The motions with an event `ice`."""
+    found = []
+    for settings, path in cases(study):
+        milled = tuple((event.at, event.body, event.time) for event in settings.events if isinstance(event.body, Ice))
+        if milled:
+            found.append(InIce(settings, path, milled))
+    return found
+
+
+def _doubt(evidence: Results, one: InIce, found: TransientMotion | None) -> str:
+    """Why the greatest torques of a motion are no verdict; empty where they are."""
+    if found is None or found.status != "ok":
+        return "no answer" if found is None else found.status
+    for at, ice, begin in one.milled:
+        station = evidence.study.train.part(at).stations[0]
+        ratio, late = abs(float(evidence.system.speed_ratio[station])), found.time >= begin
+        turned = found.speed_before * ratio * (float(found.time[-1]) - begin)
+        if found.steps:  # by the angle that it turns in truth
+            turned = abs(float(np.trapezoid(found.speed[station, late], found.time[late])))
+        if turned < 2.0 * math.pi * ice.revolutions * (1.0 - SAME_SPEED):
+            return f"it ends before the {ice.revolutions:g} revolutions in ice do: give a longer `duration`"
+    return ""
+
+
+def _starts(settings: TransientSettings) -> bool:
+    """A motor is switched on, and drives the train."""
+    return any(isinstance(event.body, Start) for event in settings.events)
+
+
+def _missing(study: Study) -> list[str]:
+    """Of every propeller the cases that no motion has, in words."""
+    had = [(at, ice.case) for one in _motions(study) for at, ice, _ in one.milled]
+    found = []
+    for part in study.train.parts:
+        missing = [str(case) for case in CASES if (part.name, case) not in had]
+        if part.propeller is not None and missing:
+            found.append(f"case{'s' if len(missing) > 1 else ''} {', '.join(missing)} at {part.name}")
+    return found
+
+
+def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float] | None:
+    """The clause and its limit, N/mm2 of a shaft and N m of a coupling or gear; None where the file gives none."""
+    if part.shaft is None:
+        return part.greatest_torque(is_rare=False)
+    strength = study.train.materials[part.shaft.material].yield_strength
+    return None if strength is None else (f"0.577 R_e/{settings.factor:g}", SHEAR * strength * PA / settings.factor)
+
+
+def _value(evidence: Results, number: int, part: Part, found: TransientMotion) -> float:
+    """The greatest shear stress (N/mm2) or torque (N m) of a part, its mean torque included; NaN where not known."""
+    spans = spans_of(evidence.system, number)
+    if part.shaft is None:
+        return float(found.peak[spans].max())
+    return math.nan if found.stress is None else float(found.stress[spans].max()) * PA
+
+
+def _resonances(evidence: Results, motions: list[TransientMotion]) -> Iterator[str]:
+    """Where the first blade order of a propeller that mills ice meets a mode: motion over time is then required."""
+    operation, known = evidence.study.operation, evidence.get(Modes)
+    speeds = [one for one in (operation.speed, operation.speeds and operation.speeds.first) if one]
+    speeds += [operation.speeds.last] if operation.speeds is not None else []
+    if known is None or not speeds:
+        return
+    low, high = (1.0 - MARGIN) * min(speeds), (1.0 + MARGIN) * max(speeds)
+    for name in dict.fromkeys(at for one in _motions(evidence.study) for at, _, _ in one.milled):
+        part = evidence.study.train.part(name)
+        blades = part.propeller.blades if part.propeller is not None else None
+        if not blades:
+            continue
+        ratio = abs(float(evidence.system.speed_ratio[part.stations[0]]))
+        every = 2.0 * math.pi * known.frequency / (blades * ratio)
+        met = every[(every >= low) & (every <= high)].tolist()
+        where = f"between {in_rpm(low)} and {in_rpm(high)} the first blade order of {name} meets"
+        if not met:
+            yield f"{where} no mode"
+        for speed in met:
+            at_it = any(abs(one.speed_before - speed) <= SAME_SPEED * speed for one in motions)
+            more = "" if at_it else " (none is computed at that speed)"
+            yield f"{where} a mode at {in_rpm(speed)}: the rule then requires motion over time{more}"
