@@ -24,6 +24,9 @@ class Inertia:
 
     station: int
     inertia: float  # kg m2
+    part: int = -1  # the component that gives it, as a position in the train's parts
+    what: str = ""  # of the component: "driving half"; empty where it has one inertia
+    given: float = math.nan  # kg m2, the figure of the file
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +128,7 @@ class Torque:
     table: tuple[tuple[float, float], ...] = ()  # (rad/s of the station's own speed, N m)
     phase: float = 0.0  # rad
     path: Path = ()  # where the file says it
+    source: str | None = None  # where its figures come from; None where that is not stated
 
 
 Primitive = Inertia | Spring | Bar | Constraint | Damper | Torque

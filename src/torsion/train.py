@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from torsion.components.component import Component, lower_line
@@ -68,6 +69,11 @@ class Train:
         named += [self.parts[self.stations[damper.station].part].name for damper in self.dampers]
         return next(iter(named), "")
 
+    @cached_property
+    def has_referred_figures(self) -> bool:
+        """Some figures of the file are for another speed than their component's own."""
+        return any(part.referred_to is not None for part in self.parts)
+
     @property
     def has_loops(self) -> bool:
         """A component of `links` closes a loop."""
@@ -125,7 +131,8 @@ def lowered(
     for position, excitation in enumerate(excitations):
         point = None if excitation is None else _named(build, excitation.at, ("excitations", position, "at"))
         if excitation is not None and point is not None:
-            build.add(excitation.primitive(excitation.at, point.stations[0], ("excitations", position)))
+            path = ("excitations", position)
+            build.add(excitation.primitive(excitation.at, point.stations[0], path, excitation.source))
     _names(build)
     counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
     return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults

@@ -255,12 +255,29 @@ def test_a_holzer_table_of_distributed_shafts_is_in_equilibrium(model):
         after = table.angle[table.before] - table.twist
         inner = table.before >= 0
         assert np.all(np.abs(after - table.angle)[inner] < 1e-12 * np.abs(table.angle).max())
-        beyond = table.inertia_torque.copy()
-        for row in range(len(beyond) - 1, 0, -1):
-            beyond[table.before[row]] += beyond[row]
-        scale = np.abs(table.inertia_torque).max()
-        np.testing.assert_allclose(beyond[inner], -table.torque[inner], atol=1e-11 * scale)
-        assert abs(beyond[0]) < 1e-11 * scale
+        assert table.residual < 1e-11 * np.abs(table.torque_in).max()
+        for row in np.flatnonzero(np.isfinite(table.transfer[:, 0, 0])).tolist():
+            ends = table.transfer[row] @ (table.angle[table.before[row]], table.torque_in[row])
+            assert ends[0] == pytest.approx(table.angle[row], abs=1e-12 * np.abs(table.angle).max())
+            assert ends[1] == pytest.approx(table.torque_out[row], abs=1e-11 * np.abs(table.torque_in).max())
+            assert np.linalg.det(table.transfer[row]) == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_constants_of_a_uniform_shaft_are_the_closed_form(turned):
+    """A = D = cos mu, H = sin mu/(omega I sqrt(rho G)), B = omega I sqrt(rho G) sin mu, mu = omega L sqrt(rho/G)."""
+    ends = ["disc: {name: a, inertia: 0.2}", "disc: {name: b, inertia: 3}"]
+    shaft = "shaft: {name: s, length: 3 m, diameter: [60 mm], bore: 20 mm, material: m}"
+    text = "materials: {m: {shear_modulus: 80 GPa, density: 7800}}\ntrain:\n- "
+    train = torsion.parse("name: x\n" + text + "\n- ".join([ends[turned], shaft, ends[not turned]])).train
+    impedance = math.pi / 32.0 * (0.06**4 - 0.02**4) * math.sqrt(7800 * 80e9)
+    system = torsion.assemble(train, "exact", frequency=2000.0)
+    for mode in range(3):
+        table = holzer(system, torsion.modes(system, 3), mode)
+        omega = math.sqrt(table.square)
+        mu = omega * 3.0 * math.sqrt(7800 / 80e9)
+        closed = [[math.cos(mu), -math.sin(mu) / omega / impedance], [omega * impedance * math.sin(mu), math.cos(mu)]]
+        np.testing.assert_allclose(table.transfer[1], closed, rtol=1e-12)
 
 
 @pytest.mark.parametrize("model", ["fem", "exact"])

@@ -48,7 +48,8 @@ def test_an_angle_in_radians_reads_in_degrees() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(300.0, "300"), (2.5, "2.5"), (1e-9, "1.0000·10⁻⁹"), (0.0, "0"), (100.0, "100")]
+    ("value", "text"),
+    [(300.0, "300"), (2.5, "2.5"), (1e-9, "1·10⁻⁹"), (1.25e-9, "1.25·10⁻⁹"), (0.0, "0"), (100.0, "100")],
 )
 def test_a_given_figure_has_no_zeros_that_nobody_wrote(value: float, text: str) -> None:
     assert numbers.given(value) == text

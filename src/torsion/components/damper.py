@@ -6,7 +6,7 @@ from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.fields import given, required
-from torsion.primitives import Inertia, Spring
+from torsion.primitives import Spring
 
 
 class RingDamper(Component, keyword="damper", sort="point"):
@@ -21,7 +21,8 @@ class RingDamper(Component, keyword="damper", sort="point"):
         build.record(damping=("damping", self.damping))
         here = build.point()
         ring = build.station(f"{build.name} ring")
-        build.add(Inertia(here, build.own(self.housing)), Inertia(ring, build.own(self.ring)))
+        build.inertia(here, self.housing, "housing")
+        build.inertia(ring, self.ring, "ring")
         flexibility = math.inf if self.stiffness is None else 1.0 / build.own(self.stiffness)
         name = f"{build.name} ring"
         build.add(Spring(name, build.part, here, ring, flexibility, viscous=build.own(self.damping)))

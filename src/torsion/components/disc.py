@@ -6,7 +6,7 @@ from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering
 from torsion.fields import given, refuse
-from torsion.primitives import Damper, Inertia, Spring
+from torsion.primitives import Damper, Spring
 
 
 class Rotor(Component, sort="point"):
@@ -25,7 +25,7 @@ class Rotor(Component, sort="point"):
     def place(self, build: Lowering) -> int:
         """The station of this point, with its inertia and its damping."""
         here = build.point()
-        build.add(Inertia(here, math.inf if self.held else build.own(self.inertia or 0.0)))
+        build.inertia(here, math.inf if self.held else self.inertia or 0.0)
         if self.damping:
             build.add(Damper(here, constant=build.own(self.damping)))
         return here
@@ -40,6 +40,6 @@ class Disc(Rotor, keyword="disc"):
         here = self.place(build)
         if self.stiffness:
             ground = build.station(f"{build.name} ground", is_ground=True)
-            build.add(Inertia(ground, math.inf))
+            build.inertia(ground, math.inf)
             name = f"{build.name} to ground"
             build.add(Spring(name, build.part, here, ground, 1.0 / build.own(self.stiffness)))

@@ -11,7 +11,7 @@ from torsion.components.component import Component, Line, lower_branch
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Arrival, Lowering
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
-from torsion.primitives import Constraint, Inertia
+from torsion.primitives import Constraint
 
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
 
@@ -59,14 +59,16 @@ class Gear(Component, keyword="gear", sort="link"):
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)
         before, part, gear = build.at, build.part, build.parts[-1]
         referred_to = before.ratio if self.referred and before.referred_to is None else before.referred_to
-        driving, driven = build.link(self._speed(self), self.sense, self.inertia, referred_to=referred_to, yoke=None)
+        driving, driven = build.link(
+            self._speed(self), self.sense, self.inertia, "wheel", referred_to=referred_to, yoke=None
+        )
         build.add(self._mesh(self, gear.name, part, (driving, driven), before))
         main = build.at
         for position, branch in enumerate(self.branches):
             ratio, name = before.ratio * self._speed(branch), f"{gear.name} wheel {position + 2}"
             build.at = replace(main, ratio=ratio, sense=before.sense * branch.sense)
             driven = build.station(name, part=part)
-            build.add(Inertia(driven, build.own(branch.inertia)))
+            build.inertia(driven, branch.inertia, f"wheel {position + 2}", part)
             build.add(self._mesh(branch, name, part, (driving, driven), before))
             path = (*gear.path, "branches", position, "train")
             lower_branch(build, replace(build.at, here=driven), branch.train, path)

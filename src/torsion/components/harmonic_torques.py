@@ -26,11 +26,12 @@ class Harmonic(Declared):
         if self.order is not None and self.frequency is not None:
             raise refuse("`order` and `frequency` exclude each other", "keep one of them", "frequency")
 
-    def primitive(self, name: str, station: int, path: Path) -> Torque:
-        """The torque at a station; `path` is where the file states it."""
+    def primitive(self, name: str, station: int, path: Path, source: str | None) -> Torque:
+        """The torque at a station; `path` is where the file states it, `source` where its figures come from."""
         amount = self.torque if isinstance(self.torque, Amount) else Amount()
         table = () if isinstance(self.torque, Amount) else self.torque
-        return Torque(name, station, self.order, self.frequency, amount.torque, amount.of_mean, table, self.phase, path)
+        size = amount.torque, amount.of_mean, table
+        return Torque(name, station, self.order, self.frequency, *size, self.phase, path, source)
 
 
 class Ripple(Harmonic):

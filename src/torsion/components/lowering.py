@@ -240,25 +240,31 @@ class Lowering:
         return here
 
     def link(
-        self, ratio: Fraction = Fraction(1), sense: int = 1, halves: tuple[float, float] | None = None, **behind: Any
-    ) -> tuple[int, int]:
+        self, ratio: Fraction = Fraction(1), sense: int = 1, halves: tuple[float, float] | None = None,
+        half: str = "half", **behind: Any,
+    ) -> tuple[int, int]:  # fmt: skip
         """The driving and the driven station of a link with the inertias of its `halves`; a point may take the driven.
 
         behind: what changes of the arrival, beside speed and sense.
         """
         driving = self.at.here if self.at.here is not None else self.station(f"{self.name} start")
         at_driving, at_driven = halves or (0.0, 0.0)
-        self.add(Inertia(driving, self.own(at_driving)))
+        self.inertia(driving, at_driving, f"driving {half}")
         self.at = replace(self.at, ratio=self.at.ratio * ratio, sense=self.at.sense * sense, **behind)
         driven = self.station(f"{self.name} end")
-        self.add(Inertia(driven, self.own(at_driven)))
+        self.inertia(driven, at_driven, f"driven {half}")
         self.at = replace(self.at, here=driven, is_open=True)
         self.record(stations=(driving, driven))
         return driving, driven
 
     def add(self, *primitives: Primitive) -> None:
-        """Collect primitives; an inertia of nothing is left out."""
-        self.primitives.extend(p for p in primitives if not (isinstance(p, Inertia) and p.inertia == 0))
+        """Collect primitives."""
+        self.primitives.extend(primitives)
+
+    def inertia(self, station: int, given: float, what: str = "", part: int | None = None) -> None:
+        """Collect an inertia (kg m2) as the component gives it; nothing is left out."""
+        if given:
+            self.add(Inertia(station, self.own(given), self.part if part is None else part, what, given))
 
     def own(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""

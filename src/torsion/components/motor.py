@@ -26,4 +26,5 @@ class Motor(Rotor, keyword="motor"):
         build.record(power=self.power)
         here = self.place(build)
         path = (*build.parts[-1].path, "ripple")
-        build.add(*(line.primitive(build.name, here, (*path, place)) for place, line in enumerate(self.ripple)))
+        for place, line in enumerate(self.ripple):
+            build.add(line.primitive(build.name, here, (*path, place), self.source))

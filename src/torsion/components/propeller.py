@@ -10,7 +10,7 @@ from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering, PropellerRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.primitives import Damper, Inertia, Torque
+from torsion.primitives import Damper, Torque
 
 SEA_WATER = 1025.0  # kg/m3
 USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}
@@ -91,13 +91,15 @@ class Propeller(Component, keyword="propeller", sort="point"):
         )  # fmt: skip
         build.record(propeller=record)
         here = build.point()
-        build.add(Inertia(here, build.own(self.inertia + water)))
+        build.inertia(here, self.inertia, "dry" if water else "")
+        build.inertia(here, water, "entrained water")
         if self.damping is not None:
             build.add(self.damper(self.damping, here, build))
         for place, line in enumerate(self.excitation):
             order = Fraction(line.blade_order * (self.blades or 0))
             size, path = line.torque, (*build.parts[-1].path, "excitation", place)
-            build.add(Torque(build.name, here, order, None, size.torque, size.of_mean, phase=line.phase, path=path))
+            amount = size.torque, size.of_mean, ()
+            build.add(Torque(build.name, here, order, None, *amount, line.phase, path, self.source))
 
     def damper(self, damping: PropellerDamping, station: int, build: Lowering) -> Damper:
         """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega.

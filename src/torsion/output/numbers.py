@@ -48,8 +48,8 @@ def counted(count: int, noun: str) -> str:
 
 def given(value: float | None, digits: int = DIGITS) -> str:
     """A figure of the input: as `number`, without the zeros that nobody wrote."""
-    text = number(value, digits)
-    return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
+    mantissa, dot, power = number(value, digits).partition("·")
+    return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + dot + power
 
 
 def exact(value: Fraction | None) -> str:

@@ -23,12 +23,18 @@ UNDAMPED = (
     "the response has no reliable finite value (undamped resonance). No amplitude is stated there, nor a largest one "
     "of the range; give the damping of the train."
 )
+NOT_STATED = "not stated"  # of a source
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
 def reference(findings: Findings) -> str:
     """Name of the component whose speed is the speed axis."""
     return findings.study.operation.at or findings.study.train.parts[0].name
+
+
+def source(findings: Findings, part: int) -> str:
+    """Where the figures of a component come from."""
+    return findings.study.train.parts[part].source or NOT_STATED
 
 
 def rated(findings: Findings) -> float | None:

@@ -91,8 +91,8 @@ def test_only_what_damps_has_a_table() -> None:
 def test_damping_to_ground_at_the_rated_speed(damping: str, row: tuple[str, ...]) -> None:
     """At 31 rad/s of the motor, 2/5 of that at the screw; a constant needs no speed."""
     found = table(solved(damping), "Damping to ground")
-    assert found == {"m": ("viscous", "–", "3.2500", "maker"), "d": ("viscous", "–", "2.5000", "input"),
-                     "screw": (*row, "input")}  # fmt: skip
+    assert found == {"m": ("viscous", "–", "3.2500", "maker"), "d": ("viscous", "–", "2.5000", "not stated"),
+                     "screw": (*row, "not stated")}  # fmt: skip
     made = next(block for block in chapter(solved(damping)) if isinstance(block, Table) and "ground" in block.caption)
     assert made.columns[3].title == f"Value at {31 * 30 / math.pi:.3f} rpm"
 

@@ -38,11 +38,11 @@ def test_torques_as_the_file_gives_them() -> None:
     torques, _ = tables(found)
     assert torques.rows == (
         ("m", "6", "6", "–", "2.5 % of the mean torque", "0", "maker"),
-        ("d", "5", "2", "–", "1.2345 kN m", "40", "input"),
-        ("d", "0.5", "0.2", "–", "0 N m", "0", "input"),
-        ("d", "3", "1.2", "–", "0.5 kN m at 30 rpm; 2.5 kN m at 400 rpm", "0", "input"),
-        ("m", "–", "–", "7.25", "2 N m", "0", "maker"),
-        ("m", "–", "–", "every one requested", "3 N m", "0", "maker"),
+        ("d", "5", "2", "–", "1.2345 kN m", "40", "not stated"),
+        ("d", "0.5", "0.2", "–", "0 N m", "0", "not stated"),
+        ("d", "3", "1.2", "–", "0.5 kN m at 30 rpm; 2.5 kN m at 400 rpm", "0", "not stated"),
+        ("m", "–", "–", "7.25", "2 N m", "0", "not stated"),
+        ("m", "–", "–", "every one requested", "3 N m", "0", "not stated"),
     )
     train = found.study.train
     both = replace(train, torques=tuple(replace(one, of_mean=0.0625) for one in train.torques[1:4:2]))

@@ -4,13 +4,14 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.chapters.mass_elastic import chapter
-from torsion.output.numbers import number
+from torsion.output.numbers import given, number
 
 STEEL, SHEAR = 7812.5, 81.25e9  # kg/m3, N/m2
 TEXT = """
@@ -49,30 +50,45 @@ def stiffness(outer: float, bore: float, length: float) -> float:
     return SHEAR * math.pi / 32.0 * (outer**4 - bore**4) / length
 
 
-def test_inertias_own_and_referred(found: Findings) -> None:
-    """A shaft of three segments gives a sixth of its inertia to either end; the grounded end has no row."""
+def test_inertias_as_given_with_their_sums(found: Findings) -> None:
+    """A row each, with its own name and source; a shaft of three segments gives a sixth of its inertia to either end.
+
+    The grounded end has no row.
+    """
     tube = inertia(0.06, 0.02, 0.8)
-    rows = {row[1]: row for row in tables(found)["Inertias"].rows}
-    assert [row[0] for row in rows.values()] == [str(k) for k in range(1, len(rows) + 1)]
-    assert list(rows) == ["a", "tube end", "soft end", "g end", "b", "screw", "spare", "wall"]
-    assert rows["a"] == (
-        "1",
-        "a",
-        "1.23457",
-        number(1.2345678 + tube / 6, 6),
-        "1",
-        number(1.2345678 + tube / 6, 6),
-        "maker",
-    )
-    assert rows["tube end"][2:] == ("0", number(tube / 6, 6), "1", number(tube / 6, 6), "drawing")
-    assert (
-        rows["light end"][2:] == ("0.3", rows["light end"][3], "2/5", rows["light end"][5], "input") if False else True
-    )
-    assert rows["wall"][2:6] == ("held", "held", "2/5", "held")
-    screw, spare = rows["screw"], rows["spare"]
-    assert (screw[2], spare[2], spare[3], spare[5]) == (
-        "3.12346", "10.8889", "10.8889", number((8.1234567 + 2.7654321) * 0.4**2, 6),
-    )  # fmt: skip
+    rows = [row[1:] for row in tables(found)["Inertias as given, and their sums"].rows]
+    of = [(row[0], row[1]) for row in rows]
+    assert of == [
+        ("a", "a"), ("a", "tube, driving end"), ("a", "sum"), ("tube end", "tube, driven end"),
+        ("soft end", "g, driving wheel"), ("g end", "g, driven wheel"), ("b", "b"), ("b", "cone, driving end"),
+        ("b", "sum"), ("screw", "screw, entrained water"), ("screw", "cone, driven end"), ("screw", "sum"),
+        ("spare", "spare, dry"), ("spare", "spare, entrained water"), ("spare", "sum"), ("wall", "wall"),
+        ("tube, inside", "tube, between ends"), ("cone, inside", "cone, between ends"), ("whole train", "sum"),
+    ]  # fmt: skip
+    assert rows[0] == ("a", "a", "1.2345678", "1", "1.234568", "maker")
+    assert rows[1][2:] == (given(tube / 6, 8), "1", number(tube / 6, 7), "drawing")
+    assert rows[2][2:] == (given(1.2345678 + tube / 6, 8), "1", number(1.2345678 + tube / 6, 7), "")
+    assert rows[5][2:] == ("2.25", "2/5", "0.3600000", "not stated")
+    assert rows[14][2:] == ("10.888889", "2/5", number((8.1234567 + 2.7654321) * 0.4**2, 7), "")
+    assert rows[15][2:] == ("held", "2/5", "held", "not stated")
+    assert rows[16][2:4] == (given(tube * 2 / 3, 8), "1")
+    whole = found.system.inertia * found.system.speed_ratio**2
+    assert rows[-1][2:] == ("–", "–", number(float(whole[np.isfinite(whole)].sum()), 7), "")
+
+
+def test_figures_that_are_referred_in_the_file_stand_as_given_and_at_their_own_speed() -> None:
+    text = """
+name: x
+train: [disc: {name: a, inertia: 1}, gear: {name: g, ratio: 2, referred: true, inertia: [0.5, 0.25]},
+  coupling: {name: k, stiffness: 3e6}, disc: {name: b, inertia: 4}]
+"""
+    made = tables(torsion.run(torsion.parse(text)))
+    rows = {row[2]: row[3:8] for row in made["Inertias as given, and their sums"].rows}
+    assert rows["g, driving wheel"] == ("0.5", "1", "0.5", "1", "0.5000000")
+    assert rows["g, driven wheel"] == ("0.25", "1", "1", "1/2", "0.2500000")
+    assert rows["b"] == ("4", "1", "16", "1/2", "4.000000")
+    (spring,) = (row[3:9] for row in made["Elastic elements"].rows if row[0] == "k")
+    assert spring == ("3", "1", "12", "8.3333333·10⁻⁸", "1/2", "3")
 
 
 def test_entrained_water_of_a_propeller_without_inertia_of_its_own(found: Findings) -> None:
@@ -87,14 +103,16 @@ def test_elastic_elements_own_and_referred(found: Findings) -> None:
     tube = stiffness(0.06, 0.02, 0.8)
     assert rows["tube"][1:3] == ("shaft", "a – tube end")
     assert rows["tube"][3:] == (
-        number(tube / 1e6, 6), number(1 / tube, 6), "1", number(tube / 1e6, 6), "0.0125", "–", "drawing",
+        given(tube / 1e6, 8), given(1 / tube, 8), "1", given(tube / 1e6, 7), given(1 / tube, 7), "0.0125", "–",
+        "drawing",
     )  # fmt: skip
-    assert rows["soft"][3:9] == ("1.23457", number(1 / 1.2345678e6, 6), "1", "1.23457", "–", "2.5")
-    assert rows["g"][3:7] == ("4.50000", number(1 / 4.5e6, 6), "1", "4.50000")
-    assert rows["light"][3:9] == (
-        "2.50000·10⁻⁷", "4.00000", "2/5", "4.00000·10⁻⁸", number(0.5 / (2 * math.pi)).rstrip("0"), "–",
+    flexibility = given(1 / 1.2345678e6, 8), given(1 / 1.2345678e6, 7)
+    assert rows["soft"][3:10] == ("1.2345678", flexibility[0], "1", "1.234568", flexibility[1], "–", "2.5")
+    assert rows["g"][3:8] == ("4.5", "2.2222222·10⁻⁷", "1", "4.5", "2.222222·10⁻⁷")
+    assert rows["light"][3:10] == (
+        "2.5·10⁻⁷", "4", "2/5", "4·10⁻⁸", "25", number(0.5 / (2 * math.pi)).rstrip("0"), "–",
     )  # fmt: skip
-    assert rows["stiff"][3:9] == ("rigid", "0", "2/5", "rigid", "–", "–")
+    assert rows["stiff"][3:10] == ("rigid", "0", "2/5", "rigid", "0", "–", "–")
     assert (rows["cone"][2], rows["slip"][2]) == ("b – screw", "spare – wall")
     assert made.columns[3].unit == made.columns[6].unit == "MN m/rad"
 
@@ -102,28 +120,28 @@ def test_elastic_elements_own_and_referred(found: Findings) -> None:
 def test_a_damper_without_stiffness_has_none() -> None:
     text = "name: x\ntrain: [damper: {housing: 2, ring: 3, damping: 3}]\n"
     (row,) = tables(torsion.run(torsion.parse(text)))["Elastic elements"].rows
-    assert row[3:9] == ("–", "∞", "1", "–", "–", "3")
+    assert row[3:10] == ("–", "∞", "1", "–", "∞", "–", "3")
 
 
 def test_stiffnesses_have_the_prefix_of_the_largest() -> None:
     text = "name: x\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 6e5}, disc: {inertia: 3}]\n"
     (row,) = tables(torsion.run(torsion.parse(text)))["Elastic elements"].rows
-    assert row[3] == "600.000"
+    assert row[3] == "600"
 
 
 def test_dimensions_of_shafts(found: Findings) -> None:
     tube, cone = tables(found)["Dimensions of the shafts"].rows
     modulus = math.pi / 16.0 * (0.06**4 - 0.02**4) / 0.06
     assert tube == (
-        "tube", "60", "20", "800", number(modulus * 1e9), number(inertia(0.06, 0.02, 0.8), 6), "alloy", "81.25",
+        "tube", "60", "20", "800", number(modulus * 1e9, 7), given(inertia(0.06, 0.02, 0.8), 8), "alloy", "81.25",
         "7812.5", "3", "drawing",
     )  # fmt: skip
     thin = math.pi / 16.0 * (0.08**4 - 0.02**4) / 0.08
     means = [sum(a**k * b ** (4 - k) for k in range(5)) / 5 for a, b in ((0.09, 0.08), (0.01, 0.02))]
     whole = STEEL * math.pi / 32.0 * (means[0] - means[1]) * 2.0
-    assert cone[:5] == ("cone", "90–80", "10–20", "2000", number(thin * 1e9))
-    assert float(cone[5]) == pytest.approx(whole, rel=1e-5)
-    assert cone[6:] == ("alloy", "81.25", "7812.5", "400", "input")
+    assert cone[:5] == ("cone", "90–80", "10–20", "2000", number(thin * 1e9, 7))
+    assert float(cone[5]) == pytest.approx(whole, rel=1e-7)
+    assert cone[6:] == ("alloy", "81.25", "7812.5", "400", "not stated")
 
 
 @pytest.mark.parametrize(
@@ -159,4 +177,4 @@ def test_shafts_of_another_train_are_refused(found: Findings) -> None:
 
 def test_a_train_that_cannot_vibrate_has_no_inertias() -> None:
     text = "name: x\ntrain: [disc: {inertia: 0}, coupling: {stiffness: 5}, disc: {held: true}]\n"
-    assert "Inertias" not in tables(torsion.run(torsion.parse(text)))
+    assert "Inertias as given, and their sums" not in tables(torsion.run(torsion.parse(text)))

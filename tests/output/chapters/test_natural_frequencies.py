@@ -1,6 +1,7 @@
 """Every cell, word and curve of the chapter on natural frequencies, against the modes and the laws of a train."""
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -13,7 +14,7 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
-from torsion.output.chapters.natural_frequencies import chapter, holzer_table
+from torsion.output.chapters.natural_frequencies import chapter, holzer_tables
 
 RPM = 30.0 / math.pi
 GEARED = """
@@ -81,8 +82,8 @@ def damped(speed: float, overdamped: int) -> DampedModes:
 
 def test_blocks_of_the_chapter_in_their_order(geared: Findings) -> None:
     blocks = list(chapter(geared))
-    each = [Heading, Figure, Table]
-    assert [type(block) for block in blocks] == [Heading, Paragraph, Table, Heading, Table, *each * 3]
+    each = [Heading, Figure, Table, Table]
+    assert [type(block) for block in blocks] == [Heading, Paragraph, Table, Heading, Table, Paragraph, *each * 3]
     hertz = [f"{one:.5g}" for one in geared.need(Modes).frequency]
     assert [(block.text, block.level) for block in blocks if isinstance(block, Heading)] == [
         ("Natural frequencies", 1), ("Energy shares", 2), *((f"Mode {k + 1}: {hertz[k]} Hz", 2) for k in range(3))
@@ -91,7 +92,9 @@ def test_blocks_of_the_chapter_in_their_order(geared: Findings) -> None:
         (f"mode-{k + 1}", f"Mode {k + 1}, {hertz[k]} Hz") for k in range(3)
     ]
     assert [block.caption.split(",")[0] for block in blocks if isinstance(block, Table)][2:] == [
-        f"Holzer table of mode {k}" for k in (1, 2, 3)
+        words
+        for k in (1, 2, 3)
+        for words in (f"Holzer table of mode {k}", f"Constants of the shafts at the frequency of mode {k}")
     ]
     assert list(chapter(geared.having(modes=None))) == []
     none = np.empty(0)
@@ -138,7 +141,7 @@ def test_damped_frequencies_and_what_decays_without_oscillation(geared: Findings
     assert table(blocks, "Damped natural").caption == "Damped natural frequencies, damping as at 4.7746 rpm"
     assert texts(blocks)[1] == f"Motions that decay without oscillation (overdamped): {listed} 1/s."
     blocks = list(chapter(geared.having(damped_modes=damped(0.0, 0))))
-    assert (table(blocks, "Damped natural").caption, len(texts(blocks))) == ("Damped natural frequencies", 1)
+    assert (table(blocks, "Damped natural").caption, len(texts(blocks))) == ("Damped natural frequencies", 2)
 
 
 def test_shares_of_energy_of_a_shaft_are_those_of_its_segments_together(geared: Findings) -> None:
@@ -183,52 +186,60 @@ def test_of_more_than_twelve_modes_twelve_are_shown(long: Findings) -> None:
 def test_holzer_table_obeys_the_laws_of_a_geared_train(geared: Findings, mode: int) -> None:
     """A row's angle is its own over its speed; a link carries what stands before it, and k times its twist.
 
-    The shaft's flexibility is L/(G I_p), 2 m/(80 GPa pi 0.03^4/32 m4).
+    The shaft is one row: the torque at its end is that at its begin and the torques of its inner segments.
     """
     modes, system = geared.need(Modes), geared.system
     names = [station.name for station in system.stations]
-    block = holzer_table(geared, modes, mode)
-    rows = {row[0]: row[1:] for row in block.rows}
+    block, constants = holzer_tables(geared, modes, mode)
+    rows = {row[1]: row[2:] for row in block.rows[:-1]}
     assert list(rows) == ["wheel", "line end", "stage end", "screw", "screw ground", "stage wheel 2", "pump"]
+    assert [row[0] for row in block.rows] == ["1", "2", "3", "4", "5", "6", "7", ""]
     first, square = modes.shape[0, mode], (2.0 * math.pi * modes.frequency[mode]) ** 2
     angle = {name: modes.shape[k, mode] / SPEED.get(name, 1.0) / first for k, name in enumerate(names)}
     inertia = {name: system.lumped_inertia[k] * SPEED.get(name, 1.0) ** 2 for k, name in enumerate(names)}
-    inner = [f"line {k}/5" for k in (1, 2, 3, 4)]
     torque = {name: square * inertia[name] * angle[name] for name in names if name != "screw ground"}
-    torque["screw ground"] = 0.0
-    before = torque["wheel"] + sum(torque[name] for name in inner)
     for name, row in rows.items():
-        more = inner if name == "line end" else []
-        assert value(row[1]) == pytest.approx(angle[name], rel=2e-5, abs=1e-12)
-        assert row[1] == "0" or len(row[1].lstrip("−0.").replace(".", "")) == 6
-        wanted = torque[name] + sum(torque[one] for one in more)
-        assert value(row[2]) == pytest.approx(wanted, rel=1e-4, abs=1e-12)
+        assert value(row[1]) == pytest.approx(angle[name], rel=1e-6, abs=1e-12)
+        assert row[1] == "0" or len(row[1].lstrip("−0.").replace(".", "")) == 7
         if name == "screw ground":
-            assert row[0] == "held"
+            assert (row[0], row[2]) == ("held", "held")
         else:
-            assert value(row[0]) == pytest.approx(inertia[name] + sum(inertia[one] for one in more), rel=1e-4)
-    assert rows["wheel"][3:] == ("–", "–", "–", "–")
-    soft = 2.0 / (80e9 * math.pi * 0.03**4 / 32.0)
+            wanted = inertia[name], torque[name]
+            assert (value(row[0]), value(row[2])) == pytest.approx(wanted, rel=1e-6)
+    assert rows["wheel"][3:] == ("–", "–", "–", "–", "–", "–")
     links = {
-        "line end": ("line", "wheel", soft), "screw": ("soft", "stage end", 1.0 / 800.0 / 0.16),
-        "screw ground": ("screw to ground", "screw", 1.0 / 30.0 / 0.16),
-        "pump": ("side", "stage wheel 2", 1.0 / 500.0 / 0.25),
+        "screw": ("3", "soft", "stage end", 1.0 / 800.0 / 0.16),
+        "screw ground": ("4", "screw to ground", "screw", 1.0 / 30.0 / 0.16),
+        "pump": ("6", "side", "stage wheel 2", 1.0 / 500.0 / 0.25),
     }  # fmt: skip
-    for name, (through, other, flexible) in links.items():
+    for name, (row, through, other, flexible) in links.items():
         twist = angle[other] - angle[name]
-        assert rows[name][3] == through
-        wanted = [before if name == "line end" else twist / flexible, flexible, twist]
-        assert [value(cell) for cell in rows[name][4:]] == pytest.approx(wanted, rel=1e-4)
-    branch = value(rows["pump"][2])
-    ahead = before + torque["line end"] + branch
-    assert [rows["stage end"][k] for k in (3, 5, 6)] == ["stage", "rigid", "0"]
-    assert value(rows["stage end"][4]) == pytest.approx(ahead, rel=1e-4, abs=1e-4 * abs(branch))
-    assert [rows["stage wheel 2"][k] for k in (3, 5, 6)] == ["stage wheel 2", "rigid", "0"]
-    assert value(rows["stage wheel 2"][4]) == pytest.approx(-branch, rel=1e-4)
-    assert block.caption == (
-        f"Holzer table of mode {mode + 1}, referred to the reference speed, first amplitude 1 rad. A shaft's segments "
-        "are summed up in the row of its end."
+        assert rows[name][3:5] == (row, through)
+        wanted = [twist / flexible, flexible, twist, twist / flexible]
+        assert [value(cell) for cell in rows[name][5:]] == pytest.approx(wanted, rel=1e-5)
+    before = torque["wheel"]
+    behind = before + sum(torque[f"line {k}/5"] for k in (1, 2, 3, 4))
+    assert (rows["line end"][3:5], rows["line end"][6]) == (("1", "line"), "A, H, B, D")
+    entering = [before, angle["wheel"] - angle["line end"], behind]
+    assert [value(rows["line end"][k]) for k in (5, 7, 8)] == pytest.approx(entering, rel=1e-5)
+    branch = torque["stage wheel 2"] + torque["pump"]
+    ahead = behind + torque["line end"]
+    for name, through, carried in (("stage end", "stage", ahead + branch), ("stage wheel 2", "stage wheel 2", -branch)):
+        assert [rows[name][k] for k in (3, 4, 6, 7)] == ["2", through, "rigid", "0"]
+        assert value(rows[name][5]) == pytest.approx(carried, rel=1e-4, abs=1e-4 * abs(branch))
+    assert block.rows[-1][1].startswith("largest residual")
+    assert value(block.rows[-1][-1]) < 1e-13
+    ((name, *four),) = constants.rows
+    a, h, b, d = map(value, four)
+    assert (name, a * d + b * h) == ("line", pytest.approx(1.0, rel=1e-6))
+    ends = [a * angle["wheel"] - h * before, b * angle["wheel"] + d * before]
+    assert ends == pytest.approx([angle["line end"], behind], rel=1e-5)
+    assert re.fullmatch(
+        rf"Holzer table of mode {mode + 1}, ω² = [\d.]+ rad²/s², referred to the reference speed, first amplitude 1 "
+        "rad",
+        block.caption,
     )
+    assert value(block.caption.split()[7]) == pytest.approx(square, rel=1e-10)
 
 
 @pytest.mark.parametrize(("heavy", "first"), [(6.647, "largest"), (6.640, "first")])
@@ -242,35 +253,36 @@ analyses: {{modes: {{count: 2}}}}
 """
     found = torsion.run(torsion.parse(text))
     modes = found.need(Modes)
-    block = holzer_table(found, modes, 1)
+    (block,) = holzer_tables(found, modes, 1)
     shape = modes.shape[:, 1] / (np.abs(modes.shape[:, 1]).max() if first == "largest" else modes.shape[0, 1])
     shape *= np.sign(shape[0])
     square = (2.0 * math.pi * modes.frequency[1]) ** 2
     assert square * heavy / 10.0 - 1.0 == pytest.approx(1000.5 if first == "largest" else 999.5, abs=0.3)
-    assert [value(row[2]) for row in block.rows] == pytest.approx(shape, rel=1e-4)
-    assert [value(row[3]) for row in block.rows] == pytest.approx(square * shape * [heavy, 1.0, 2.0], rel=1e-4)
-    for row, k, twist in zip(block.rows[1:], (10.0, 1000.0), -np.diff(shape), strict=True):
-        assert [value(row[j]) for j in (5, 6, 7)] == pytest.approx([k * twist, 1.0 / k, twist], rel=1e-4)
-    assert block.caption == f"Holzer table of mode 2, referred to the reference speed, {first} amplitude 1 rad."
+    assert [value(row[3]) for row in block.rows[:-1]] == pytest.approx(shape, rel=1e-6)
+    assert [value(row[4]) for row in block.rows[:-1]] == pytest.approx(square * shape * [heavy, 1.0, 2.0], rel=1e-6)
+    for row, k, twist in zip(block.rows[1:], (10.0, 1000.0), -np.diff(shape), strict=False):
+        wanted = [k * twist, 1.0 / k, twist, k * twist]
+        assert [value(row[j]) for j in (7, 8, 9, 10)] == pytest.approx(wanted, rel=1e-6)
+    assert block.caption.endswith(f"referred to the reference speed, {first} amplitude 1 rad")
 
 
-def test_holzer_table_of_a_loop_without_segments_says_nothing_of_them() -> None:
+def test_a_link_that_closes_a_loop_has_a_row_behind_the_others() -> None:
     text = """
 name: two discs and three couplings
 train: [disc: {name: a, inertia: 1}, coupling: {stiffness: 1e4}, disc: {name: b, inertia: 2}]
 links: [{between: [a, b], coupling: {stiffness: 2e4}}, {between: [a, b], coupling: {stiffness: 3e4}}]
 """
-    assert table(list(chapter(torsion.run(torsion.parse(text)))), "Holzer").caption.endswith("amplitude 1 rad.")
+    rows = table(list(chapter(torsion.run(torsion.parse(text)))), "Holzer").rows
+    assert [row[1] for row in rows[:-1]] == ["a", "b", "b, closing a loop", "b, closing a loop"]
+    assert [row[3] for row in rows[:-1]] == ["1.000000", "−0.5000000", "−0.5000000", "−0.5000000"]
+    assert [value(row[7]) for row in rows[1:-1]] == pytest.approx([1.5e4, 3e4, 4.5e4], rel=1e-6)
 
 
 def test_pieces_of_a_shaft_with_distributed_inertia_are_named_so() -> None:
     text = GEARED.replace("count: 3}", "count: 1}, model: exact").replace("30 mm", "90 mm")
     blocks = list(chapter(torsion.run(torsion.parse(text))))
     assert "kinetic: line (between its pieces)" in [row[0] for row in table(blocks, "Shares of").rows]
-    assert table(blocks, "Holzer").caption.endswith(
-        "1 rad. A shaft's pieces, each the spring between two inertias that it is at this frequency, are summed up in "
-        "the row of its end."
-    )
+    assert [row[2] for row in table(blocks, "Holzer").rows[:2]] == ["2.000000", "0.5000000"]
 
 
 def test_plot_of_a_mode_is_referred_and_relative_to_its_largest(geared: Findings) -> None:

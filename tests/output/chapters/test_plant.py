@@ -78,12 +78,12 @@ def test_components_with_their_rated_speeds_sources_and_notes(found: Findings) -
     rows = {row[1]: row for row in made.rows}
     assert [row[0] for row in made.rows] == [str(k) for k in range(1, len(made.rows) + 1)]
     assert rows["big"] == ("1", "big", "disc", "1", "300", "maker", "")
-    assert rows["mid"] == ("3", "mid", "disc", "1", "300", "as in the input", "weighed")
+    assert rows["mid"] == ("3", "mid", "disc", "1", "300", "not stated", "weighed")
     assert rows["pump"][3:5] == ("4/5", "240")
     assert rows["brake"][3:5] == ("2/3", "200")
     *_, made = chapter(torsion.run(torsion.parse(FEW)))
     assert isinstance(made, Table)
-    assert made.rows[0] == ("1", "a", "disc", "1", "as in the input")
+    assert made.rows[0] == ("1", "a", "disc", "1", "not stated")
 
 
 def test_heights_of_discs_are_by_the_logarithm_of_their_inertia(found: Findings) -> None:

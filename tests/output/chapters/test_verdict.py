@@ -74,10 +74,39 @@ def test_remarks_stand_once_with_all_their_components(bare: Findings) -> None:
     assert made[0] == Heading("Verdict", at_end=True)
     assert made[-2] == Heading("Remarks on the checks", 2)
     assert items(made[-1:]) == ["tail, mid: what: n", "x: what: m"]
-    assert all(block.brief for block in made if isinstance(block, Paragraph))
+    assert [block.brief for block in made if isinstance(block, Paragraph)] == [True, False]
     assert Heading("Remarks on the checks", 2) not in list(verdict.chapter(judged(bare, check())))
     assert list(verdict.judged(judged(bare))) == []
     assert list(verdict.judged(judged(bare, check()))) == list(verdict.chapter(judged(bare, check())))
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("", "Where the figures come from is not stated for 2 of 3 components (k, b) and 1 of 1 excitation."),
+        (
+            ", source: list",
+            "Where the figures come from is not stated for 1 of 3 components (k) and 1 of 1 excitation.",
+        ),
+    ],
+)
+def test_components_that_state_no_source_are_counted(source: str, words: str) -> None:
+    text = f"""
+name: x
+train: [disc: {{name: a, inertia: 1, source: maker}}, coupling: {{name: k, stiffness: 5}},
+  disc: {{name: b, inertia: 2{source}}}]
+excitations: [{{at: a, frequency: 2, torque: 3}}]
+operation: {{speeds: {{from: 300 rpm, to: 600 rpm, steps: 2}}}}
+"""
+    assert words in [
+        block.text for block in verdict.chapter(torsion.run(torsion.parse(text))) if hasattr(block, "text")
+    ]
+
+
+def test_where_every_source_is_stated_the_report_says_so() -> None:
+    found = torsion.run(torsion.parse("name: x\ntrain: [disc: {inertia: 1, source: maker}]\n"))
+    last = list(verdict.chapter(found))[-1]
+    assert last == Paragraph("Where the figures come from is stated for every component and excitation.")
 
 
 RANGES = (BarredRange(20.0, 30.0, 24.0, "tail"), BarredRange(29.0, 35.0, 31.0, "mid"))

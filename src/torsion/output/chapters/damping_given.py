@@ -11,7 +11,7 @@ from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, given, given_rpm, number
-from torsion.output.reported_values import rated
+from torsion.output.reported_values import NOT_STATED, rated
 from torsion.output.selection import damps, elements
 
 MODEL = (
@@ -84,7 +84,7 @@ def _grounds(findings: Findings) -> Table:
         screw = part.propeller
         model, factor = ("viscous", None) if screw is None else (screw.damping_model, screw.damping_factor)
         value = _value(findings, damper.station, speed)
-        rows.append((station.name, model, given(factor), value, part.source or "input"))
+        rows.append((station.name, model, given(factor), value, part.source or NOT_STATED))
     at = f" at {given_rpm(speed)} rpm" if speed is not None else ""
     return table(f"< At | < Model | < Factor | Value{at} [N m s/rad] | < Source", rows, "Damping to ground")
 

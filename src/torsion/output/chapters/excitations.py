@@ -7,7 +7,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, degrees, given, given_rpm, number, order, scale
-from torsion.output.reported_values import reference
+from torsion.output.reported_values import NOT_STATED, reference
 from torsion.primitives import Torque
 
 
@@ -35,7 +35,7 @@ def _torques(findings: Findings) -> Table:
         rows.append((
             torque.name, order(own), order(None if own is None else own * station.ratio),
             NONE if own is not None else frequency, _amplitude(torque), degrees(torque.phase),
-            findings.study.train.parts[station.part].source or "input",
+            torque.source or NOT_STATED,
         ))  # fmt: skip
     return table(
         "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) | Phase [deg] | "

@@ -2,18 +2,22 @@
 
 import math
 from collections.abc import Iterator
-
-import numpy as np
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
 
 from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, exact, given, number, scale
+from torsion.output.reported_values import source
 from torsion.output.selection import elements
-from torsion.primitives import SectionMesh
+from torsion.primitives import Bar, Inertia, SectionMesh, Station
 
 MM = 1e-3  # m
+DIGITS, SUMMED = 8, 7  # significant digits of a figure as given, and of what follows from such figures
+HELD = "held"  # in place of an inertia, where the motion is exactly the mean one
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -27,7 +31,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading("Mass-elastic system")
     yield Paragraph(
         "Own: at the component's own speed. Referred: to the speed of the reference component, that is J i² and "
-        f"k i² with i the speed ratio of the table. {where}"
+        "k i² with i the speed ratio of the table; given: where the file gives a figure that is referred already. "
+        f"{where}"
     )
     if has_inertia(findings.system):
         yield _inertias(findings)
@@ -38,32 +43,75 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _shafts(findings)
 
 
-def _source(findings: Findings, part: int) -> str:
-    return findings.study.train.parts[part].source or "input"
-
-
 def _inertias(findings: Findings) -> Table:
-    system = findings.system
-    concentrated = np.zeros(len(system.stations))
-    for lump in system.train.inertias:
-        concentrated[lump.station] += lump.inertia
-    rows: list[tuple[str, ...]] = []
-    for index in range(len(system.train.stations)):
-        station, inertia = system.stations[index], float(system.inertia[index])
-        if station.is_ground or inertia == 0:
-            continue
-        own, whole, referred = ["held"] * 3
-        if math.isfinite(inertia):
-            own, whole = given(float(concentrated[index]), 6), number(inertia, 6)
-            referred = number(inertia * float(station.ratio) ** 2, 6)
-        source = _source(findings, station.part)
-        rows.append((str(len(rows) + 1), station.name, own, whole, exact(station.ratio), referred, source))
+    """Of every station its inertias as given, one a row, and their sum; of shafts what lies between their ends."""
+    system, given_by = findings.system, _given_by_station(findings)
+    rows: list[tuple[Any, ...]] = []
+    referred: list[float] = []  # kg m2 of every row but the sums
+    for index, station in enumerate(system.train.stations):
+        mine = [] if station.is_ground else given_by.get(index, [])
+        rows += [_inertia(findings, station, one) for one in mine]
+        referred += [one.inertia * float(station.ratio) ** 2 for one in mine]
+        if len(mine) > 1:
+            rows.append((station.name, "sum", *_given_columns(findings), *_both(system.inertia[index], station), ""))
+    for bar, (_, inner, _) in _lumps(findings):
+        if inner:
+            inside = replace(system.train.stations[bar.driving], name=f"{bar.name}, inside")
+            referred.append(inner * float(inside.ratio) ** 2)
+            rows.append(_inertia(findings, inside, Inertia(bar.driving, inner, bar.part, "between ends")))
+    whole = number(sum(filter(math.isfinite, referred)), SUMMED)
+    rows.append(("whole train", "sum", *_given_columns(findings), NONE, NONE, whole, ""))
+    columns = "J given [kg m²] | Given at i | " if findings.study.train.has_referred_figures else ""
     return table(
-        "No. | < Station | J given, own [kg m²] | J with shaft share, own [kg m²] | Speed ratio i | "
-        "J referred [kg m²] | < Source",
-        rows,
-        "Inertias",
+        f"No. | < Station | < Inertia of | {columns}J own [kg m²] | Speed ratio i | J referred [kg m²] | < Source",
+        [(place, *row) for place, row in enumerate(rows, 1)],
+        "Inertias as given, and their sums",
     )
+
+
+def _inertia(findings: Findings, station: Station, lump: Inertia) -> tuple[Any, ...]:
+    """A row of an inertia that a component gives a station."""
+    part = findings.study.train.parts[lump.part]
+    at = part.ratio if part.referred_to is None else part.referred_to  # of the driven wheel of a gear: its driving side
+    at = station.ratio if lump.given == lump.inertia else at
+    name = f"{part.name}, {lump.what}" if lump.what else part.name
+    figure = _given_columns(findings, lump.given, at)
+    return station.name, name, *figure, *_both(lump.inertia, station), source(findings, lump.part)
+
+
+def _both(inertia: float, station: Station) -> tuple[str, Fraction, str]:
+    """An inertia (kg m2) at its own speed, the speed ratio, and the inertia referred."""
+    if math.isinf(inertia):
+        return HELD, station.ratio, HELD
+    return given(inertia, DIGITS), station.ratio, number(inertia * float(station.ratio) ** 2, SUMMED)
+
+
+def _given_columns(findings: Findings, figure: float = math.nan, at: Fraction = Fraction(1)) -> tuple[str, ...]:
+    """An inertia, or stiffness, of the file and the speed ratio at which it is given; of a sum or a fixed end none."""
+    if not findings.study.train.has_referred_figures:
+        return ()
+    return (given(figure, DIGITS), exact(at)) if math.isfinite(figure) else (NONE, NONE)
+
+
+def _lumps(findings: Findings) -> Iterator[tuple[Bar, tuple[float, float, float]]]:
+    """Of every shaft its inertia (kg m2) at its driving end, between its ends and at its driven end."""
+    from torsion.assembly.shafts import bar_segments
+
+    for bar in findings.system.train.bars:
+        lumps = bar_segments(bar, findings.system.segments[bar.name])[1]
+        yield bar, (float(lumps[0]), float(lumps[1:-1].sum()), float(lumps[-1]))
+
+
+def _given_by_station(findings: Findings) -> dict[int, list[Inertia]]:
+    """By station: what components give it, then what the shafts that end there do."""
+    found: dict[int, list[Inertia]] = {}
+    for lump in findings.system.train.inertias:
+        found.setdefault(lump.station, []).append(lump)
+    for bar, (driving, _, driven) in _lumps(findings):
+        for station, share, what in ((bar.driving, driving, "driving end"), (bar.driven, driven, "driven end")):
+            if share:
+                found.setdefault(station, []).append(Inertia(station, share, bar.part, what))
+    return found
 
 
 def _water(findings: Findings) -> Iterator[str]:
@@ -88,34 +136,37 @@ def _springs(findings: Findings) -> Table:
         first, last = system.spans[element.spans[0]], system.spans[element.spans[-1]]
         own = referred = "rigid" if h == 0 else NONE
         if 0 < h < math.inf:
-            own, referred = unit.text(1 / h, 6), unit.text(element.ratio**2 / h, 6)
+            own, referred = given(unit.factor / h, DIGITS), given(unit.factor * element.ratio**2 / h, SUMMED)
+        ratio, part = system.stations[first.driving].ratio, system.train.parts[element.part]
+        at = ratio if part.referred_to is None else part.referred_to
+        is_given = 0 < h < math.inf and part.shaft is None  # of a shaft the file gives dimensions
+        figure = _given_columns(findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at)
         losses = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
         rows.append((
             element.name, element.kind, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
-            own, number(h, 6), system.stations[first.driving].ratio, referred,
-            *(given(value) if value else NONE for value in losses), _source(findings, element.part),
+            *figure, own, given(h, DIGITS), ratio, referred, given(h / element.ratio**2, SUMMED),
+            *(given(value) if value else NONE for value in losses), source(findings, element.part),
         ))  # fmt: skip
+    columns = f"k given [{unit.unit}] | Given at i | " if findings.study.train.has_referred_figures else ""
     return table(
-        f"< Element | < Kind | < Between | k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
-        f"k referred [{unit.unit}] | Loss factor | Viscous [N m s/rad] | < Source",
+        f"< Element | < Kind | < Between | {columns}k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
+        f"k referred [{unit.unit}] | Flexibility referred [rad/(N m)] | Loss factor | Viscous [N m s/rad] | < Source",
         rows,
         "Elastic elements",
     )
 
 
 def _shafts(findings: Findings) -> Table:
-    from torsion.assembly.shafts import bar_segments
-
-    rows = []
-    for requested, bar in zip(findings.study.train.bars, findings.system.train.bars, strict=True):
+    rows, inertias = [], [sum(lumps) for _, lumps in _lumps(findings)]
+    for requested, bar, inertia in zip(findings.study.train.bars, findings.system.train.bars, inertias, strict=True):
         material, pieces = findings.study.train.shaft(requested).material, findings.system.segments[bar.name]
-        inertia = float(bar_segments(bar, pieces)[1].sum())  # kg m2, from the lumps of its segments
         modulus, is_round = stress_modulus(bar) / MM**3, requested.section is None
         rows.append((
             bar.name, requested.section.file if isinstance(requested.section, SectionMesh) else _diameters(bar.outer),
-            _diameters(bar.bore) if is_round else NONE, given(bar.length / MM), number(modulus), number(inertia, 6),
-            material, given(requested.shear_modulus * 1e-9), given(bar.density), str(pieces),
-            _source(findings, bar.part),
+            _diameters(bar.bore) if is_round else NONE, given(bar.length / MM, DIGITS), number(modulus, SUMMED),
+            given(inertia, DIGITS),
+            material, given(requested.shear_modulus * 1e-9, DIGITS), given(bar.density, DIGITS), str(pieces),
+            source(findings, bar.part),
         ))  # fmt: skip
     divided = {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")
     return table(
@@ -127,4 +178,4 @@ def _shafts(findings: Findings) -> Table:
 
 
 def _diameters(ends: tuple[float, float]) -> str:
-    return "–".join(dict.fromkeys(given(end / MM) for end in ends))
+    return "–".join(dict.fromkeys(given(end / MM, DIGITS) for end in ends))

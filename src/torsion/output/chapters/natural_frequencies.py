@@ -18,7 +18,16 @@ from torsion.output.station_layout import MOST_NAMES, layout
 MOST_MODES = 12  # of which plots and tables are printed
 MOST_SEGMENTS = 500  # of a shaft that are drawn
 SMALLEST_SHARE = 0.005  # of the energy of a mode; less is not listed
-MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first: then the largest of a Holzer table is 1
+HOLZER, SQUARE = 7, 11  # significant digits of a Holzer table, and of its squared frequency
+RESIDUAL = "largest residual of a station / largest torque"
+HOW_TO_READ = (
+    "In a Holzer table every row follows from the row that it names: twist = flexibility × torque, angle = angle of "
+    "that row − twist. Torque in is the torque at the end of the part toward that row, torque out that at its other "
+    "end. All that enters a station, and its ω² J × angle, leaves it toward the next rows; what is left over is the "
+    "residual. Of a shaft with inertia between its ends θ' = A θ − H T and T' = B θ + D T, with θ the angle of that "
+    "row and T the torque in, θ' and T' the angle and the torque out of its own row; its share of inertia at its ends "
+    "is that of the mass-elastic system in the lumped model and none in the others."
+)
 OVERDAMPED = 8  # roots that are listed
 
 
@@ -41,10 +50,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading("Energy shares", 2)
     yield _shares(findings, modes)
     shown = min(len(modes.frequency), MOST_MODES)
+    yield Paragraph(HOW_TO_READ)
     for mode, frequency in enumerate(modes.frequency[:shown].tolist()):
         yield Heading(f"Mode {mode + 1}: {number(frequency)} Hz", 2)
         yield _plot(findings, modes, mode)
-        yield holzer_table(findings, modes, mode)
+        yield from holzer_tables(findings, modes, mode)
     if shown < len(modes.frequency):
         text = f"Plots and tables of modes {shown + 1} to {len(modes.frequency)} are left out; see results.json."
         yield Paragraph(text)
@@ -117,38 +127,41 @@ def _shares(findings: Findings, modes: Modes) -> Table:
     return table(titles, rows, caption)
 
 
-def holzer_table(findings: Findings, modes: Modes, mode: int) -> Table:
-    """Of a train with loops the rows of its tree; inner segments of a shaft are summed into the row of its end."""
+def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table]:
+    """The table of a mode, and the constants of shafts with inertia between their ends, where there are such."""
     system, found = findings.system, holzer(findings.system, modes, mode)
-    largest, own = float(np.abs(found.angle).max()), len(system.train.stations)
-    scale, first = (largest, "largest") if largest > MOST_TIMES_FIRST else (1.0, "first")
-    printed = np.flatnonzero(found.station < own)
-    starts, end = np.append(0, printed[:-1] + 1), int(printed[-1]) + 1  # what is behind the last belongs to no row
-    bars = {bar.part: bar.name for bar in system.train.bars}
-    columns = found.referred_inertia, found.inertia_torque, found.flexibility, found.twist
-    sums = [np.add.reduceat(column[:end], starts).tolist() for column in columns]
-    rows = []
-    for place, row in enumerate(printed.tolist()):
-        inertia, torque, flexibility, twist = (column[place] for column in sums)
-        span, through = int(found.span[row]), [NONE] * 4
-        if span >= 0:
-            name = bars.get(system.spans[span].part, system.spans[span].name)
-            stiff = "rigid" if flexibility == 0 else number(flexibility)
-            through = [name, number(float(found.torque[row]) / scale), stiff, number(twist / scale)]
-        rows.append((
-            system.stations[int(found.station[row])].name, "held" if math.isinf(inertia) else inertia,
-            number(float(found.angle[row]) / scale, 6), torque / scale, *through,
-        ))  # fmt: skip
-    pieces = "segments"
-    if system.bars is not None:
-        pieces = "pieces, each the spring between two inertias that it is at this frequency,"
-    also = f" A shaft's {pieces} are summed up in the row of its end." if own < len(system.stations) else ""
-    return table(
-        "< Station | J referred [kg m²] | Angle [rad] | ω² J × angle [N m] | < Through | Torque [N m] | "
-        "Flexibility [rad/(N m)] | Twist [rad]",
+    numbers = (found.inertia, found.angle, found.inertia_torque, found.torque_in, found.twist, found.torque_out)
+    rows, constants = [], []
+    for row, (inertia, angle, moved, enters, twist, leaves) in enumerate(np.transpose(numbers).tolist()):
+        link, station = found.links[row], system.stations[int(found.station[row])].name
+        own = ["held", number(angle, HOLZER), "held"]
+        if math.isfinite(inertia):
+            own = [number(value, HOLZER) for value in (inertia, angle, moved)]
+        if found.is_chord[row]:
+            station, own = f"{station}, closing a loop", [NONE, number(angle, HOLZER), NONE]
+        through = [NONE] * 6
+        if link is not None:
+            at_rest = number(float(found.flexibility[row]), HOLZER) if found.flexibility[row] else "rigid"
+            if np.isfinite(found.transfer[row]).all():
+                at_rest = "A, H, B, D"
+                (a, h), (b, d) = found.transfer[row].tolist()
+                constants.append((link.name, *(number(one, HOLZER) for one in (a, -h, b, d))))
+            torques = (number(one, HOLZER) for one in (enters, twist, leaves))
+            before, (entering, turned, leaving) = str(int(found.before[row]) + 1), torques
+            through = [before, link.name, entering, at_rest, turned, leaving]
+        rows.append((row + 1, station, *own, *through))
+    rows.append(("", RESIDUAL, *[NONE] * 8, number(found.relative_residual, 2)))
+    scaled = "first" if found.angle[0] == 1.0 else "largest"
+    yield table(
+        "No. | < Station | J referred [kg m²] | Angle [rad] | ω² J × angle [N m] | From no. | < Through | "
+        "Torque in [N m] | Flexibility [rad/(N m)] | Twist [rad] | Torque out [N m]",
         rows,
-        f"Holzer table of mode {mode + 1}, referred to the reference speed, {first} amplitude 1 rad.{also}",
+        f"Holzer table of mode {mode + 1}, ω² = {number(found.square, SQUARE)} rad²/s², referred to the reference "
+        f"speed, {scaled} amplitude 1 rad",
     )
+    if constants:
+        titles = "< Shaft | A | H [rad/(N m)] | B [N m/rad] | D"
+        yield table(titles, constants, f"Constants of the shafts at the frequency of mode {mode + 1}")
 
 
 def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:

@@ -11,7 +11,7 @@ from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
 from torsion.output.numbers import below_right, degrees, given_rpm
-from torsion.output.reported_values import rated, reference
+from torsion.output.reported_values import NOT_STATED, rated, reference
 from torsion.output.station_layout import Layout, label, layout
 
 
@@ -22,7 +22,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     rows = []
     for position, part in enumerate(parts, 1):
         own = [given_rpm(speed * float(part.ratio))] if speed is not None else []
-        words = [part.source or "as in the input", *([part.note or ""] if noted else [])]
+        words = [part.source or NOT_STATED, *([part.note or ""] if noted else [])]
         rows.append((position, part.name, part.kind, part.ratio, *own, *words))
     caption = (
         "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)"

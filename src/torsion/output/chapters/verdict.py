@@ -10,7 +10,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, on_terminal, table
 from torsion.output.chapters.model_comparison import conclusion as compared_models
-from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order, rpm
+from torsion.output.numbers import NONE, RPM, counted, given, given_rpm, number, order, rpm
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
@@ -29,6 +29,7 @@ STANDING = {
     "stability": "stability",
     "transient": "the greatest torque over time",
 }  # rules that need no name: their demand
+MOST_NAMED = 12  # components without a source that are named on the first page
 MOST_LISTED = 8  # orders to be measured, ranges of speed without a reliable value
 
 
@@ -46,6 +47,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
             short="Checks, each at its worst point",
         )
     yield from on_terminal(conclusion(findings))
+    yield _sources(findings)
     about: dict[str, list[str]] = {}  # remarks, each once, with the components that it is about
     for check in checks:
         if check.note:
@@ -53,6 +55,21 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if about:
         yield Heading("Remarks on the checks", 2)
         yield Points(tuple(f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items()))
+
+
+def _sources(findings: Findings) -> Paragraph:
+    """How many components and excitations do not say where their figures come from."""
+    parts = [part for part in findings.study.train.parts if part.kind != "branch"]
+    given = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
+    bare = [part.name for part in parts if part.source is None]
+    lacking = f"{len(bare)} of {counted(len(parts), 'component')}" if bare else ""
+    lacking += f" ({', '.join(bare)})" if 0 < len(bare) <= MOST_NAMED else ""
+    acting = sum(torque.source is None for torque in given)
+    excited = f"{acting} of {counted(len(given), 'excitation')}" if acting else ""
+    lacking = " and ".join(filter(None, (lacking, excited)))
+    if lacking:
+        return Paragraph(f"Where the figures come from is not stated for {lacking}.", "note")
+    return Paragraph("Where the figures come from is stated for every component and excitation.")
 
 
 def judged(findings: Findings) -> Iterator[Block]:

@@ -1,0 +1,158 @@
+"""Holzer and mass-elastic tables of every scene, computed again from their printed digits alone.
+
+Every figure stands for all the values that are rounded to it; what follows from it is the interval of all results. So
+the check is as tight as the digits allow.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import lru_cache
+
+import pytest
+from tests.contracts.frozen import SCENES
+from tests.contracts.printed import NOTHING, Interval, Row, printed, rows, value, with_cell
+
+import torsion
+from torsion.output.blocks import Block, Table
+from torsion.output.chapters import mass_elastic, natural_frequencies
+from torsion.output.chapters.mass_elastic import DIGITS, SUMMED
+from torsion.output.chapters.natural_frequencies import HOLZER, SQUARE
+from torsion.output.numbers import number
+
+MODELS = ("lumped", "fem", "exact")
+SHAFTED = ("usv", "haixun_06402", "tilting_tail")
+CASES = [*((scene, "") for scene in SCENES), *((scene, model) for scene in SHAFTED for model in MODELS)]
+
+
+@lru_cache(maxsize=2)
+def blocks(scene: str, model: str) -> tuple[Block, ...]:
+    """Both chapters of a scene, in its own model or another."""
+    study = torsion.read(SCENES[scene])
+    kept = {name: given for name, given in study.analyses.items() if name == "modes"}
+    study = replace(study, analyses=kept, rules=(), model=model or study.model, fem=type(study.fem)())
+    found = torsion.run(study, only=("modes",))
+    return (*mass_elastic.chapter(found), *natural_frequencies.chapter(found))
+
+
+def tables(made: Iterable[Block], words: str) -> list[Table]:
+    return [one for one in made if isinstance(one, Table) and one.caption.startswith(words)]
+
+
+def holzer_faults(table: Table, constants: Table | None) -> Iterator[str]:
+    """The rows that do not follow from the figures before them."""
+    heading = re.search(r"ω² = (\S+) rad²/s²", table.caption)
+    assert heading is not None
+    square, every = printed(heading[1], SQUARE), rows(table)[:-1]
+    shafts = {} if constants is None else {row["Shaft"]: row for row in rows(constants)}
+    left = [NOTHING] * len(every)
+    for at, row in enumerate(every):
+        angle, home = printed(row["Angle"], HOLZER), at
+        if row["Station"].endswith(", closing a loop"):
+            home = next(k for k, one in enumerate(every) if one["Station"] == row["Station"].split(",")[0])
+            if every[home]["Angle"] != row["Angle"]:
+                yield f"row {at + 1}: the angle differs"
+        elif row["J referred"] != "held":
+            moved = printed(row["ω² J × angle"], HOLZER)
+            left[home] += moved
+            if not moved.meets(square * printed(row["J referred"], HOLZER) * angle):
+                yield f"row {at + 1}: ω² J × angle"
+        if row["Through"] != "–":
+            before = int(row["From no."]) - 1
+            left[home] += printed(row["Torque out"], HOLZER)
+            left[before] -= printed(row["Torque in"], HOLZER)
+            for what in link_faults(row, printed(every[before]["Angle"], HOLZER), angle, shafts):
+                yield f"row {at + 1}: {what}"
+    for at, row in enumerate(every):
+        if row["J referred"] not in ("held", "–") and not left[at].meets(NOTHING):
+            yield f"row {at + 1}: equilibrium"
+    if value(rows(table)[-1]["Torque out"]) > 1e-9:
+        yield "residual"
+
+
+def link_faults(row: Row, above: Interval, angle: Interval, shafts: dict[str, Row]) -> Iterator[str]:
+    """Angle, twist and torque at both ends of what leads to a row, in figures."""
+    enters, leaves, twist = (printed(row[title], HOLZER) for title in ("Torque in", "Torque out", "Twist"))
+    if not angle.meets(above - twist):
+        yield "angle"
+    if row["Flexibility"] == "A, H, B, D":
+        a, h, b, d = (printed(shafts[row["Through"]][title], HOLZER) for title in "AHBD")
+        if not angle.meets(a * above - h * enters):
+            yield "angle of the shaft"
+        if not leaves.meets(b * above + d * enters):
+            yield "torque of the shaft"
+        if not (a * d + b * h).meets(Interval(1.0, 1.0)):
+            yield "constants of the shaft"
+        return
+    if row["Torque in"] != row["Torque out"]:
+        yield "torque"
+    flexibility = NOTHING if row["Flexibility"] == "rigid" else printed(row["Flexibility"], HOLZER)
+    if not twist.meets(flexibility * enters):
+        yield "twist"
+
+
+@pytest.mark.parametrize(("scene", "model"), CASES)
+def test_every_row_of_a_holzer_table_follows_from_the_row_before_it(scene: str, model: str) -> None:
+    made = blocks(scene, model)
+    constants = {one.caption.split()[-1]: one for one in tables(made, "Constants of the shafts")}
+    for table in tables(made, "Holzer table"):
+        mode = table.caption.split(",")[0].split()[-1]
+        assert list(holzer_faults(table, constants.get(mode))) == [], table.caption
+
+
+@pytest.mark.parametrize("scene", ["usv", "friswell_geared_t"])
+def test_no_figure_of_a_holzer_table_could_be_another(scene: str) -> None:
+    """Changed by 1e-3 of itself every single one is found; by 3e-5 nearly all, those that nothing cancels."""
+    made = blocks(scene, "")
+    table, shafts = tables(made, "Holzer table")[0], next(iter(tables(made, "Constants of the shafts")), None)
+    cells = [
+        (row, column) for row in range(len(table.rows) - 1) for column in (2, 3, 4, 7, 8, 9, 10)
+        if re.match(r"[−\d]", table.rows[row][column]) and value(table.rows[row][column])
+    ]  # fmt: skip
+    for by, most in ((1e-3, 0.0), (3e-5, 0.15)):
+        changed = [
+            with_cell(table, *cell, number(value(table.rows[cell[0]][cell[1]]) * (1 + by), HOLZER)) for cell in cells
+        ]
+        assert sum(not list(holzer_faults(one, shafts)) for one in changed) <= most * len(cells)
+
+
+@pytest.mark.parametrize(("scene", "model"), CASES)
+def test_inertias_sum_and_refer_as_printed(scene: str, model: str) -> None:
+    found = tables(blocks(scene, model), "Inertias as given")
+    for table in found:
+        whole, station, moving = NOTHING, NOTHING, rows(table)[:-1]
+        for row, after in zip(moving, [*moving[1:], None], strict=True):
+            if row["J own"] == "held":
+                station = NOTHING if after is None or after["Station"] != row["Station"] else station
+                continue
+            own, referred = printed(row["J own"], DIGITS), printed(row["J referred"], SUMMED)
+            ratio = printed(row["Speed ratio i"], DIGITS)
+            assert referred.meets(own * ratio * ratio), row
+            if row.get("J given", "–") != "–":
+                times = printed(row["Given at i"], DIGITS)
+                assert (own * ratio * ratio).meets(printed(row["J given"], DIGITS) * times * times), row
+            if row["Inertia of"] == "sum":
+                assert own.meets(station), row
+            else:
+                station, whole = station + own, whole + referred
+            if after is None or after["Station"] != row["Station"]:
+                station = NOTHING
+        assert printed(rows(table)[-1]["J referred"], SUMMED).meets(whole)
+
+
+@pytest.mark.parametrize(("scene", "model"), CASES)
+def test_stiffness_is_the_inverse_of_flexibility_as_printed(scene: str, model: str) -> None:
+    for table in tables(blocks(scene, model), "Elastic elements"):
+        prefix = {"N m/rad": 1.0, "kN m/rad": 1e3, "MN m/rad": 1e6}
+        unit = prefix[next(one.unit for one in table.columns if one.title == "k own")]
+        for row in rows(table):
+            if row["k own"] in ("rigid", "–"):
+                continue
+            ratio, one = printed(row["i"], DIGITS), Interval(1.0 / unit, 1.0 / unit)
+            own, referred = printed(row["k own"], DIGITS), printed(row["k referred"], SUMMED)
+            assert (own * printed(row["Flexibility own"], DIGITS)).meets(one), row
+            assert (referred * printed(row["Flexibility referred"], SUMMED)).meets(one), row
+            assert referred.meets(own * ratio * ratio), row
+            if row.get("k given", "–") != "–":
+                times = printed(row["Given at i"], DIGITS)
+                assert (own * ratio * ratio).meets(printed(row["k given"], DIGITS) * times * times), row
