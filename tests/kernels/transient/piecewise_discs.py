@@ -7,6 +7,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 Law = Callable[[float, np.ndarray, np.ndarray], float]  # torque on a disc by time, and all angles and speeds
+STEP = 5e-4  # s at most: what is read between steps is of lower order
 
 
 @dataclass
@@ -87,7 +88,15 @@ class Discs:
             for one in watched:
                 one.terminal, one.direction = True, -1.0
             own = solve_ivp(
-                self.rates, (t, end), x, "DOP853", rtol=2.3e-14, atol=1e-14, events=watched, dense_output=True
+                self.rates,
+                (t, end),
+                x,
+                "DOP853",
+                rtol=2.3e-14,
+                atol=1e-14,
+                events=watched,
+                dense_output=True,
+                max_step=STEP,
             )
             for at in np.flatnonzero((times >= t) & (times <= own.t[-1])):
                 found[:, at] = self.torques(times[at], own.sol(times[at]))

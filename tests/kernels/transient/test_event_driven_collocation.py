@@ -92,7 +92,6 @@ def agrees(discs: Discs, found: Sequence[laws.BySpeed], duration: float, within:
     train, motion, how, shape = solved(discs, found, duration, **more)
     error = float(np.abs(torques(discs, train, motion, shape, time) - known).max() / np.abs(known).max())
     residual = energy_balance(motion).residual
-    print(len(events), how.number, len(motion.events), error, residual)
     assert events
     assert all(np.abs(np.array(events) - one.time).min() <= 1e-8 * one.time for one in motion.events)
     assert error <= within

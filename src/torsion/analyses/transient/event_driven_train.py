@@ -10,7 +10,7 @@ from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.event_kind import Point
-from torsion.analyses.transient.following_signals import FollowingSignals, quickest, refuse_couplings_beside_joints
+from torsion.analyses.transient.following_signals import FollowingSignals, quickest
 from torsion.analyses.transient.following_torques import carrier_of, dampers_beside_loads, following, turns
 from torsion.analyses.transient.joint_cuts import JointCut, joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads
@@ -153,7 +153,6 @@ def build(
     follows: FollowingSignals | None = None
     if is_driven:
         follows = FollowingSignals(following(study, system, events, points, before, cuts, shape), system, settings)
-        refuse_couplings_beside_joints(follows.follows, found)
     acting = _signals(study, system, settings, before, points, follows, place).with_capacities(settings, found)
     ends = twists(bare, modes, shape, np.array([one.span for one in found]))
     torque = before.torque + before.twist

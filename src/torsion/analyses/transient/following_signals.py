@@ -7,11 +7,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from torsion.analyses.transient.following_torques import Following
-from torsion.analyses.transient.nonlinear_couplings import Coupling
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import SolveError
 from torsion.findings import Progress
 from torsion.kernels.transient.collocation import Marched
 from torsion.kernels.transient.event_driven_collocation import Interfaces, event_driven_under_laws
@@ -90,16 +88,6 @@ class FollowingSignals:
             tolerance=CUT_SHORT * march.fineness**4 * scheme.tolerance,
         )  # fmt: skip
         return event_driven_under_laws(march, state, z, at, self.follows.laws, scheme, shown)
-
-
-def refuse_couplings_beside_joints(follows: Following, found: tuple[Coupling, ...]) -> None:
-    """Raises SolveError where a nonlinear coupling is the elastic span beside a joint."""
-    for cut in follows.cuts:
-        for one in found:
-            if cut.elastic == one.span:
-                message = f"the nonlinear coupling '{one.part.name}' stands beside a joint, with no inertia between"
-                hint = "give the yoke there an inertia: `inertia: [driving, driven]`"
-                raise SolveError(message, hint, one.part.path)
 
 
 def quickest(w: FloatArray, elements: tuple[Element, ...], duration: float) -> float:

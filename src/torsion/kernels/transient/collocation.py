@@ -313,7 +313,10 @@ def _tried(state: _March, time: float, length: float, guess: FloatArray) -> _Tri
     points = _under(times, free, moved, torque)
     left = max(float(last[1].max(initial=0.0)), BEFORE_LAST * float(last[0].max(initial=0.0)))
     rounding = ROUNDED * float((np.abs(np.einsum("eec->ec", slopes[2])) * train.parts * weight).max(initial=0.0))
-    return _Trial(torque, points, left, rounding)
+    is_felt = bool(
+        (np.abs(points.speed - free[1]) > ROUNDED * train.parts).any()
+    )  # not so where all begins from nothing
+    return _Trial(torque, points, left if is_felt else 0.0, rounding)
 
 
 def _under(times: FloatArray, free: Known, moved: Known, torque: FloatArray) -> Points:
