@@ -19,7 +19,8 @@ class GreatestTorque(Rule):
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of every coupling with a `max_torque`, and of every part whose damage is counted.
 
-        Modes that the samples do not resolve are added to a peak. A motion whose status is not ok never passes.
+        Modes that the samples do not resolve are added to a peak, and how far it scatters. A motion whose status is not
+        ok never passes.
         """
         found = evidence.need(Transients).each
         parts = range(len(evidence.study.train.parts))
@@ -33,6 +34,8 @@ def _lines(evidence: Results, found: TransientMotion, number: int, mark: str) ->
     part, spans = evidence.study.train.parts[number], spans_of(evidence.system, number)
     is_sound, lines = found.status == "ok", list[Check]()
     note = "" if is_sound else f"{found.status}; such a motion is never a pass"
+    if found.switching is not None and found.switching.scatter is not None and is_sound:
+        note = "the larger of two motions that impacts set apart, and their difference added"
     limit = None if part.ratings is None else part.ratings.max_torque
     if limit is not None:
         what = f"greatest torque of the motion over time {found.name}".rstrip()

@@ -49,7 +49,9 @@ from torsion.study import Study
 BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
 RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
 SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
+SCATTER = 0.1  # of a peak: by which two motions that impacts set apart may differ in it
 TINY = np.finfo(float).tiny
+Peaks = tuple[FloatArray, FloatArray]  # (spans,) N m, and s
 
 
 @reported
@@ -115,8 +117,10 @@ class TransientMotion:
 
     @property
     def peak(self) -> FloatArray:
-        """(spans,) N m, the greatest magnitude, with what modes without samples may add."""
-        return np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
+        """(spans,) N m, the greatest magnitude, with what modes without samples may add, and its scatter."""
+        scatter = None if self.switching is None else self.switching.scatter
+        most = np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
+        return most if scatter is None else most + scatter
 
     @derived("", (), "ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:
@@ -132,6 +136,11 @@ class TransientMotion:
         if self.switching is not None and self.switching.band_change > SETTLED:
             change = 100.0 * self.switching.band_change
             found.append(f"twice the band of modes changes a torque by {change:.2g} %: compute a shorter time")
+        scatter = None if self.switching is None else self.switching.scatter
+        if scatter is not None and (scatter > SCATTER * (self.peak + TINY)).any():
+            change = 100.0 * float((scatter / (self.peak + TINY)).max())
+            message = "impacts make the motion sensitive, and halved steps change a peak"
+            found.append(f"{message} by {change:.2g} %: compute a longer time, whose peaks differ less")
         return "; ".join(found) or "ok"
 
 
@@ -266,13 +275,18 @@ def _event_driven(
     progress: Progress,
 ) -> TransientMotion:  # fmt: skip
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
-    curves, balance, switching = event_driven_curves(study, system, settings, place, damping_ratio)
+    curves, balance, switching, fine = event_driven_curves(study, system, settings, place, damping_ratio)
     built = curves.built
     samples = _samples(settings, built.modes)
     time = np.linspace(0.0, settings.duration, samples + 1)
     looked, finer = looked_at_of(curves, built.modes, time, counts=settings.fatigue is not None)
     seen = sampled(curves, looked, progress)
     before, (top, bottom) = built.before, seen.ends
+    if switching.sensitive_after is not None:
+        other = sampled(fine, looked_at_of(fine, built.modes, time, counts=False)[0], progress).ends
+        scatter = np.abs(np.maximum(top[0], bottom[0]) - np.maximum(other[0][0], other[1][0]))
+        switching = replace(switching, scatter=scatter)
+        top, bottom = (_larger(one, two) for one, two in zip((top, bottom), other, strict=True))
     lacking = missed(built.modes, curves, time, finer) + curves.unseen(looked.left)
     if any(wave.w >= looked.left for wave in curves.regimes):
         lacking += np.maximum(np.abs(top[0]), np.abs(bottom[0]))  # nothing bounds what a coupling does
@@ -281,6 +295,11 @@ def _event_driven(
         balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
         turns=seen.turns,
     )  # fmt: skip
+
+
+def _larger(one: Peaks, other: Peaks) -> Peaks:
+    """The larger of the peaks of two motions, with its time."""
+    return np.maximum(one[0], other[0]), np.where(one[0] >= other[0], one[1], other[1])
 
 
 def _reversals(seen: Seen, noise: FloatArray | float = 0.0) -> IntArray:

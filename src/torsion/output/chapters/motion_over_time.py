@@ -175,7 +175,8 @@ def _switching(found: Switching) -> Iterator[Block]:
     if found.sensitive_after is not None:
         text = (
             f"From {number(found.sensitive_after)} s on the motion is sensitive: impacts amplify rounding until halved "
-            "steps change torques by more than 1e-6 of their peak. Read peaks, counts and heat there, not the moment."
+            "steps change torques by more than 1e-6 of their peak. Read peaks, counts and heat there, not the moment. "
+            "Greatest and least torques are those of both motions, and verdicts add their difference."
         )
         yield Paragraph(text, "note")
     if found.band_change:
