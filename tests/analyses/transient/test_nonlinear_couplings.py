@@ -1,6 +1,7 @@
 """Motion of trains with play, friction, stages and clutches: closed forms and figures of reference, from the file."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -270,6 +271,12 @@ def test_a_motion_that_impacts_make_sensitive_says_from_when_on() -> None:
     assert 0.5 < found.switching.sensitive_after < 3.0
     assert len(whats(found)) > 900
     assert found.residual < 1e-11  # each of the motions that cannot be told apart is one
+    scatter = found.switching.scatter
+    assert (scatter > 1e-6 * found.peak).any()  # the peaks are late, where both are motions of their own
+    assert found.peak == pytest.approx(np.maximum(np.abs(found.greatest), np.abs(found.least)) + scatter, rel=1e-14)
+    apart = bool((scatter > 0.1 * found.peak).any())
+    assert apart == ("impacts make the motion sensitive" in found.status)
+    assert replace(found, switching=replace(found.switching, scatter=0.2 * found.peak)).status != "ok"
 
 
 def test_a_twist_released_in_a_play_rebounds_with_all_its_energy() -> None:

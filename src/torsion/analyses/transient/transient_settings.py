@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
 from torsion.analyses.transient.events import Event, ShortCircuit, Stop
+from torsion.analyses.transient.following_events import SpeedProgram, Start
 from torsion.analyses.transient.order_tracking import OrderSettings
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
@@ -175,6 +176,7 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
             message = f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
             yield Fault((*place, event.body.key), message, f"at least {4.0 * math.ulp(event.time):.1g} s between them")
     yield from _stopped_twice(settings, path)
+    yield from _given_twice(settings, path)
     yield from _names(settings, path, known)
     yield from _order_faults(study, settings, path, known)
 
@@ -235,3 +237,20 @@ def _order_faults(
     if study.train.has_nonlinear_couplings:
         message = "orders of a motion with play, friction, stages or a capacity are not built"
         yield Fault((*path, "orders"), message, "leave it out, or make the couplings linear")
+
+
+def _given_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
+    """A second program of speed at a point, and a start there while an earlier one is on; two at one time add."""
+    for number, event in enumerate(settings.events):
+        body, place = event.body, (*path, "events", number, event.body.key)
+        earlier = [one for one in settings.events[:number] if one.at == event.at and type(one.body) is type(body)]
+        if isinstance(body, SpeedProgram) and earlier:
+            yield Fault(place, f"the speed of '{event.at}' is prescribed twice", "one `program` with all its rows")
+        others = [(one.time, one.body) for one in settings.events if one.at == event.at]
+        on = [
+            begin for begin, other in others
+            if isinstance(other, Start) and begin < event.time < begin + (other.off or math.inf)
+        ]  # fmt: skip
+        if isinstance(body, Start) and on:
+            message = f"'{event.at}' is switched on at {on[0]:g} s already"
+            yield Fault(place, message, f"end that start by its `off`, at most {event.time - on[0]:g} s")
