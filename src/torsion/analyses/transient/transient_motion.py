@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.steady import steady
+from torsion.analyses.transient.compared_methods import ComparedMethod, compared
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
 from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
@@ -105,6 +106,7 @@ class TransientMotion:
     )
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
+    compared: ComparedMethod | None = result("", (), "the method that is compared, or null", default=None)
     orders: OrderTracking | None = result("", (), "torques by orders of a shaft; null where none are", default=None)
     turns: tuple[FloatArray, ...] = ()  # of every span, values at which its torque turns, while damage is counted
 
@@ -299,6 +301,8 @@ def run(work: Work) -> None:
                 is_nonlinear = work.study.train.has_nonlinear_couplings
                 if settings.modes not in known and not is_nonlinear:
                     known[settings.modes] = kept_modes(work.system, settings.modes, place)
+                is_exact = settings.method == "exact"
+                beside = None if is_exact else compared(work.study, work.system, settings, place)
                 one = transient(
                     work.study,
                     work.system,
@@ -311,7 +315,7 @@ def run(work: Work) -> None:
                 if one.steps:
                     step.method += ", exponential collocation"
                 step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
-            found.append(one)
+            found.append(replace(one, compared=beside))
         except (InputError, SolveError) as error:
             errors.append(error)
             if len(errors) > 1:
