@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
-from benchmarks.integrator_methods import METHODS, marching, quality, stable_to
+from benchmarks.integrator_methods import METHODS, quality, stable_to
 from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.modal_basis import rigid_shapes
@@ -28,6 +28,7 @@ from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
 from torsion.components.shaft import Shaft
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
+from torsion.kernels.transient.integrator_methods import marching
 from torsion.output.figures.error_curves import error_axis
 from torsion.output.figures.style import COLOURS, page, plots
 from torsion.study import Study
@@ -240,7 +241,8 @@ def marched(case: Case, name: str, h: float, times: np.ndarray) -> np.ndarray:
     torques[:, 0], torques[:, _last(case)] = (
         np.interp(grid, *np.array(rows).T, left=0.0) for rows in TABLES
     )  # fmt: skip
-    moved = marching(METHODS[name], case.M, damping, case.K, h).histories(torques[:-1], torques[1:])
+    march = marching(METHODS[name], case.M, damping, case.K, h)
+    moved = march.histories(torques[:-1], torques[1:])[:, : len(case.M)]
     return np.array([np.interp(times, grid, one) for one in (case.rows @ moved.T)])
 
 

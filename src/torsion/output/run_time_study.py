@@ -14,7 +14,9 @@ import numpy as np
 
 import torsion
 from torsion.analyses.compare.timing import FULL, Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
+from torsion.analyses.transient.transient_settings import SOLVED
 from torsion.findings import Findings
+from torsion.kernels.transient import integrator_methods
 from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, head, on_terminal
 from torsion.output.document import Document, document
 from torsion.output.numbers import given, number
@@ -32,9 +34,11 @@ DIGITS = 3
 MOST_AS_FAST = 3
 LEAST_SHARE = 1e-4  # from which an error is given in per cent
 SHORTER = "modal superposition, static correction", "modal, static corr."  # in the figure
+INTEGRATIONS = (*integrator_methods.TITLES.values(), *SOLVED.values())  # methods of integration over time
 FAMILIES = (  # start of a method's name, and how it is drawn
     ("modal superposition, static", "corrected"), ("modal superposition", "modal"), ("lumped, dense", "dense"),
-    ("dense", "dense"), ("lumped", "lumped"), ("fem", "fem"), ("exact", "exact"), ("two-sided", "exact"), ("", "peer"),
+    ("modes, exact", "exact"), *((name, "integration") for name in INTEGRATIONS), ("dense", "dense"),
+    ("lumped", "lumped"), ("fem", "fem"), ("exact", "exact"), ("two-sided", "exact"), ("", "peer"),
 )  # fmt: skip
 MODAL = (
     "The superpositions take modes of the exact model, so that they have no discretisation error. Each mode is damped "
@@ -123,6 +127,7 @@ def curves(rows: Sequence[TimedRow]) -> list[tuple[Any, ...]]:
             label = name.replace(", elimination", "").replace(*SHORTER)
             family = next(family for start, family in FAMILIES if name.startswith(start))
             degree = int(name.split()[2].rstrip(",")) if family == "fem" else 0
+            degree = INTEGRATIONS.index(name) if family == "integration" else degree
             made.append((label, family, degree, *times, np.array([row.error for row in own])))
     return made
 

@@ -93,8 +93,16 @@ VALUES: dict[str, dict[str, Any]] = {
     "over time": {
         "time": SPEED, "quantity": "torque, kN m", "lines": [("<coupling> $x$", -BUMP, BUMP), ("disc", BUMP, BUMP)],
     },
+    "orders": {"x": SPEED, "quantity": "time, s", "unit": "N m", "lines": [("order 2 of <a> & $x$", BUMP)]},
+    "waterfall": {
+        "x": SPEED, "quantity": "speed of <a> & $x$, rpm", "unit": "N m", "order": np.arange(4) / 8.0,
+        "amplitude": np.outer(BUMP, [1.0, 0.0, 1e-9, 2.0]), "reference": "<a> & $x$",
+    },
     "study": {
-        "curves": [("lumped <a>", "lumped", 0, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e4)],
+        "curves": [
+            ("lumped <a>", "lumped", 0, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e4),
+            ("Bathe", "integration", 6, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e5),
+        ],
         "tolerance": 1e-3, "bound": 1e-13, "best": (300.0, 1e-3),
     },
     "twisted shaft": {

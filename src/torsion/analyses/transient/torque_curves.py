@@ -116,16 +116,19 @@ class Curves:
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Torques (spans, times) with the damping part, their rates, and places and speeds (both, times)."""
         place, speed = self.motion.at(time)
-        vibration, its_rate = _vibration(self.before, time)
-        elastic = self.found.torque @ place[self.motion.train.rigid :]
-        torque = self.before.torque[:, None] + elastic + self.slowed @ speed + vibration
-        rate = self.found.torque @ speed[self.motion.train.rigid :] + its_rate
+        rate = self.found.torque @ speed[self.motion.train.rigid :] + _vibration(self.before, time)[1]
         if self.slowed.any():
             rate += self.slowed @ self.motion.acceleration(time, place, speed)
         if self.direct.any():
-            torque = torque + self.direct @ self.motion.loads_at(time)
             rate = rate + self.direct @ self.motion.load_rates_at(time)
+        torque = self.carried(time, place, speed)
         return torque, rate, (place, speed)
+
+    def carried(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+        """Torques (spans, times) with the damping part, of places and speeds (rigid motions + modes, times)."""
+        elastic = self.found.torque @ place[self.motion.train.rigid :]
+        torque = self.before.torque[:, None] + elastic + self.slowed @ speed + _vibration(self.before, time)[0]
+        return torque + self.direct @ self.motion.loads_at(time) if self.direct.any() else torque
 
     def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """(stations, times) rad/s from places and speeds (rigid motions + modes, times)."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.steady import steady
+from torsion.analyses.transient.compared_methods import ComparedMethod, compared
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
 from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
@@ -111,6 +112,7 @@ class TransientMotion:
     )
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
+    compared: ComparedMethod | None = result("", (), "the method that is compared, or null", default=None)
     orders: OrderTracking | None = result("", (), "torques by orders of a shaft; null where none are", default=None)
     is_rare: bool = result(
         "", (), "no motion of normal operation: T_Kmax2 limits its couplings", key="rare", default=False
@@ -391,6 +393,8 @@ def run(work: Work) -> None:
                 is_nonlinear = work.study.train.has_nonlinear_couplings
                 if settings.modes not in known and not is_nonlinear:
                     known[settings.modes] = kept_modes(work.system, settings.modes, place)
+                is_exact = settings.method == "exact"
+                beside = None if is_exact else compared(work.study, work.system, settings, place)
                 one = transient(
                     work.study,
                     work.system,
@@ -405,7 +409,7 @@ def run(work: Work) -> None:
                 step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
                 if one.speed_before and settings.initial is None:
                     step.size += f", begins steady at {one.speed_before * 30.0 / math.pi:.6g} rpm"
-            found.append(one)
+            found.append(replace(one, compared=beside))
         except (InputError, SolveError) as error:
             errors.append(error)
             if len(errors) > 1:

@@ -19,6 +19,7 @@ from torsion.study import Several, Study
 from torsion.train import name_fault
 
 PATH = ("analyses", "transient")
+SOLVED = {"dop853": "DOP853", "radau": "Radau"}  # compared methods that choose their steps
 MOST_SAMPLES = 1_000_000
 DEFAULT_PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
 ROUNDING = 1e-9  # of shares that are summed, and of times that are one
@@ -86,6 +87,14 @@ class TransientSettings(Declared):
     tolerance: Annotated[float, Quantity("1", at_least=1e-12, at_most=1e-2)] = given(
         "of torques that follow the motion: largest term left in their series over a step, of the largest torque", 1e-6
     )
+    method: Literal[
+        "exact", "dop853", "radau", "newmark", "wilson", "hht", "generalised-alpha", "bathe", "houbolt",
+        "central-differences", "linear-acceleration", "runge-kutta-4", "precise",
+    ] = given(
+        "exact, or a method that is compared with it: its error and run time are reported beside the exact motion of a "
+        "linear train", "exact"
+    )  # fmt: skip
+    step: Length | None = given("step of the compared method; not of `exact`, `dop853` and `radau`")
     modes: Annotated[Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])] = given(
         "all, or how many of the lowest elastic modes are kept; then the change with twice as many is reported", "all"
     )
@@ -108,6 +117,14 @@ class TransientSettings(Declared):
         """No motion of normal operation; where the file does not say it, in doubt it is one."""
         faults = [isinstance(event.body, ShortCircuit) for event in self.events]
         return self.duty == "rare" or (self.duty is None and bool(faults) and all(faults))
+
+    def refuse_clashes(self) -> None:
+        steps = self.method != "exact" and self.method not in SOLVED
+        if steps and self.step is None:
+            raise refuse(f"`{self.method}` needs a step", "`step: 0.1 ms`", "method")
+        if self.step is not None and not steps:
+            hint = "leave it out" + ("" if self.method == "exact" else "; `tolerance` sets the steps")
+            raise refuse(f"`{self.method}` has no step of the file's", hint, "step")
 
 
 def cases(study: Study) -> list[tuple[TransientSettings, Path]]:

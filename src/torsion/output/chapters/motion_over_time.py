@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from torsion.analyses.transient.compared_methods import ComparedMethod
 from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import Ice
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
@@ -61,6 +62,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     if found.switching is not None:
         yield from _switching(found.switching)
     yield from _following(found)
+    yield from _compared(found.compared)
     yield from _loads(findings, found, rows, settings)
     if found.unresolved.any():
         text = (
@@ -218,6 +220,20 @@ def _switching(found: Switching) -> Iterator[Block]:
     if found.band_change:
         text = f"Twice the band of modes changes torques by {number(found.band_change, 2)} of their peaks."
         yield Paragraph(text, "note")
+
+
+def _compared(found: ComparedMethod | None) -> Iterator[Block]:
+    """The method of integration that the file names, beside the exact motion."""
+    if found is None:
+        return
+    step = "" if found.step is None else f" with steps of {number(found.step)} s"
+    error = (
+        "has no answer: it is not stable there"
+        if found.error is None
+        else f"differs by {number(100.0 * found.error, 3)} % of the largest torque of a span, at most"
+    )
+    text = f"Compared: {found.method}{step} {error}; it takes {number(found.seconds, 2)} s. All results are exact."
+    yield Paragraph(text, "note")
 
 
 def _loads(

@@ -18,6 +18,7 @@ Curve = tuple[str, str, int, FloatArray, FloatArray, FloatArray, FloatArray]
 Errors = Sequence[tuple[str, FloatArray]]  # model, magnitudes of its relative errors
 LEAST = 1.2e-16  # an error below half the rounding unit is drawn there: it is rounding
 MARKERS = ("o", "s", "^", "D")
+SIGNS = "os^Dv<>pPXhd"  # of methods of integration
 DEGREES = 10  # of the shades of finite elements
 FAMILIES: dict[str, dict[str, Any]] = {
     "lumped": {"color": COLOURS[0], "marker": "o", "linewidth": 1.8},
@@ -26,6 +27,7 @@ FAMILIES: dict[str, dict[str, Any]] = {
     "modal": {"color": COLOURS[3], "marker": "^", "linestyle": "--"},
     "corrected": {"color": "#7b3294", "marker": "v", "linestyle": "--"},
     "dense": {"color": BAD, "marker": "x", "linestyle": ":", "linewidth": 1.5},
+    "integration": {"linewidth": 0.9},
     "peer": {"color": COLOURS[1], "marker": "s"},
 }
 
@@ -72,6 +74,8 @@ def error_over_time(axes: Axes, curves: Sequence[Curve], bound: float = 0.0) -> 
         style = dict(FAMILIES[family])
         if family == "fem":
             style["color"] = mpl.colormaps["YlOrBr"](0.35 + 0.6 * degree / DEGREES)
+        elif family == "integration":
+            style |= {"color": COLOURS[degree % len(COLOURS)], "marker": SIGNS[degree % len(SIGNS)], "markersize": 5}
         spread = np.stack([time - low, high - time])
         axes.errorbar(time, _drawn(error), xerr=spread, elinewidth=0.6, capsize=1.5, label=label, **style)
     doubt = "below the bound of the reference"
