@@ -93,16 +93,28 @@ def test_a_class_mills_like_the_torque_that_follows_from_it() -> None:
         assert not one[time > 2.4 * 2.0 * math.pi / 10.0 + 1e-9].any()
 
 
-def test_the_half_sines_of_a_class_end_with_its_revolutions() -> None:
-    """By the rule itself: 10 blades begin within 2.4 revolutions, each over 90 degrees, with ramps of 270 degrees."""
-    at = Point("x", 10.0, blades=4, propeller=SCREW, rated_speed=TWICE)
-    event = Event.model_validate({"at": "x", "ice": {"class": "IB", "case": 1}})
+@pytest.mark.parametrize("turns", [2.05, 2.4, 2.6])
+@pytest.mark.parametrize(("case", "factor", "width"), [(1, 0.75, 90.0), (2, 1.0, 135.0), (3, 0.5, 45.0)])
+def test_the_half_sines_end_with_the_revolutions(turns: float, case: int, factor: float, width: float) -> None:
+    """By the rule itself: every blade from where it hits, 90 degrees behind the last, with ramps of 270 degrees."""
+    event = Event.model_validate({"at": "x", "ice": {"torque": 1.0, "case": case, "turns": turns}})
     time = np.linspace(0.0, 2.0, 4001)
-    turned = np.degrees(10.0 * time)
-    factor = np.interp(turned, [0.0, 270.0, 2.4 * 360.0 - 270.0, 2.4 * 360.0], [0.0, 1.0, 1.0, 0.0])
-    exact = -0.75 * by_hand(10.9, 1.2, 4.0, True) * factor * np.abs(np.sin(np.radians(turned % 90.0 * 2.0)))
-    inside = turned < 2.4 * 360.0
-    assert value(event.pieces(at), time)[inside] == pytest.approx(exact[inside], abs=1e-9 * np.abs(exact).max())
+    turned, last = np.degrees(10.0 * time), 360.0 * turns
+    exact = np.zeros_like(turned)
+    for hit in range(11):
+        for first in (90.0 * hit, 90.0 * hit + 45.0)[: 2 if case == 3 else 1]:
+            inside = (turned >= first) & (turned < min(first + width, last))
+            exact -= np.where(inside, factor * np.sin(np.radians(180.0 * (turned - first) / width)), 0.0)
+    exact *= np.interp(turned, [0.0, 270.0, last - 270.0, last], [0.0, 1.0, 1.0, 0.0])
+    assert value(event.pieces(Point("x", 10.0, blades=4)), time) == pytest.approx(exact, abs=1e-11)
+
+
+def test_rounding_of_the_revolutions_makes_no_piece_of_no_length() -> None:
+    """The second block of blade 83 of six would begin where 13.75 revolutions end, but for 1.4e-14 rad."""
+    event = Event.model_validate({"at": "x", "ice": {"torque": 1.0, "case": 3, "turns": 13.75}})
+    pieces = event.pieces(Point("x", 10.0, blades=6))
+    assert min(piece.end - piece.begin for piece in pieces) > 1e-6
+    assert len({piece.begin for piece in pieces}) >= 2 * 82
 
 
 def test_a_thickness_and_a_speed_of_the_file_take_the_place_of_those_of_the_class() -> None:

@@ -207,8 +207,9 @@ class Ice(Kind):
     def _hit(self, begin: float, speed: float, blade: "_Blade") -> Iterator[Piece]:
         """One blade, in pieces over which the ramps have one slope."""
         last = 2.0 * math.pi * self.revolutions
-        kinks = [self.ramp, last - self.ramp]
-        edges = sorted({blade.first, blade.last, *(kink for kink in kinks if blade.first < kink < blade.last)})
+        inner = blade.first + ROUNDING, blade.last - ROUNDING
+        kinks = [kink for kink in (self.ramp, last - self.ramp) if inner[0] < kink < inner[1]]
+        edges = sorted({blade.first, blade.last, *kinks})
         for start, end in pairwise(edges):
             level, later = (float(np.interp(x, [0.0, self.ramp, last - self.ramp, last], [0, 1, 1, 0]))
                             for x in (start, end))  # fmt: skip
