@@ -156,16 +156,18 @@ def test_frequencies_shares_and_holzer_tables(found: Findings) -> None:
 
 def test_critical_speeds_by_order_and_mode(found: Findings) -> None:
     w, _ = modes()
-    table = rows_of(found, "Critical speeds, order by mode")
+    table = {row["Excited by"]: row for row in rows_of(found, "Critical speeds, order by mode").values()}
     inside = rows_of(found, "Critical speeds in the speed range")
-    for text, order, source in (("0.5", 0.5, "flywheel"), ("1.6", 1.6, "screw")):
+    for text, order, source in (("0.5", 0.5, "0.5 × flywheel"), ("1.6", 1.6, "4 × screw (1.6 of flywheel)")):
+        name = table[source]
+        assert name["Order"] == text
         for mode in range(3):
-            cell, speed = table[text][f"Mode {mode + 1}"], w[mode] / order
+            cell, speed = name[f"Mode {mode + 1}"], w[mode] / order
             assert value(cell) == pytest.approx(speed * RPM, rel=1e-4)
             assert cell.endswith("*") == (5.0 <= speed <= 40.0)
             if cell.endswith("*"):
                 row = inside[cell.removesuffix(" *")]
-                assert (row["Order"], row["Mode"], row["Sources"]) == (text, str(mode + 1), source)
+                assert (row["Order"], row["Mode"], row["Excited by"]) == (text, str(mode + 1), source)
                 assert value(row["Distance from rated"]) == pytest.approx(100.0 * (speed / 30.0 - 1.0), abs=0.06)
 
 
@@ -175,7 +177,7 @@ def test_what_excites_and_what_damps(found: Findings) -> None:
     assert (torque["flywheel"]["Order, reference"], torque["flywheel"]["Phase"]) == ("0.5", "30")
     amplitude = [torque[name]["Amplitude (half range)"] for name in ("screw", "flywheel")]
     assert amplitude == ["5 % of the mean torque", "3 N m"]
-    lines = rows_of(found, "Harmonic components of the response")
+    lines = {row["Order of the reference"]: row for row in rows_of(found, "Harmonic components of").values()}
     for text, order in (("0.5", 0.5), ("1.6", 1.6)):
         first, last = re.split("–", lines[text]["Frequency over the range"])
         assert [value(first), value(last)] == pytest.approx([order * n / (2 * math.pi) for n in (5.0, 40.0)], rel=1e-4)
@@ -205,7 +207,7 @@ def test_vibratory_torques_of_elements_meshes_and_couplings(found: Findings) -> 
         wanted = {"At speed": SPEED[at] * RPM, "Its torque": size[0], "Sum of magnitudes": size.sum(),
                   "RMS": math.hypot(*size) / math.sqrt(2.0), "Mean": mean}  # fmt: skip
         assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=3e-3)
-        assert row["Largest order there"] == "0.5"
+        assert row["Largest component there"] == "0.5 × flywheel"
     mesh = rows_of(found, "mean torque in the meshes")["stage"]
     at, ratio = int(half[:, 1].argmax()), half[:, 1] / (40.0 * (SPEED / 30.0) ** 2)
     assert value(mesh["Largest vibratory torque"]) == pytest.approx(half[at, 1], rel=2e-4)

@@ -197,4 +197,4 @@ def test_a_maker_s_limit_may_be_used_up(study, evidence, size, verdict) -> None:
 def test_order_of_the_line_is_exact_in_the_note(study, evidence) -> None:
     half_order = Line(Fraction(21, 8), None, ("screw",))
     seen = evidence(study(line(vibratory_torque=9.0)), [300.0], half={"rubber": [1.0]}, line=half_order)
-    assert "order 21/8 (screw)" in coupling.CouplingMaker().check(seen, coupling.CouplingSettings())[0].note
+    assert "2.625 × screw" in coupling.CouplingMaker().check(seen, coupling.CouplingSettings())[0].note

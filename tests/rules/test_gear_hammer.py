@@ -114,8 +114,8 @@ def test_speeds_outside_continuous_use_count_for_the_rating_alone(study, evidenc
     found = verdicts(gear.GearHammer().check(seen, requested))
     of_rating, reversal = found["(K_A - 1) T_rated"], found["torque reversal"]
     assert (of_rating.value, of_rating.verdict, of_rating.speed) == (400, "not kept", pytest.approx(250 * RPM))
-    assert of_rating.note == "0.35 (usual K_A 1.35) x 1000 N m; mostly order 4 (screw)"
-    assert reversal.note == "in continuous use, 400 rpm to 1000 rpm; mostly order 4 (screw)"
+    assert of_rating.note == "0.35 (usual K_A 1.35) x 1000 N m; mostly 4 × screw"
+    assert reversal.note == "in continuous use, 400 rpm to 1000 rpm; mostly 4 × screw"
     assert (reversal.value, reversal.verdict) == (200, "pass")
 
 
@@ -139,7 +139,7 @@ def test_rating_says_where_the_speeds_end_below_the_rated_one(study, evidence, t
     together = Results(seen.study, {**seen.results, "response": short.need(Response)})
     check = verdicts(gear.GearHammer().check(together, gear.GearHammerSettings()))["(K_A - 1) T_rated"]
     assert check.note == "; ".join(
-        text for text in ("0.35 (usual K_A 1.35) x 1000 N m", words, "mostly order 4 (screw)") if text
+        text for text in ("0.35 (usual K_A 1.35) x 1000 N m", words, "mostly 4 × screw") if text
     )
 
 

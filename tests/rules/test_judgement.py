@@ -59,8 +59,8 @@ def seen(study, evidence):
 @pytest.mark.parametrize(
     ("torque", "words"),
     [
-        ((0.2, 0.5), "mostly order 3/2 (motor)"), ((-0.5j, 0.2), "mostly order 4 (screw)"), ((0.0, 0.0), ""),
-        ((0.0, 0.1), "mostly order 3/2 (motor)"), ((math.nan, 0.5), ""), ((0.5, math.inf), ""),
+        ((0.2, 0.5), "mostly 1.5 × motor"), ((-0.5j, 0.2), "mostly 4 × screw"), ((0.0, 0.0), ""),
+        ((0.0, 0.1), "mostly 1.5 × motor"), ((math.nan, 0.5), ""), ((0.5, math.inf), ""),
     ],
 )  # fmt: skip
 def test_the_component_with_the_greatest_torque_at_the_worst_speed_is_named(seen, torque, words) -> None:
@@ -79,7 +79,7 @@ def test_the_greatest_torque_is_that_of_any_of_the_spans_judged(study, evidence)
     torque = np.array([[[1.0, 2.0, 7.0], [9.0, 5.0, 6.0]]], dtype=complex)  # (speeds, lines, spans)
     response = replace(found.need(Response), lines=lines, torque=torque)
     seen = Results(found.study, {**found.results, "response": response})
-    for spans, words in (([1, 2], "mostly order 4 (screw)"), ([0, 1], "mostly order 3/2 (motor)")):
+    for spans, words in (([1, 2], "mostly 4 × screw"), ([0, 1], "mostly 1.5 × motor")):
         clause = Clause("c", "w", "what", "maker", curve([1.0], 4.0), np.ones(1, bool), notes=(MOSTLY,),
                         spans=np.array(spans))  # fmt: skip
         assert judge("rule", clause, seen).note == words

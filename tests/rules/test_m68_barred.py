@@ -44,6 +44,7 @@ def test_tachometer_tolerance_widens_both_ends() -> None:
     (one,) = barring(curve({500: 1.1}), RATED, "line", 0.02).permitted
     lower, upper = barred_range(500, RATED)
     assert [one.lower, one.upper] == pytest.approx([0.98 * lower, 1.02 * upper], rel=1e-12)
+    assert (one.formula_lower, one.formula_upper) == (lower, upper)
 
 
 def test_resonance_at_the_end_of_the_speeds_keeps_the_rule_s_width() -> None:

@@ -13,7 +13,7 @@ from torsion.rules.m68_shafts import least_diameter, tau_c, tau_t
 BLADES = [{"blade_order": 1, "torque": 10.0}]
 W_P = math.pi / 16 * 0.1**3  # m3, of a solid shaft of 100 mm
 SPEED = np.linspace(100, 1050, 96)  # rpm, in steps of 10
-MOSTLY = "mostly order 4 (screw)"
+MOSTLY = "mostly 4 × screw"
 FACTORS = f"C_K 1 (flange), C_D {0.35 + 0.93 * 100**-0.2:.4g}, sigma_B 600 N/mm2"
 
 
@@ -60,6 +60,7 @@ def test_notes_of_two_barred_ranges_say_both_with_the_tolerance_of_the_tachomete
     assert [end for one in passing.barred for end in (one.lower, one.upper)] == pytest.approx(
         np.array(ends) * RPM, rel=1e-12
     )
+    assert [one.order for one in passing.barred] == [4, 4]
     assert (passing.what, passing.unit, passing.where) == ("stress amplitude in the barred range", "N/mm2", "line")
 
 

@@ -24,6 +24,14 @@ class CriticalSpeed:
     margin: float | None = result(
         "1", (), "distance from the rated speed or the nearest end of the range, relative; null where neither is given"
     )
+    own_orders: tuple[Fraction, ...] = result(
+        "", (), "of each source per revolution of its own shaft, exact", default=()
+    )
+
+    @property
+    def line(self) -> Line:
+        """What excites."""
+        return Line(self.order, None, self.sources, self.own_orders)
 
 
 @reported
@@ -44,8 +52,8 @@ def critical_speeds(
         for mode, frequency in enumerate(modes.frequency.tolist(), start=1):
             speed = 2.0 * math.pi * frequency / float(line.order)
             inside = speeds is not None and speeds.first <= speed <= speeds.last
-            margin = _margin(speed, operation)
-            found.append(CriticalSpeed(mode, line.order, line.sources, frequency, speed, inside, margin))
+            at = frequency, speed, inside, _margin(speed, operation)
+            found.append(CriticalSpeed(mode, line.order, line.sources, *at, line.own_orders))
     return tuple(sorted(found, key=lambda crossing: (crossing.speed, crossing.mode)))
 
 

@@ -1,6 +1,7 @@
 """Numbers as an engineer reads them: significant digits, one scale a column, signs of what is no number."""
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -12,6 +13,10 @@ import numpy as np
 DIGITS = 5  # significant digits of a figure in a table
 MOST_DIGITS = 15  # that distinguish two floating-point numbers
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SIGNS = (
+    (r"\btau_", "τ_"), (r"\bsigma_", "σ_"), (r"\blambda\b", "λ"), (r"\b(mm|cm|m|s)([2-4])\b", r"\1^\2"), (r"\^2", "²"),
+    (r"\^3", "³"), (r"\^4", "⁴"),
+)  # fmt: skip
 NONE = "–"
 PREFIXES = ((1e6, "M"), (1e3, "k"))
 RPM = 60.0 / (2.0 * math.pi)
@@ -29,7 +34,22 @@ def number(value: float | None, digits: int = DIGITS) -> str:
     power = int(exponent)
     if -4 <= power < max(digits + 1, 6):
         return f"{float(f'{mantissa}e{power}'):.{max(digits - 1 - power, 0)}f}".replace("-", "−")
-    return f"{mantissa}·10{str(power).translate(SUPERSCRIPT)}".replace("-", "−")
+    return f"{mantissa}{_power(power)}".replace("-", "−")
+
+
+def symbols(text: str) -> str:
+    """Words of a rule, or of the plan, with the signs of the report: τ_C, N/mm², 1.9·10⁶.
+
+    >>> symbols("sigma_B 600 N/mm2, 1.9e+06 N m")
+    'σ_B 600 N/mm², 1.9·10⁶ N m'
+    """
+    for letters, sign in SIGNS:
+        text = re.sub(letters, sign, text)
+    return re.sub(r"(?<=\d)e([+-])0*(\d+)", lambda found: _power(int(found[1] + found[2])), text)
+
+
+def _power(exponent: int) -> str:
+    return f"·10{str(exponent).translate(SUPERSCRIPT)}"
 
 
 def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:

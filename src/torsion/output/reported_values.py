@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.numbers import RPM, given, number
+from torsion.output.numbers import NONE, RPM, given, number
 from torsion.output.selection import Element
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
@@ -24,6 +26,7 @@ UNDAMPED = (
     "of the range; give the damping of the train."
 )
 NOT_STATED = "not stated"  # of a source
+SAME = 0.03  # relative distance of a peak from its natural frequency, or twice the damping ratio (half-power width)
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
@@ -171,3 +174,15 @@ def joint_model(findings: Findings) -> str:
             "estimate of its error exceeds 100 %); amplitudes at those peaks are no prediction."
         )
     return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
+
+
+def mode_near(findings: Findings, frequency: float) -> str:
+    """The mode whose frequency is nearest, if it is near."""
+    damped, undamped = findings.get(DampedModes), findings.get(Modes)
+    source = undamped if damped is None else damped
+    if source is None or len(source.frequency) == 0:
+        return NONE
+    distance = np.abs(source.frequency / frequency - 1.0)
+    nearest = int(np.argmin(distance))
+    ratio = 0.0 if damped is None else float(damped.damping_ratio[nearest])
+    return str(nearest + 1) if distance[nearest] <= max(SAME, 2.0 * ratio) else NONE

@@ -26,14 +26,17 @@ REPORTS = {
         "Torsional vibration calculation",
         (
             "verdict", "plant", "mass_elastic", "@modes", "twisted_train", "@critical", "excitations", "damping_given",
-            "@*", "verdict:barred_ranges", "verdict:closing", "provenance:steps", "provenance:input_file",
+            "@*", "verdict:closing", "provenance:steps", "verdict:remarks", "provenance:input_file",
         ),
         "report", {"json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz"},
         on_request={"twisted_train": "vtu"},
     ),
     "joint": Report(
         "Universal joints",
-        ("joint_motion:summary", "verdict:judged", "joint_motion:alone", "provenance:steps", "provenance:input_file"),
+        (
+            "joint_motion:summary", "verdict:judged", "joint_motion:alone", "provenance:steps", "verdict:remarks",
+            "provenance:input_file",
+        ),
         "joints", keys=("joints", "checks"), columns="joint_tables:columns",
     ),
     "check": Report(

@@ -41,19 +41,19 @@ def show(document: Document, folder: Path | None = None, console: Console | None
 def screen(document: Document) -> list[RenderableType]:
     """Everything that is printed; the verdict last, where the eye is."""
     first: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
-    last: list[RenderableType] = []
-    chapter = first
+    last, words = list[RenderableType](), list[RenderableType]()  # of the verdict: its tables, then its sentences
+    chapter = said = first
     for block in (item.block for item in document.body):
         match block:
             case Heading(level=1, at_end=at_end):
-                chapter = last if at_end else first
+                chapter, said = (last, words) if at_end else (first, first)
             case Table(short=title) if title and block.rows:
                 chapter.append(_in_short(block))
             case Paragraph(text=text, kind=kind, brief=True):
-                chapter.append(Text(_plain(text), style=COLOURS.get(kind, "")))
+                said.append(Text(_plain(text), style=COLOURS.get(kind, "")))
             case Points(items=items, brief=True):
-                chapter.append(Text("\n".join(f"- {_plain(item)}" for item in items)))
-    return [*first, *last]
+                said.append(Text("\n".join(f"- {_plain(item)}" for item in items)))
+    return [*first, *last, *words]
 
 
 def _in_short(table: Table) -> Grid:

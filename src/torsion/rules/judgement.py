@@ -10,6 +10,7 @@ import numpy as np
 from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.grid import apart, missed_peaks
+from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.steady import SAME_SPEED, Steady
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
@@ -109,12 +110,14 @@ def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
     share = np.where(clause.within, curve.utilisation(), -np.inf)
     at = worst_of(share, curve.value)
     is_known = curve.status[at] == Status.OK and np.isfinite(curve.value[at])
-    notes = [_largest_component(evidence, at, clause.spans) if note == MOSTLY else note for note in clause.notes]
+    main = main_component(evidence, at, clause.spans)
+    said = "" if main is None else f"{MOSTLY} {main.words}"
+    notes = [said if note == MOSTLY else note for note in clause.notes]
     return Check(
         rule, clause.clause, clause.where, clause.what,
         value=float(curve.value[at]) if is_known else math.inf, limit=float(curve.limit[at]), unit=clause.unit,
         verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known else "fail",  # whatever the limit
-        standing=clause.standing, speed=float(curve.speed[at]),
+        standing=clause.standing, speed=float(curve.speed[at]), order=None if main is None else main.order,
         note="; ".join(note for note in (_status_words(curve, at), *notes, _exact_words(evidence, clause, at)) if note),
     )  # fmt: skip
 
@@ -157,13 +160,14 @@ def _status_words(curve: Curve, at: int) -> str:
     return f"the response is {word} at {in_rpm(curve.speed[at])}, which is never a pass"
 
 
-def _largest_component(evidence: Results, at: int, spans: IntArray) -> str:
-    """Words for the harmonic component with the greatest torque in the spans at a speed."""
+def main_component(evidence: Results, at: int, spans: IntArray) -> Line | None:
+    """The harmonic component with the greatest torque in the spans at a speed; None where that is not known."""
+    if not spans.size:
+        return None
     response = evidence.need(Response)
     size = np.abs(response.torque[at][:, spans]).max(axis=1)
-    if not np.all(np.isfinite(size)) or not np.any(size > 0):
-        return ""
-    return f"{MOSTLY} {response.lines[int(np.argmax(size))].words}"
+    known = bool(np.all(np.isfinite(size)) and np.any(size > 0))
+    return response.lines[int(np.argmax(size))] if known else None
 
 
 def judged_speeds(study: Study) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.components.lowering import ShaftRecord
 from torsion.components.material import STEEL
 from torsion.errors import Fault, Path
@@ -171,11 +171,21 @@ def _stresses(evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> 
     tau_t = _limits(evidence, shaft).tau_t
     line = judged("tau_T", "stress amplitude in the barred range", tau_t, barred.passed, *notes)
     if line is not None:
-        yield replace(line, verdict="fail" if reasons else line.verdict, barred=barred.permitted, times=times)
+        ranges = tuple(
+            _with_order(evidence, one, judgement.spans_of(evidence.system, shaft.part)) for one in barred.permitted
+        )
+        yield replace(line, verdict="fail" if reasons else line.verdict, barred=ranges, times=times)
     what, note = "stress amplitude above 1.05 of the rated speed", "outside the rule: it has no limit above 1.05"
     line = judged("tau_C", what, np.ones(len(curve.speed)), ~ruled, f"{note} of the rated speed")
     if line is not None:
         yield replace(line, limit=math.nan, verdict="outside", standing="rule text")
+
+
+def _with_order(evidence: Results, barred: BarredRange, spans: IntArray) -> BarredRange:
+    """With the order that has the greatest torque in the shaft at the critical speed."""
+    at = int(np.argmin(np.abs(evidence.need(Response).speed - barred.critical)))
+    main = judgement.main_component(evidence, at, spans)
+    return replace(barred, order=None if main is None else main.order)
 
 
 def _refusal(barred: Barring) -> str:
@@ -225,14 +235,12 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
     edges = np.flatnonzero(np.diff(exceeds, prepend=False, append=False))
     for first, end in edges.reshape(len(edges) // 2, 2).tolist():
         critical = float(curve.speed[first + worst_of(share[first:end], curve.value[first:end])])
-        lower, upper = m68_shafts.barred_range(critical, rated)
-        lower = min(lower, _crossing(curve, first, first - 1)) * (1.0 - tolerance)
-        upper = max(upper, _crossing(curve, end - 1, end)) * (1.0 + tolerance)
-        if m68_shafts.may_be_barred(upper / rated):
-            permitted.append(BarredRange(lower, upper, critical, shaft))
-        else:
-            refused.append(BarredRange(lower, upper, critical, shaft))
-            above[first:end] = True
+        formula = m68_shafts.barred_range(critical, rated)
+        lower = min(formula[0], _crossing(curve, first, first - 1)) * (1.0 - tolerance)
+        upper = max(formula[1], _crossing(curve, end - 1, end)) * (1.0 + tolerance)
+        is_permitted = bool(m68_shafts.may_be_barred(upper / rated))
+        (permitted if is_permitted else refused).append(BarredRange(lower, upper, critical, shaft, *formula))
+        above[first:end] |= not is_permitted
     together = _apart(curve, permitted)
     for one in together:
         passed |= (curve.speed > one.lower) & (curve.speed < one.upper)
@@ -250,7 +258,7 @@ def _apart(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
         at = [int(np.flatnonzero(curve.speed == one.critical)[0]) for one in pair]
         worse = pair[worst_of(curve.utilisation()[at], curve.value[at])]
         lower, upper = min(one.lower for one in pair), max(one.upper for one in pair)
-        merged.append(BarredRange(lower, upper, worse.critical, worse.shaft))
+        merged.append(replace(worse, lower=lower, upper=upper))
     return tuple(merged)
 
 

@@ -1,5 +1,6 @@
 """A rule: what it needs, what it does not judge, and the lines of its verdict."""
 
+import math
 from fractions import Fraction
 from typing import Any, Literal
 
@@ -9,7 +10,7 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
 from torsion.fields import Declared
 from torsion.findings import Results
-from torsion.results import reported, result
+from torsion.results import derived, reported, result
 from torsion.study import Study
 
 Verdict = Literal["pass", "fail", "not kept", "outside"]  # not kept: a limit to be verified is exceeded
@@ -38,6 +39,11 @@ class BarredRange:
     upper: float = result("rad/s", (), "upper end")
     critical: float = result("rad/s", (), "speed of the worst stress, from which the rule's width follows")
     shaft: str = result("", (), "shaft for which a range is barred")
+    formula_lower: float = result(
+        "rad/s", (), "lower end by the rule's formula for that speed alone, without tolerance", default=math.nan
+    )
+    formula_upper: float = result("rad/s", (), "upper end by the same formula", default=math.nan)
+    order: Fraction | None = result("", (), "order with the greatest torque at that speed, exact", default=None)
 
 
 @reported
@@ -70,7 +76,10 @@ class Check:
         "", (), "where the limit is from: rule text, to be verified, maker, setting or by definition"
     )
     speed: float | None = result("rad/s", (), "reference speed of the worst value, or null", default=None)
-    order: Fraction | None = result("", (), "of the worst value; null for all orders together", default=None)
+    order: Fraction | None = result(
+        "", (), "order of the reference that contributes most to the worst value, exact; null where none does",
+        default=None,
+    )  # fmt: skip
     note: str = result("", (), "remarks", default="")
     at_least: bool = result(
         "", (), "the value must not be below the limit", key="limit_is_a_least_value", default=False
@@ -82,6 +91,12 @@ class Check:
     def fails(self) -> bool:
         """The limit is exceeded, whatever its standing, or no value is known that keeps it."""
         return self.verdict in ("fail", "not kept")
+
+    @derived("1", (), "value / limit, of a least value limit / value; null where one of them is 0, negative or unknown")
+    def utilisation(self) -> float | None:
+        """The share of the limit that is used; infinite where no value is known that keeps it."""
+        used, whole = (self.limit, self.value) if self.at_least else (self.value, self.limit)
+        return used / whole if used >= 0 and whole > 0 and self.limit > 0 else None
 
 
 @reported

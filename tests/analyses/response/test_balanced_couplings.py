@@ -119,7 +119,7 @@ def test_the_exact_motion_stands_beside_the_response_at_its_peak() -> None:
 
     findings = torsion.run(torsion.parse(DISC.format("{torque: 20, stiffness: 4e3}", 10)))
     disc, *_ = findings.results["nonlinear_peaks"].each
-    assert (disc.coupling, disc.component) == ("dry", "order 1 (d)")
+    assert (disc.coupling, disc.component) == ("dry", "1 × d")
     assert disc.difference == pytest.approx(disc.response / disc.exact - 1.0)
     assert abs(disc.difference) < 4e-3  # one term of many is enough at a resonance
     text = truck(1.95, 7.139) + (TRUCK % (1900, 2000, 11)).removeprefix("name: x\n")

@@ -38,6 +38,7 @@ def crossing(findings: Findings, order: object, mode: int, speed: float, inside:
         frequency=50.0 - speed,
         is_inside=inside,
         sources=("x", "far"),
+        own_orders=(Fraction(order),) * 2,
     )
 
 
@@ -63,12 +64,13 @@ def test_order_by_mode_and_those_in_the_range(found: Findings) -> None:
         crossing(found, 3, 2, 20.0, False), crossing(found, "9/2", 2, 12.6, True),
     )  # fmt: skip
     matrix, inside = tables(made)
-    assert [column.title for column in matrix.columns] == ["Order", "Mode 1", "Mode 2"]
+    assert [column.title for column in matrix.columns] == ["Order", "Excited by", "Mode 1", "Mode 2"]
     assert matrix.rows == (
-        ("0.5", "572.96", "–"), ("3", "124.14 *", "190.99"), ("4.5", "–", "120.32 *"),
+        ("0.5", "0.5 × x, far", "572.96", "–"), ("3", "3 × x, far", "124.14 *", "190.99"),
+        ("4.5", "4.5 × x, far", "–", "120.32 *"),
     )  # fmt: skip
     assert inside.rows == (
-        ("120.32", "4.5", "2", "37.400", "5.00", "x, far"), ("124.14", "3", "1", "37.000", "8.33", "x, far"),
+        ("120.32", "4.5", "2", "37.400", "5.00", "4.5 × x, far"), ("124.14", "3", "1", "37.000", "8.33", "3 × x, far"),
     )  # fmt: skip
     assert inside.caption == inside.short == "Critical speeds in the speed range"
     assert "Of 4 such speeds 2 lie in the speed range 47.7465 to 143.239 rpm." in text(made)
@@ -91,7 +93,7 @@ def test_how_many_lie_in_the_range(found: Findings, inside: list[bool], said: st
 def test_without_a_rated_speed_there_is_no_distance() -> None:
     bare = torsion.run(torsion.parse(TEXT.replace(", rated: {speed: 12 rad/s}", "")))
     (row,) = tables(bare)[1].rows
-    assert row == ("95.493", "1", "1", f"{10 / (2 * math.pi):.4f}", "far")
+    assert row == ("95.493", "1", "1", f"{10 / (2 * math.pi):.4f}", "1 × far")
     assert figure(bare).values["rated"] is None
 
 

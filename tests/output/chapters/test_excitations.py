@@ -57,11 +57,11 @@ def test_harmonic_components_over_the_range() -> None:
     """Sources once each; a fixed frequency is one number, an order runs from its lowest to its highest."""
     found = torsion.run(torsion.parse(TEXT))
     response = found.need(Response)
-    lines = tuple(replace(line, sources=("x", "y", "x")) for line in response.lines[:2])
-    lines = replace(lines[0], order=Fraction(5, 2)), replace(lines[1], order=None)
+    lines = tuple(replace(line, sources=("x", "y", "x"), own_orders=()) for line in response.lines[:2])
+    lines = replace(lines[0], order=Fraction(5, 2)), replace(lines[1], order=None, frequency=7.25)
     frequency = np.array([[3.0, 7.25], [1.5, 7.25], [9.0, 7.25]])
     *_, made = tables(found.having(response=replace(response, lines=lines, frequency=frequency)))
-    assert made.rows == (("2.5", "1.5000–9.0000", "x, y"), ("–", "7.2500", "x, y"))
+    assert made.rows == (("2.5 × x, y", "2.5", "1.5000–9.0000"), ("7.25 Hz (x, y)", "–", "7.2500"))
     assert "revolution of m;" in made.caption
     assert len(tables(found.having(response=replace(response, lines=())))) == 1
     assert len(tables(found.having(response=None))) == 1

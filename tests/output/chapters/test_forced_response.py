@@ -135,8 +135,7 @@ def test_introduction_names_what_is_left_out_and_what_the_rules_read(train: Find
     said = texts(list(chapter(answered(train, left_out=left, remark="too many"))))[0]
     assert "the half range of the components of the orders requested together" in said
     assert said.endswith(
-        " Left out of all that follows, as `orders` does not name it: order 3 (a, b); order 2.5 (c). Note on the "
-        "speeds: too many."
+        " Left out of all that follows, as `orders` does not name it: 3 × a, b; 2.5 × c. Note on the speeds: too many."
     )
     ruled = replace(train, study=torsion.parse(TRAIN + "rules: [coupling-maker]\n"))
     assert "around the resonances and where the rules judge, so" in texts(list(chapter(answered(ruled))))[0]
@@ -164,9 +163,9 @@ def test_largest_torque_of_every_element_with_what_makes_it_up(train: Findings) 
     """The stiff coupling is in kN m; in the soft one the largest together is that of order 1/2 at 19 rad/s."""
     found = table(list(chapter(answered(train))), "Largest vibratory torque")
     assert found.rows == (
-        ("soft", "0.088500", "181.44", "0.5", "0.090000", "0.059000", "0.11800", "0.30000"),
-        ("stage", "0.010500", "381.97", "3.5000 Hz", "0.0070000", "0.0070000", "0.014000", "−0.60600"),
-        ("stiff", "6.7545", "114.59", "2", "9.0000", "4.5030", "9.0060", "0.50000"),
+        ("soft", "0.088500", "181.44", "0.5 × flywheel", "0.090000", "0.059000", "0.11800", "0.30000"),
+        ("stage", "0.010500", "381.97", "3.5 Hz (stage)", "0.0070000", "0.0070000", "0.014000", "−0.60600"),
+        ("stiff", "6.7545", "114.59", "2 × screw, stage", "9.0000", "4.5030", "9.0060", "0.50000"),
     )
     assert [column.unit for column in found.columns] == ["", "kN m", "rpm", "", "kN m", "kN m", "kN m", "kN m"]
     status = np.zeros((6, 3), dtype=np.uint8)
@@ -190,7 +189,7 @@ def test_sums_and_mean_are_those_of_the_segment_with_the_largest_half_range() ->
     synthesis = Synthesis(half, half, half + 20.0, 60.0 - half, Fraction(2))
     found = made.having(response=Response(**part, **narrow, system=made.system), synthesis=synthesis)
     row = table(list(chapter(found)), "Largest vibratory torque").rows[0]
-    assert row == ("shaft", "7.0000", "114.59", "0.5", "31.000", "27.000", "53.000", "500.00")
+    assert row == ("shaft", "7.0000", "114.59", "0.5 × flywheel", "31.000", "27.000", "53.000", "500.00")
 
 
 def test_peaks_are_inner_maxima_of_a_fiftieth_of_the_largest(train: Findings) -> None:
@@ -198,11 +197,11 @@ def test_peaks_are_inner_maxima_of_a_fiftieth_of_the_largest(train: Findings) ->
     found = with_modes(train, 1.512, 3.82, 5.0)
     rows = table(list(chapter(answered(found))), "Resonance peaks").rows
     assert rows == (
-        ("soft", "order 0.5", "0.090000", "181.44", "1.5120", "1", "flywheel"),
-        ("soft", "order 2", "0.070000", "315.13", "10.504", "–", "screw, stage"),
-        ("soft", "fixed", "0.0070000", "315.13", "3.5000", "–", "stage"),
-        ("stiff", "order 2", "9.0000", "114.59", "3.8197", "2", "screw, stage"),
-        ("stiff", "fixed", "0.80000", "315.13", "3.5000", "–", "stage"),
+        ("soft", "0.5 × flywheel", "0.090000", "181.44", "1.5120", "1"),
+        ("soft", "2 × screw, stage", "0.070000", "315.13", "10.504", "–"),
+        ("soft", "3.5 Hz (stage)", "0.0070000", "315.13", "3.5000", "–"),
+        ("stiff", "2 × screw, stage", "9.0000", "114.59", "3.8197", "2"),
+        ("stiff", "3.5 Hz (stage)", "0.80000", "315.13", "3.5000", "–"),
     )
     torque = np.array(RESPONSE["torque"])
     for size, rest in ((180.0, 1), (179.9, 0)):
@@ -258,7 +257,7 @@ def test_largest_angle_of_every_station_but_the_ground(train: Findings) -> None:
         angle = 0.021 * times
         wanted = [math.degrees(angle), angle, 19.0 * RPM, angle * 3.5 * 60.0]
         assert [float(row[k]) for k in (1, 2, 4, 5)] == pytest.approx(wanted, rel=1e-4)
-        assert row[3] == "3.5000 Hz"
+        assert row[3] == "3.5 Hz (stage)"
     status = np.zeros((6, 3), dtype=np.uint8)
     status[2, 1] = Status.NEAR_SINGULAR
     rows = table(list(chapter(answered(train, status=status))), "Largest angular amplitude").rows

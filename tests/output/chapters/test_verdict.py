@@ -60,24 +60,98 @@ def test_cells_of_the_verdict_table(bare: Findings) -> None:
     )  # fmt: skip
     made = next(block for block in verdict.chapter(judged(bare, *lines)) if isinstance(block, Table))
     assert made.rows == (
-        ("what (rule)", "tail", "clause", "12.345", "50", "N/mm²", "286.48", "1.5", "setting", "PASS"),
-        ("what (rule)", "tail", "clause", "12.345", "≥ 20", "rad/s²", "–", "–", "setting", "FAIL"),
-        ("what (rule)", "tail", "clause", "no finite value", "none", "N/mm²", "286.48", "1.5", "setting", "OUTSIDE"),
-        ("what (rule)", "tail", "stability", "no answer", "0", "N/mm²", "286.48", "1.5", "setting", "FAIL"),
+        ("what (rule)", "tail", "clause", "12.345", "≥ 20", "162.0", "rad/s²", "–", "–", "setting", "FAIL"),
+        ("what (rule)", "tail", "stability", "no answer", "0", "–", "N/mm²", "286.48", "1.5", "setting", "FAIL"),
+        ("what (rule)", "tail", "clause", "12.345", "50", "24.69", "N/mm²", "286.48", "1.5", "setting", "PASS"),
+        (
+            "what (rule)",
+            "tail",
+            "clause",
+            "no finite value",
+            "none",
+            "–",
+            "N/mm²",
+            "286.48",
+            "1.5",
+            "setting",
+            "OUTSIDE",
+        ),
     )
-    assert made.marks == ("pass", "fail", "outside", "fail")
+    assert made.marks == ("fail", "fail", "pass", "outside")
+
+
+def test_checks_are_ranked_by_the_share_of_their_limit_and_those_that_fail_first(bare: Findings) -> None:
+    """Of a least value the share is limit / value; a limit of 0 has none, and no value is the largest share."""
+    lines = (
+        check(value=10.0, where="a"), check(value=40.0, where="b"), check(value=60.0, at_least=True, where="c"),
+        check("fail", value=51.0, where="d"), check("not kept", value=99.0, where="e"), check(limit=0.0, where="f"),
+        check("fail", value=math.inf, where="g"),
+    )  # fmt: skip
+    made = next(block for block in verdict.chapter(judged(bare, *lines)) if isinstance(block, Table))
+    assert [(row[1], row[5]) for row in made.rows] == [
+        ("g", "∞"), ("d", "102.0"), ("e", "198.0"), ("c", "83.33"), ("b", "80.00"), ("a", "20.00"), ("f", "–"),
+    ]  # fmt: skip
+
+
+def test_an_order_is_named_by_its_source(found: Findings) -> None:
+    made = verdict.chapter(judged(found, check(order=Fraction(2)), check(order=Fraction(7))))
+    rows = next(block for block in made if isinstance(block, Table)).rows
+    assert [row[8] for row in rows] == ["2 × flywheel", "7"]
+
+
+def test_symbols_of_a_rule_are_those_of_the_report(bare: Findings) -> None:
+    lines = (check("fail", clause="tau_C", note="sigma_B 600 N/mm2 (lambda >= 0.8), 1.9e+06 N m"),)
+    made = list(verdict.chapter(judged(bare, *lines)))
+    assert next(block for block in made if isinstance(block, Table)).rows[0][2] == "τ_C"
+    assert items(made) == ["tail: what: σ_B 600 N/mm² (λ >= 0.8), 1.9·10⁶ N m"]
 
 
 def test_remarks_stand_once_with_all_their_components(bare: Findings) -> None:
+    """Those of checks that pass in an appendix."""
     lines = (check(note="n"), check(where="mid", note="n"), check(where="mid", note="n"), check(where="x", note="m"))
-    made = list(verdict.chapter(judged(bare, *lines, check())))
+    failing = [replace(one, verdict="fail") for one in lines]
+    made = list(verdict.chapter(judged(bare, *failing, check())))
     assert made[0] == Heading("Verdict", at_end=True)
-    assert made[-2] == Heading("Remarks on the checks", 2)
+    assert made[-2] == Heading("Remarks on the checks that do not pass", 2)
     assert items(made[-1:]) == ["tail, mid: what: n", "x: what: m"]
+    assert list(verdict.remarks(judged(bare, *failing, check()))) == []
     assert [block.brief for block in made if isinstance(block, Paragraph)] == [True, False]
-    assert Heading("Remarks on the checks", 2) not in list(verdict.chapter(judged(bare, check())))
+    passing = judged(bare, *lines)
+    assert not any(isinstance(block, Points) for block in verdict.chapter(passing))
+    head, said = verdict.remarks(passing)
+    assert head == Heading("Appendix: remarks on the checks that pass")
+    assert items([said]) == ["tail, mid: what: n", "x: what: m"]
     assert list(verdict.judged(judged(bare))) == []
     assert list(verdict.judged(judged(bare, check()))) == list(verdict.chapter(judged(bare, check())))
+
+
+SHAFTS = """
+name: three shafts
+operation: {speeds: {from: 100 rpm, to: 600 rpm, steps: 6}, rated: {speed: 500 rpm}}
+train:
+- motor: {inertia: 2}
+- shaft: {name: free, length: 1 m, diameter: 40 mm}
+- shaft: {name: ruled, length: 1 m, diameter: 40 mm, role: intermediate}
+- coupling: {stiffness: 1e4, vibratory_torque: 5}
+- shaft: {name: other, length: 1 m, diameter: 40 mm}
+- propeller: {name: screw, inertia: 12, damping: 3, blades: 4, excitation: [{blade_order: 1, torque: 3}]}
+rules: [iacs-m68]
+"""
+
+
+@pytest.mark.parametrize(
+    ("rules", "words"),
+    [
+        ("[iacs-m68]", ["Shafts whose stress no rule judges: free, other (the shaft has no `role`)."]),
+        ("[coupling-maker]",
+         ["Shafts whose stress no rule judges: free, ruled, other (no rule that the file names judges it)."]),
+        ("[]", []),
+    ],
+)  # fmt: skip
+def test_shafts_that_no_rule_judges_are_named_with_the_reason(rules: str, words: list[str]) -> None:
+    text = SHAFTS.replace("[iacs-m68]", rules)
+    said = texts(verdict.chapter(torsion.run(torsion.parse(text))))
+    assert [one for one in said if one.startswith("Shafts")] == words
 
 
 @pytest.mark.parametrize(
@@ -109,24 +183,33 @@ def test_where_every_source_is_stated_the_report_says_so() -> None:
     assert last == Paragraph("Where the figures come from is stated for every component and excitation.")
 
 
-RANGES = (BarredRange(20.0, 30.0, 24.0, "tail"), BarredRange(29.0, 35.0, 31.0, "mid"))
+RANGES = (
+    BarredRange(20.0, 30.0, 24.0, "tail", 21.0, 29.0441, Fraction(2)), BarredRange(29.0, 35.0, 31.0, "mid"),
+)  # fmt: skip
 
 
 def test_barred_ranges_of_shafts_and_of_the_train(found: Findings, bare: Findings) -> None:
-    assert list(verdict.barred_ranges(judged(found, check()))) == []
-    _, said, made = verdict.barred_ranges(judged(found, check(barred=RANGES)))
+    def barred(findings: Findings) -> list[Block]:
+        blocks = list(verdict.chapter(findings))
+        at = [k for k, block in enumerate(blocks) if isinstance(block, Table) and "Barred" in block.caption]
+        return blocks[at[0] - 1 : at[0] + 1] if at else []
+
+    assert barred(judged(found, check())) == []
+    modes = replace(found.need(Modes), frequency=np.array([1.0, 24.3 / math.pi]))
+    said, made = barred(judged(found.having(modes=modes, damped_modes=None), check(barred=RANGES)))
     assert isinstance(made, Table)
     assert isinstance(said, Paragraph)
     rated = 450.0 / RPM
     assert made.rows == (
-        ("tail", "229.18", f"{24.0 / rated:.4f}", "190.99", "286.48"),
-        ("mid", "296.03", f"{31.0 / rated:.4f}", "276.93", "334.23"),
+        ("tail", "190.99", "286.48", "2 × flywheel", "2", "229.18", f"{24.0 / rated:.4f}", "200.54", "277.35"),
+        ("mid", "276.93", "334.23", "–", "–", "296.03", f"{31.0 / rated:.4f}", "–", "–"),
     )
     assert made.caption == "Barred ranges (450.00 rpm rated)"
     assert "Barred for continuous operation: 190.9 to 334.3 rpm." in said.text
-    *_, made = verdict.barred_ranges(judged(bare, check(barred=RANGES)))
+    _, made = barred(judged(bare, check(barred=RANGES)))
     assert isinstance(made, Table)
-    assert [row[2] for row in made.rows] == ["–", "–"]
+    assert [row[3] for row in made.rows] == ["2", "–"]
+    assert [row[6] for row in made.rows] == ["–", "–"]
     assert made.caption == "Barred ranges"
 
 

@@ -6,6 +6,7 @@ Orders are exact, so that two sources of one order meet in one line and are adde
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import zip_longest
 
 import numpy as np
 
@@ -25,12 +26,27 @@ class Line:
     order: Fraction | None = result("", (), "per revolution of the reference, exact; null for a fixed frequency")
     frequency: float | None = result("Hz", (), "null for an order", key="fixed_frequency_Hz")
     sources: tuple[str, ...] = result("", (), "what excites it")
+    own_orders: tuple[Fraction, ...] = result(
+        "", (), "of each source per revolution of its own shaft, exact; none of a fixed frequency", default=()
+    )
 
     @property
     def words(self) -> str:
-        """Its order or frequency, and what excites it."""
-        name = f"order {self.order}" if self.order is not None else f"{self.frequency:g} Hz"
-        return f"{name} ({', '.join(self.sources)})"
+        """As `named`, without the name of the reference."""
+        return self.named()
+
+    def named(self, reference: str = "") -> str:
+        """By its sources: '5 × screw (40/21 of motor)', '2 × motor' where the source turns as the reference does."""
+        if self.order is None:
+            return f"{self.frequency:g} Hz ({in_runs(dict.fromkeys(self.sources))})"
+        of: dict[Fraction, dict[str, None]] = {}
+        for name, own in zip_longest(self.sources, self.own_orders, fillvalue=self.order):
+            of.setdefault(Fraction(own), {})[str(name)] = None
+        words = ", ".join(f"{_decimal(own)} × {in_runs(names)}" for own, names in of.items())
+        order = _decimal(self.order)
+        if set(of) == {self.order}:
+            return words
+        return f"{words} ({order} of {reference})" if reference else f"{words} (order {order})"
 
     def circular_frequency(self, speed: FloatArray) -> FloatArray:
         """(speeds,) rad/s at reference speeds (speeds,) rad/s."""
@@ -64,6 +80,31 @@ class Sources:
 
     force: ComplexArray  # (tree stations, speeds) N m
     twist: ComplexArray | None  # (tree stations, speeds) rad imposed on the span leading to each; None without joints
+
+
+def _decimal(order: Fraction) -> str:
+    """0.5 or 2.625, or the fraction where its decimals do not end soon."""
+    text = f"{float(order):g}"
+    return text if Fraction(text) == order else str(order)
+
+
+def in_runs(names: Iterable[str]) -> str:
+    """Names one after another; those that differ in their number alone as 'cylinder 1–6'.
+
+    >>> in_runs(["cylinder 1", "cylinder 2", "cylinder 3", "screw"])
+    'cylinder 1–3, screw'
+    """
+    runs: list[tuple[str, list[int]]] = []
+    for name in names:
+        stem = name.rstrip("0123456789")
+        number = int(name[len(stem) :] or -1)
+        last = runs[-1] if runs else ("", [-1])
+        if number > 0 and last[0] == stem and last[1][-1] == number - 1 and str(number) == name[len(stem) :]:
+            last[1].append(number)
+        else:
+            runs.append((stem, [number]) if str(number) == name[len(stem) :] else (name, [-1]))
+    ends = ((stem, dict.fromkeys((run[0], run[-1]))) for stem, run in runs)
+    return ", ".join(stem + "–".join(str(end) for end in both if end >= 0) for stem, both in ends)
 
 
 def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tuple[Excitation, ...]:
@@ -105,7 +146,9 @@ def sweeping(system: System) -> Excitation:
 def _excitation(found: Sequence[Torque | JointError], order: Fraction | None, frequency: float | None) -> Excitation:
     torques = tuple(one for one in found if isinstance(one, Torque))
     errors = tuple(one for one in found if isinstance(one, JointError))
-    return Excitation(Line(order, frequency, tuple(dict.fromkeys(one.name for one in found))), torques, errors)
+    own = {one.name: one.order for one in found}
+    orders = tuple(Fraction(one) for one in own.values() if one is not None)
+    return Excitation(Line(order, frequency, tuple(own), orders), torques, errors)
 
 
 def sources(system: System, excitation: Excitation, speed: FloatArray, steady: Steady | None) -> Sources:

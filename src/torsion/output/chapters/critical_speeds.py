@@ -26,8 +26,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         f"{_inside(sum(c.is_inside for c in found), len(found))} in the speed range "
         f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm."
     )
-    yield _matrix(found)
-    yield _list(found, rated(findings))
+    yield _matrix(found, reference(findings))
+    yield _list(found, rated(findings), reference(findings))
     met = {c.order for c in found if c.is_inside}
     shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])
     values = {
@@ -47,26 +47,27 @@ def _inside(inside: int, total: int) -> str:
     return f"Of {total} such speeds {inside if inside else 'none'} {'lie' if inside > 1 else 'lies'}"
 
 
-def _matrix(found: Crossings) -> Table:
-    """Order by mode."""
+def _matrix(found: Crossings, reference: str) -> Table:
+    """Order by mode; orders count from the component `reference`."""
     modes = sorted({c.mode for c in found})
     at = {(c.order, c.mode): rpm(c.speed) + (" *" if c.is_inside else "") for c in found}
-    titles = "Order" + "".join(f" | Mode {mode} [rpm]" for mode in modes)
-    rows = [(order(one), *(at.get((one, mode), NONE) for mode in modes)) for one in sorted({c.order for c in found})]
+    titles = "Order | < Excited by" + "".join(f" | Mode {mode} [rpm]" for mode in modes)
+    named = {c.order: c.line.named(reference) for c in found}
+    rows = [(order(one), named[one], *(at.get((one, mode), NONE) for mode in modes)) for one in sorted(named)]
     return table(titles, rows, "Critical speeds, order by mode (* in the speed range)")
 
 
-def _list(found: Crossings, speed: float | None) -> Table:
+def _list(found: Crossings, speed: float | None, reference: str) -> Table:
     """The critical speeds in the range, and how far they lie from the rated speed (rad/s)."""
     distance = "Distance from rated [%] | " if speed else ""
     inside = sorted((c for c in found if c.is_inside), key=lambda c: c.speed)
     rows = []
     for c in inside[:MOST_ROWS]:
         own = [number(100 * (c.speed / speed - 1), 3)] if speed else []
-        rows.append((rpm(c.speed), order(c.order), c.mode, number(c.frequency), *own, ", ".join(c.sources)))
+        rows.append((rpm(c.speed), order(c.order), c.mode, number(c.frequency), *own, c.line.named(reference)))
     rest = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
     return table(
-        f"Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz] | {distance}< Sources -> excited by",
+        f"Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz] | {distance}< Excited by ->",
         rows,
         IN_RANGE + rest,
         short=IN_RANGE,

@@ -63,9 +63,9 @@ def _lines(findings: Findings, response: Response) -> Table:
     for place, line in enumerate(response.lines):
         low, high = float(response.frequency[:, place].min()), float(response.frequency[:, place].max())
         span = number(low) if math.isclose(low, high) else f"{number(low)}–{number(high)}"
-        rows.append((order(line.order), span, ", ".join(dict.fromkeys(line.sources))))
+        rows.append((line.named(reference(findings)), order(line.order), span))
     return table(
-        "Order of the reference | Frequency over the range [Hz] | < Sources",
+        "< Harmonic component | Order of the reference | Frequency over the range [Hz]",
         rows,
         f"Harmonic components of the response, orders per revolution of {reference(findings)}; contributions of one "
         "order are added as phasors",

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes
@@ -19,6 +18,7 @@ from torsion.output.reported_values import (
     amplitude,
     barred_rpm,
     joint_model,
+    mode_near,
     orders_together,
     rated_rpm,
     reference,
@@ -37,7 +37,6 @@ MOST_CURVES = 10  # in a figure over frequency
 MOST_FIGURES = 12
 SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
 MOST_PEAKS = 40
-SAME = 0.03  # relative distance of a peak from its natural frequency, or twice the damping ratio (half-power width)
 DEGREES = Scale("deg", 180.0 / np.pi)
 
 
@@ -91,7 +90,7 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
         f"and damping part together, at the element's own speed.{cycle}"
     )
     if response.left_out:
-        names = "; ".join(f"order {order(line.order)} ({', '.join(line.sources)})" for line in response.left_out)
+        names = "; ".join(line.named(reference(findings)) for line in response.left_out)
         text += f" Left out of all that follows, as `orders` does not name it: {names}."
     elif requested_orders(findings.study) is not None:
         text += " All orders are reported, not only those that `orders` names, as the rules judge them together."
@@ -132,13 +131,13 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
             continue
         both = (unit.text(float(values[at, span])) for values in (made.rms, made.bound))
         rows.append((
-            element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _line(response, line),
+            element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _name(findings, line),
             unit.text(float(parts[at, line])), *both, steady,
         ))  # fmt: skip
     together = orders_together(findings)
     return table(
         f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | At speed [rpm] -> at rpm | "
-        f"Largest order there | Its torque [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
+        f"< Largest component there | Its torque [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
         f"Mean [{mean.unit}]",
         rows,
         f"Largest vibratory torque of every element over the speed range, {together}",
@@ -152,6 +151,11 @@ def _line(response: Response, index: int, word: str = "") -> str:
     return f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
 
 
+def _name(findings: Findings, index: int) -> str:
+    """A harmonic component by its sources."""
+    return findings.need(Response).lines[index].named(reference(findings))
+
+
 def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Table:
     """The peaks as a table; where there are too many, the largest referred to one speed."""
     response, peaks = findings.need(Response), found_peaks(findings, found)
@@ -161,13 +165,13 @@ def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Table:
     for peak in (peaks[place] for place in kept):
         line, frequency = response.lines[peak.line], float(response.frequency[peak.at, peak.line])
         rows.append((
-            peak.element.name, "fixed" if line.order is None else f"order {order(line.order)}", unit.text(peak.torque),
-            rpm(float(response.speed[peak.at])), frequency, _mode(findings, frequency),
-            ", ".join(dict.fromkeys(line.sources)),
+            peak.element.name, line.named(reference(findings)), unit.text(peak.torque),
+            rpm(float(response.speed[peak.at])), frequency, mode_near(findings, frequency),
         ))  # fmt: skip
     rest = f"; the {len(kept)} largest of {len(peaks)}" if len(kept) < len(peaks) else ""
     return table(
-        f"< Element | Line | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode | < Sources", rows,
+        f"< Element | < Harmonic component | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode",
+        rows,
         f"Resonance peaks in the speed range (inner maxima of one line; below {100 * SMALLEST:g} % left out{rest})",
     )  # fmt: skip
 
@@ -195,18 +199,6 @@ def local_maxima(values: FloatArray) -> list[int]:
     return (np.flatnonzero(inner) + 1).tolist()
 
 
-def _mode(findings: Findings, frequency: float) -> str:
-    """The mode whose frequency is nearest, if it is near."""
-    damped, undamped = findings.get(DampedModes), findings.get(Modes)
-    source = undamped if damped is None else damped
-    if source is None or len(source.frequency) == 0:
-        return NONE
-    distance = np.abs(source.frequency / frequency - 1.0)
-    nearest = int(np.argmin(distance))
-    ratio = 0.0 if damped is None else float(damped.damping_ratio[nearest])
-    return str(nearest + 1) if distance[nearest] <= max(SAME, 2.0 * ratio) else NONE
-
-
 def _angles(findings: Findings, response: Response) -> Table:
     rows = []
     for index, name in _moving(findings):
@@ -218,11 +210,12 @@ def _angles(findings: Findings, response: Response) -> Table:
         speed, line = divmod(at, size.shape[1])
         angle = float(size[speed, line])
         rows.append((
-            name, degrees(angle), number(angle), _line(response, line), rpm(float(response.speed[speed])),
+            name, degrees(angle), number(angle), _name(findings, line), rpm(float(response.speed[speed])),
             number(angle * float(response.frequency[speed, line]) * 60.0),
         ))  # fmt: skip
     return table(
-        "< Station | Largest amplitude [deg] | Amplitude [rad] | Order | At speed [rpm] | Speed amplitude [rpm]",
+        "< Station | Largest amplitude [deg] | Amplitude [rad] | < Harmonic component | At speed [rpm] | "
+        "Speed amplitude [rpm]",
         rows,
         "Largest angular amplitude of any one order, each at its own speed of rotation",
     )

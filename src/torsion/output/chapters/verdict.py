@@ -1,6 +1,9 @@
-"""Chapters: the verdict of every rule in one table, barred ranges, the conclusion with the restrictions of speed."""
+"""Chapters: the conclusion, barred ranges and every check; remarks on those that pass; what is to be measured."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +13,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, on_terminal, table
 from torsion.output.chapters.model_comparison import conclusion as compared_models
-from torsion.output.numbers import NONE, RPM, counted, given, given_rpm, number, order, rpm
+from torsion.output.numbers import NONE, RPM, counted, given, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
@@ -18,17 +21,19 @@ from torsion.output.reported_values import (
     barred,
     barred_rpm,
     failed,
+    mode_near,
     rated,
     reference,
     unreliable,
 )
 from torsion.output.selection import elements, highest
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
+from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Checks
 
 STANDING = {
     "stability": "stability",
     "transient": "the greatest torque over time",
 }  # rules that need no name: their demand
+STRESS = "N/mm2"  # unit of a check that judges the stress of a shaft
 MOST_NAMED = 12  # components without a source that are named on the first page
 MOST_LISTED = 8  # orders to be measured, ranges of speed without a reliable value
 
@@ -36,25 +41,62 @@ MOST_LISTED = 8  # orders to be measured, ranges of speed without a reliable val
 def chapter(findings: Findings) -> Iterator[Block]:
     """The verdict comes first in every report."""
     yield Heading("Verdict", at_end=True)
-    checks = findings.need(Checks).lines
+    yield from on_terminal(conclusion(findings))
+    yield from _barred_ranges(findings)
+    checks = sorted(findings.need(Checks).lines, key=_rank)
     if checks:
         yield table(
-            "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | < Unit -> | "
-            "At speed [rpm] -> at rpm | Order | < Limit from -> | < Verdict ->",
-            map(_row, checks),
-            "Checks against the rules, each at its worst point; without an order: all orders together, or none",
+            "< Check | < Component -> | < Clause -> check | Worst value -> value | Limit -> | Utilisation [%] | "
+            "< Unit -> | At speed [rpm] -> at rpm | < Order | < Standing of the limit -> limit from | < Verdict ->",
+            map(partial(_row, findings), checks),
+            "Checks against the rules, each at its worst point: those that fail first, then by utilisation of the "
+            "limit (value / limit, of a least value limit / value: of a diameter no share of stress). Order: the one "
+            "that contributes most",
             marks=[check.verdict for check in checks],
             short="Checks, each at its worst point",
         )
-    yield from on_terminal(conclusion(findings))
+    yield from _unjudged(findings)
     yield _sources(findings)
-    about: dict[str, list[str]] = {}  # remarks, each once, with the components that it is about
+    if remarks := _remarks(check for check in checks if check.verdict != "pass"):
+        yield Heading("Remarks on the checks that do not pass", 2)
+        yield remarks
+
+
+def remarks(findings: Findings) -> Iterator[Block]:
+    """Appendix: what is to be said of checks that pass."""
+    if found := _remarks(check for check in findings.need(Checks).lines if check.verdict == "pass"):
+        yield Heading("Appendix: remarks on the checks that pass")
+        yield found
+
+
+def _remarks(checks: Iterable[Check]) -> Points | None:
+    """Each remark once, with the components that it is about; None where there is none."""
+    about: dict[str, list[str]] = {}
     for check in checks:
         if check.note:
-            about.setdefault(f"{check.what}: {check.note}", []).append(check.where)
+            about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check.where)
+    found = (f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items())
+    return Points(tuple(found)) if about else None
+
+
+def _rank(check: Check) -> tuple[int, float]:
+    """Failing checks first, then by falling utilisation, those without one last."""
+    used = check.utilisation
+    return {"fail": 0, "not kept": 1}.get(check.verdict, 2), math.inf if used is None else -used
+
+
+def _unjudged(findings: Findings) -> Iterator[Paragraph]:
+    """The shafts whose stress no rule judges, and why; nothing where the file names no rule."""
+    lines = findings.need(Checks).lines
+    judged = {check.where for check in lines if check.unit == STRESS}
+    reasons = {what.rpartition(" for ")[2]: why for what, why in findings.plan.left_out if " for " in what}
+    about: dict[str, list[str]] = {}
+    for bar in findings.study.train.bars if findings.study.rules else ():
+        if bar.name not in judged:
+            about.setdefault(reasons.get(bar.name, "no rule that the file names judges it"), []).append(bar.name)
     if about:
-        yield Heading("Remarks on the checks", 2)
-        yield Points(tuple(f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items()))
+        words = "; ".join(f"{', '.join(names)} ({why})" for why, names in about.items())
+        yield Paragraph(f"Shafts whose stress no rule judges: {words}.", "note")
 
 
 def _sources(findings: Findings) -> Paragraph:
@@ -78,26 +120,28 @@ def judged(findings: Findings) -> Iterator[Block]:
         yield from chapter(findings)
 
 
-def barred_ranges(findings: Findings) -> Iterator[Block]:
+def _barred_ranges(findings: Findings) -> Iterator[Block]:
     """Nothing where no range is barred."""
     found, speed = barred(findings), rated(findings)
     if not found:
         return
-    yield Heading("Barred speed ranges")
     yield Paragraph(
         f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. The range is to be "
-        "passed rapidly, to be marked on the tachometer and to be shown on a notice at every control station. Lower "
-        "limit 16 n_{c}/(18 − λ_{c}), upper limit (18 − λ_{c}) n_{c}/16, extended to every speed at which the stress "
-        "exceeds τ_{C} (IACS UR M68); n_{c} is the critical speed."
+        "passed rapidly, to be marked on the tachometer and to be shown on a notice at every control station. By "
+        "formula 16 n_{c}/(18 − λ) to (18 − λ) n_{c}/16 with λ = n_{c}/n_{rated}, extended to every speed at which the "
+        "stress exceeds τ_{C} and by the tolerance of the tachometer (IACS UR M68); n_{c} is the critical speed."
     )
     yield table(
-        "< Shaft | Critical speed [rpm] | λ = n/n_{rated} | From [rpm] | To [rpm]",
+        "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ | "
+        "From by formula [rpm] | To by formula [rpm]",
         [
-            (b.shaft, rpm(b.critical), number(b.critical / speed, 4) if speed else NONE, rpm(b.lower), rpm(b.upper))
+            (b.shaft, rpm(b.lower), rpm(b.upper), _order(findings, b.order), _mode(findings, b), rpm(b.critical),
+             number(b.critical / speed, 4) if speed else NONE, rpm(b.formula_lower), rpm(b.formula_upper))
             for b in found
         ],
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
-    )
+        short="Barred ranges",
+    )  # fmt: skip
     times = dict.fromkeys(one for check in findings.need(Checks).lines for one in check.times)
     if times:
         cells = [
@@ -107,6 +151,13 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         ]  # fmt: skip
         titles = "< Motion over time | From [rpm] | To [rpm] | Within [s] | Reached, of the steady resonance [%] | <"
         yield table(titles, cells, "Motions over time within barred ranges; the rule has no limit of the time")
+
+
+def _mode(findings: Findings, barred: BarredRange) -> str:
+    """The mode that the order of a barred range excites at its critical speed."""
+    if barred.order is None:
+        return NONE
+    return mode_near(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
 
 
 def closing(findings: Findings) -> Iterator[Block]:
@@ -165,15 +216,22 @@ def conclusion(findings: Findings) -> Iterator[Block]:
         yield Points(restrictions)
 
 
-def _row(check: Check) -> tuple[str, ...]:
+def _order(findings: Findings, of: Fraction | None) -> str:
+    """An order by what excites it, where that is known."""
+    response = findings.get(Response)
+    lines = () if response is None or of is None else response.lines
+    return next((line.named(reference(findings)) for line in lines if line.order == of), order(of))
+
+
+def _row(findings: Findings, check: Check) -> tuple[str, ...]:
     sign = "≥ " if check.at_least else ""
     limit = "none" if np.isnan(check.limit) else sign + given(check.limit)
     nothing = "no answer" if check.clause == "stability" else "no finite value"
     value = nothing if np.isinf(check.value) else number(check.value)
+    used = NONE if check.utilisation is None else number(100.0 * check.utilisation, 4)
     return (
-        f"{check.what} ({check.rule})", check.where, check.clause, value, limit,
-        check.unit.replace("mm2", "mm²").replace("s2", "s²"), rpm(check.speed), order(check.order),
-        check.standing, check.verdict.upper(),
+        f"{check.what} ({check.rule})", check.where, symbols(check.clause), value, limit, used,
+        symbols(check.unit), rpm(check.speed), _order(findings, check.order), check.standing, check.verdict.upper(),
     )  # fmt: skip
 
 
@@ -217,7 +275,9 @@ def _to_be_verified(checks: tuple[Check, ...]) -> str:
     number_of = sum(check.standing == TO_BE_VERIFIED for check in checks)
     if not number_of:
         return ""
-    missed = dict.fromkeys(f"{check.where} ({check.clause})" for check in checks if check.verdict == "not kept")
+    missed = dict.fromkeys(
+        f"{check.where} ({symbols(check.clause)})" for check in checks if check.verdict == "not kept"
+    )
     more = f"; of these not kept: {', '.join(missed)}" if missed else ""
     counted = "1 limit is" if number_of == 1 else f"{number_of} limits are"
     return f" {counted} to be verified against the edition in force{more}."
