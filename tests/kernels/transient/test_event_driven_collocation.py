@@ -89,7 +89,7 @@ def agrees(discs: Discs, found: Sequence[laws.BySpeed], duration: float, within:
     time = np.linspace(0.0, duration, 401)
     start = np.concatenate([np.zeros(len(discs.inertia)), more.get("speed", np.zeros(len(discs.inertia)))])
     known, events = discs.run(start, time)
-    train, motion, how, shape = solved(discs, found, duration, **more)
+    train, motion, _, shape = solved(discs, found, duration, **more)
     error = float(np.abs(torques(discs, train, motion, shape, time) - known).max() / np.abs(known).max())
     residual = energy_balance(motion).residual
     assert events
