@@ -200,6 +200,15 @@ def test_the_clutch_of_the_power_take_off_slips_until_both_sides_turn_alike(solv
     assert [what for _, what in events] == ["slip", "stuck"]
     assert motion.greatest[0] == pytest.approx(520.0, rel=1e-12)  # its capacity, and no more
     assert motion.greatest[2:].max() < 1.06 * 1600.0  # the safety clutch gives way at 1.6 kN m
+    assert motion.following == ("start at engine", "load at flywheel of the baler")
+    assert motion.system is not None
+    names = [station.name for station in motion.system.stations]
+    engine, baler = (motion.speed[names.index(name)] * 30.0 / math.pi for name in ("engine", "flywheel of the baler"))
+    assert (
+        motion.changes[0].time > 0.1 + 0.4 * 60.0 * 17.0 / 66.0 / 520.0
+    )  # the load holds what the clutch carries less
+    assert np.abs(baler[motion.time < motion.changes[0].time]).max() < 1e-9
+    assert engine.min() > 1950.0  # on the droop of its governor
     assert motion.residual < 1e-11
 
 

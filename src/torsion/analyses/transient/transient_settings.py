@@ -85,7 +85,9 @@ class TransientSettings(Declared):
         f"(default: {DEFAULT_PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
     )
     tolerance: Annotated[float, Quantity("1", at_least=1e-12, at_most=1e-2)] = given(
-        "of torques that follow the motion: largest term left in their series over a step, of the largest torque", 1e-6
+        "of torques that follow the motion: largest term left in their series over a step, of the largest torque; a "
+        "tenth of it beside nonlinear couplings",
+        1e-6,
     )
     method: Literal[
         "exact", "dop853", "radau", "newmark", "wilson", "hht", "generalised-alpha", "bathe", "houbolt",

@@ -19,6 +19,7 @@ from torsion.kernels.transient.interface_motion import Interfaces, Known, Steps,
 from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, value
 
 EACH = np.arange(POINTS)
+AT_END = SERIES.sum(axis=0)[:, None]  # (nodes, 1): the torque there, of those at the nodes
 NEWTON = 12
 CONVERGED, STALLED = 1e-13, 1e-11  # relative change of the torques; the latter where rounding lets it fall no further
 SHORTEST = 2.0**-44  # of the whole motion: a step below it is given up
@@ -173,7 +174,7 @@ class _Trial:
     """A step that was tried."""
 
     torque: FloatArray  # (interfaces, nodes)
-    points: Points  # at the nodes and at the end of the step; the torque at its last node stands for that at its end
+    points: Points  # at the nodes and at the end of the step
     last: float  # weighted coefficient
     rounding: float  # weighted torque by which rounding of the speeds may change it
 
@@ -326,7 +327,7 @@ def _under(times: FloatArray, free: Known, moved: Known, torque: FloatArray) -> 
         one + (matrix.reshape(-1, size) @ torque.ravel()).reshape(one.shape)
         for one, matrix in zip(free, moved, strict=True)
     )
-    return Points(times, np.concatenate([torque, torque[:, -1:]], axis=1), angle, speed, acceleration)
+    return Points(times, np.concatenate([torque, torque @ AT_END], axis=1), angle, speed, acceleration)
 
 
 def _solution(matrix: FloatArray, right: FloatArray, required: FloatArray) -> FloatArray | None:

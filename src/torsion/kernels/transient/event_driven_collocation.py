@@ -7,6 +7,7 @@ the step there, and the next begins in another regime.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import expm
@@ -62,7 +63,7 @@ class RegimesTaken:
         signal = self.train.layout[3]
         return slice(signal.start + self.train.signals.known, signal.stop)
 
-    @property
+    @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """(interfaces, state) of angle and speed beside the carrier."""
         _, place, speed, _, turned = self.train.layout
