@@ -42,7 +42,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     """The verdict comes first in every report."""
     yield Heading("Verdict", at_end=True)
     yield from on_terminal(conclusion(findings))
-    yield from _barred_ranges(findings)
+    yield from barred_ranges(findings)
     checks = sorted(findings.need(Checks).lines, key=_rank)
     if checks:
         yield table(
@@ -120,7 +120,7 @@ def judged(findings: Findings) -> Iterator[Block]:
         yield from chapter(findings)
 
 
-def _barred_ranges(findings: Findings) -> Iterator[Block]:
+def barred_ranges(findings: Findings) -> Iterator[Block]:
     """Nothing where no range is barred."""
     found, speed = barred(findings), rated(findings)
     if not found:
