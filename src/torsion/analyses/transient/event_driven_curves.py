@@ -13,6 +13,7 @@ from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path
+from torsion.findings import Progress, silent
 from torsion.kernels.transient.energy_balance import EnergyBalance, energy_balance
 from torsion.kernels.transient.event_driven_motion import EventDrivenMotion
 from torsion.kernels.transient.linear_regime import RADIANS
@@ -175,14 +176,19 @@ class EventDrivenCurves:
 
 
 def event_driven_curves(
-    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None = None
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    place: Path,
+    damping_ratio: float | None = None,
+    progress: Progress = silent,
 ) -> tuple[EventDrivenCurves, EnergyBalance, Switching, EventDrivenCurves]:
     """The motion of a train with nonlinear couplings, its balance of energy and its events; last with halved steps."""
     built = build(study, system, settings, place, damping_ratio=damping_ratio)
-    curves = EventDrivenCurves(built, built.run(settings.duration))
+    curves = EventDrivenCurves(built, built.run(settings.duration, progress=progress))
     balance = energy_balance(curves.motion)
     time = np.linspace(0.0, settings.duration, COMPARED)
-    fine = EventDrivenCurves(built, built.run(settings.duration, 0.5))
+    fine = EventDrivenCurves(built, built.run(settings.duration, 0.5, progress))
     changes = _changes(curves, fine, time)
     late = np.flatnonzero(changes > TOLERANCE)
     change = 0.0

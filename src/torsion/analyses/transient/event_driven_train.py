@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
+from torsion.findings import Progress, silent
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.damped_motion import ModalTrain
 from torsion.kernels.transient.event_driven_motion import (
@@ -68,12 +70,13 @@ class Built:
     speed: FloatArray
     where: Path = PATH  # of the settings in the file
 
-    def run(self, duration: float, fineness: float = 1.0) -> EventDrivenMotion:
+    def run(self, duration: float, fineness: float = 1.0, progress: Progress = silent) -> EventDrivenMotion:
         """The motion; raises SolveError where a coupling changes its regime without end."""
         try:
             return event_driven(
                 self.train, tuple(one.regime for one in self.standing), duration=duration, fineness=fineness,
                 twist=np.array([one.twist for one in self.standing]), place=self.place, speed=self.speed,
+                progress=partial(progress, "from event to event"),
             )  # fmt: skip
         except Chatter as chatter:
             name = self.couplings[self.standing[chatter.element].coupling].part.name

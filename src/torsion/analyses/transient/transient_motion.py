@@ -275,7 +275,7 @@ def _event_driven(
     progress: Progress,
 ) -> TransientMotion:  # fmt: skip
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
-    curves, balance, switching, fine = event_driven_curves(study, system, settings, place, damping_ratio)
+    curves, balance, switching, fine = event_driven_curves(study, system, settings, place, damping_ratio, progress)
     built = curves.built
     samples = _samples(settings, built.modes)
     time = np.linspace(0.0, settings.duration, samples + 1)

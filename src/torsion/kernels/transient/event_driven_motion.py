@@ -9,6 +9,7 @@ Modes above a band may be left out: their `compliance` F is then in series with 
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -23,6 +24,9 @@ from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, Elemen
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
+NEWS = 100  # blocks between two reports of progress
+WATCHED = 10_000  # events, after two times of which those of the whole motion are judged by their pace
+GAIN = 1.2  # of the pace: such a motion may come to its end yet
 State = tuple[int, ...]  # the regime of every element
 
 
@@ -252,6 +256,7 @@ class _March:
     fineness: float
     dips: bool
     released: FloatArray
+    progress: Callable[[float], None]
     kept: dict[State, Regime] = field(default_factory=dict)
     blocks: list[tuple[float, FloatArray, State, FloatArray]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
@@ -334,9 +339,20 @@ class _March:
             idle, last = (idle + 1, last) if time - last <= near else (0, time)
             if idle > CHATTER * len(state):
                 raise Chatter(time, number)
-            if len(self.events) > MOST_EVENTS:
-                raise TooManyEvents(time)
+            self.refuse_too_many(time)
+            if len(self.blocks) % NEWS == 0:
+                self.progress(time / self.duration)
         return z, state
+
+    def refuse_too_many(self, time: float) -> None:
+        """Raises TooManyEvents, as soon as their pace lets no end be reached."""
+        number, most = len(self.events), math.inf
+        if number >= 2 * WATCHED and number % WATCHED == 0:
+            first, second = (self.events[-k * WATCHED].time for k in (2, 1))
+            pace = (second - first) / WATCHED, (time - second) / (WATCHED - 1)  # s an event
+            most = time + (MOST_EVENTS - number) * pace[1] if pace[1] <= GAIN * pace[0] else math.inf
+        if number > MOST_EVENTS or most < self.duration:
+            raise TooManyEvents(min(number, MOST_EVENTS), time, time if number > MOST_EVENTS else most)
 
 
 class Chatter(SolveError):
@@ -350,22 +366,23 @@ class Chatter(SolveError):
 class TooManyEvents(SolveError):
     """More events than are kept."""
 
-    def __init__(self, time: float) -> None:
-        super().__init__(f"the motion has its {MOST_EVENTS} events at {time:.6g} s, and no more are followed")
-        self.time = time
+    def __init__(self, number: int, time: float, end: float) -> None:
+        message = f"the motion has its {number} events at {time:.6g} s, and no more than {MOST_EVENTS} are followed"
+        super().__init__(message)
+        self.time = end
 
 
 def event_driven(
     train: PiecewiseTrain, state: State, *, twist: FloatArray, place: FloatArray, speed: FloatArray, duration: float,
-    fineness: float = 1.0, dips: bool = True,
+    fineness: float = 1.0, dips: bool = True, progress: Callable[[float], None] = lambda share: None,
 ) -> EventDrivenMotion:  # fmt: skip
     """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
 
     fineness: of the steps, of those that the fastest motion of a regime allows. dips: look for functions that fall
-    below zero and rise again between two samples. Raises Chatter where events follow each other without progress,
-    and TooManyEvents.
+    below zero and rise again between two samples. progress: called with the share of the time that is done. Raises
+    Chatter where events follow each other without progress, and TooManyEvents.
     """
-    march = _March(train, duration, fineness, dips, np.zeros(len(train.elements)))
+    march = _March(train, duration, fineness, dips, np.zeros(len(train.elements)), progress)
     z = np.concatenate([train.root * twist, train.w * place, speed, np.zeros(train.signals.size), [1.0]])
     breaks = [float(one) for one in train.signals.breaks if one < duration]
     for begin, end in zip([0.0, *breaks], [*breaks, duration], strict=True):
