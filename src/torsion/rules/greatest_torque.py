@@ -19,27 +19,35 @@ class GreatestTorque(Rule):
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of every coupling with a `max_torque`, and of every part whose damage is counted.
 
-        Modes that the samples do not resolve are added to a peak. A motion whose status is not ok never passes.
+        Modes that the samples do not resolve are added to a peak, and how far it scatters. A motion whose status is not
+        ok never passes.
         """
         found = evidence.need(Transients).each
         parts = range(len(evidence.study.train.parts))
-        return tuple(line for one in found for part in parts for line in _lines(evidence, one, part))
+        marks = [f", {one.name}" if len(found) > 1 else "" for one in found]
+        pairs = zip(found, marks, strict=True)
+        return tuple(line for one, mark in pairs for part in parts for line in _lines(evidence, one, part, mark))
 
 
-def _lines(evidence: Results, found: TransientMotion, number: int) -> list[Check]:
-    """Of one motion and one part."""
+def _lines(evidence: Results, found: TransientMotion, number: int, mark: str) -> list[Check]:
+    """Of one motion and one part; mark: of the motion, where there are several."""
     part, spans = evidence.study.train.parts[number], spans_of(evidence.system, number)
     is_sound, lines = found.status == "ok", list[Check]()
     note = "" if is_sound else f"{found.status}; such a motion is never a pass"
+    if found.switching is not None and found.switching.scatter is not None and is_sound:
+        note = "the larger of two motions that impacts set apart, and their difference added"
     limit = None if part.ratings is None else part.ratings.max_torque
     if limit is not None:
         what = f"greatest torque of the motion over time {found.name}".rstrip()
         peak = float(found.peak[spans].max())
         verdict = verdict_of(is_sound and peak <= limit, "maker")
-        lines.append(Check("transient", "T_Kmax", part.name, what, peak, limit, "N m", verdict, "maker", note=note))
+        clause = f"T_Kmax{mark}"
+        lines.append(Check("transient", clause, part.name, what, peak, limit, "N m", verdict, "maker", note=note))
     if found.damage is not None and spans.size and not np.isnan(found.damage[spans]).all():
         what = f"damage (Miner) by the motion over time {found.name}".rstrip()
         damage = float(found.damage[spans].max())
         verdict = verdict_of(is_sound and damage < WHOLE_LIFE, "setting")
-        lines.append(Check("transient", "D", part.name, what, damage, WHOLE_LIFE, "1", verdict, "setting", note=note))
+        lines.append(
+            Check("transient", f"D{mark}", part.name, what, damage, WHOLE_LIFE, "1", verdict, "setting", note=note)
+        )
     return lines

@@ -1,6 +1,7 @@
 """Motion of trains with play, friction, stages and clutches: closed forms and figures of reference, from the file."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -269,6 +270,12 @@ def test_a_motion_that_impacts_make_sensitive_says_from_when_on() -> None:
     assert 0.5 < found.switching.sensitive_after < 3.0
     assert len(whats(found)) > 900
     assert found.residual < 1e-11  # each of the motions that cannot be told apart is one
+    scatter = found.switching.scatter
+    assert (scatter > 1e-6 * found.peak).any()  # the peaks are late, where both are motions of their own
+    assert found.peak == pytest.approx(np.maximum(np.abs(found.greatest), np.abs(found.least)) + scatter, rel=1e-14)
+    apart = bool((scatter > 0.1 * found.peak).any())
+    assert apart == ("impacts make the motion sensitive" in found.status)
+    assert replace(found, switching=replace(found.switching, scatter=0.2 * found.peak)).status != "ok"
 
 
 def test_a_twist_released_in_a_play_rebounds_with_all_its_energy() -> None:
@@ -355,3 +362,16 @@ def test_the_most_events_of_a_motion_are_said_with_a_shorter_duration(monkeypatc
     motions = "[{name: none, duration: 1 ms, initial: {speed: {a: 5 rad/s}}},\n {name: long, duration: 1 s, "
     several = f"{text}analyses: {{transient: {motions}initial: {{speed: {{a: 5 rad/s}}}}}}]}}\n"
     assert torsion.run(torsion.parse(several)).plan.unanswered[0].line == 4
+
+
+def test_events_that_cannot_reach_the_end_are_refused_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(event_driven_motion, "MOST_EVENTS", 200)
+    monkeypatch.setattr(event_driven_motion, "WATCHED", 10)
+    parts = "disc: {name: a, inertia: 2}, coupling: {stiffness: 1e5, clearance: 0.02 rad}, disc: {inertia: 3}"
+    with pytest.raises(SolveError, match=r"its 20 events at .* s, and no more than 200 are followed") as refused:
+        moved(f"name: x\ntrain: [{parts}]\n", duration=10.0, initial={"speed": {"a": "5 rad/s"}})
+    assert refused.value.hint is not None
+    reaches = float(refused.value.hint.removeprefix("a `duration` below ").removesuffix(" s"))
+    monkeypatch.undo()
+    found = moved(f"name: x\ntrain: [{parts}]\n", duration=reaches, initial={"speed": {"a": "5 rad/s"}})
+    assert len(whats(found)) == pytest.approx(200, rel=0.05)  # it bounces evenly

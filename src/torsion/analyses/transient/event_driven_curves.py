@@ -60,6 +60,10 @@ class Switching:
     band_change: float = result(
         "1", (), "change of the torques, of their peak, on doubling the band of modes that is kept; 0: all are"
     )
+    scatter: FloatArray | None = result(
+        "N*m", ("span",), "by how much the greatest torque of the motion with halved steps differs, where it is "
+        "sensitive: greatest and least torques are those of both, and verdicts add it", default=None
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -182,8 +186,8 @@ class EventDrivenCurves:
 def event_driven_curves(
     study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None = None,
     progress: Progress = silent,
-) -> tuple[EventDrivenCurves, EnergyBalance, Switching]:  # fmt: skip
-    """The motion of a train with nonlinear couplings, its balance of energy and its events."""
+) -> tuple[EventDrivenCurves, EnergyBalance, Switching, EventDrivenCurves]:  # fmt: skip
+    """The motion of a train with nonlinear couplings, its balance of energy and its events; last with halved steps."""
     built = build(study, system, settings, place, damping_ratio=damping_ratio)
     curves = EventDrivenCurves(built, *built.run(settings.duration, 1.0, progress))
     balance = energy_balance(curves.motion)
@@ -207,7 +211,7 @@ def event_driven_curves(
     names = [built.couplings[one.coupling].part.name for one in built.standing]
     events = tuple(CouplingEvent(event.time, names[event.element], event.word) for event in curves.motion.events)
     sensitive = float(time[late[0]]) if late.size else None
-    return curves, balance, Switching(events, works, balance.work, balance.damped, sensitive, change)
+    return curves, balance, Switching(events, works, balance.work, balance.damped, sensitive, change), fine
 
 
 def _changes(curves: EventDrivenCurves, other: EventDrivenCurves, time: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -84,6 +85,7 @@ class Built:
         Raises SolveError where a coupling changes its regime without end, or steps become too short.
         """
         march, regimes = March(self.train, duration, fineness), tuple(one.regime for one in self.standing)
+        march.progress = partial(progress, "from event to event")
         z = self.train.at_first(np.array([one.twist for one in self.standing]), self.place, self.speed)
         try:
             if self.following is None:

@@ -1,5 +1,6 @@
 """Torques that follow the speed of their point: starts of motors, loads, and a speed that is prescribed."""
 
+import cmath
 import math
 from collections.abc import Iterator
 from itertools import pairwise
@@ -17,6 +18,7 @@ from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.dry_friction import DryFriction
 from torsion.kernels.transient.torque_history import Piece
 
+WORST = "worst"
 SAME_SPEED = 1e-9  # relative, or rad/s
 PullOut = Annotated[float, Quantity("1", above=0, below=1)]
 
@@ -35,7 +37,10 @@ def _read_law(value: Any) -> Any:
         if value not in ("propeller", "constant"):
             raise refuse(f"'{value}' is no law of load", "propeller, constant, or a table [[speed, torque], ...]")
         return value
-    return _read_rows(value)
+    rows = _read_rows(value)
+    if any(torque < 0.0 for _, torque in rows):
+        raise refuse("a load brakes: its torques are 0 N*m or more", "what drives is a `start`, or a `step`")
+    return rows
 
 
 def _read_program(value: Any) -> tuple[tuple[float, float], ...]:
@@ -52,11 +57,19 @@ Program = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_read_progr
 Rows = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_read_rows, json_schema_input_type=SpeedTable)]
 
 
+def _read_phase(value: Any) -> Any:
+    return value if value == WORST else Quantity("rad").read(value)
+
+
+Phase = Annotated[Any, BeforeValidator(_read_phase, json_schema_input_type=float | str)]
+
+
 class Pulsation(Declared):
-    """What a direct start adds: torque e^(-t/decay) sin(line t)."""
+    """What a direct start adds: torque e^(-t/decay) sin(line t + phase)."""
 
     torque: fields.Torque = required("its first amplitude: 1 to 5 times the rated torque")
     decay: Length = required("time in which it falls to 1/e: 0.05 to 0.3 s")
+    phase: fields.Angle = given("phase of its sine as it begins", 0.0)
 
 
 class Start(Kind):
@@ -73,6 +86,10 @@ class Start(Kind):
     slip_pulsation: Rows | None = given(
         "[[speed, amplitude], ...] of a synchronous motor that starts: it pulsates at twice the slip frequency"
     )
+    phase: Phase = given(
+        "phase of the cosine that `slip_pulsation` begins with; worst: several are computed, and the greatest torques "
+        "of all are judged", "worst"
+    )  # fmt: skip
     line: fields.Frequency = given("line frequency", 50.0)
     off: Length | None = given("time after which it is switched off (default: never)")
 
@@ -86,12 +103,15 @@ class Start(Kind):
             raise refuse("`torque` and `pull_out` with `slip` exclude each other", "keep one of them", "torque")
         if self.slip_pulsation is not None and self.synchronous is None:
             raise refuse("`slip_pulsation` needs `synchronous`, the synchronous speed", key="slip_pulsation")
+        if self.slip_pulsation is None and "phase" in self.model_fields_set:
+            raise refuse("`phase` is that of `slip_pulsation`", "`pulsation: {phase: ...}` has its own", "phase")
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
         if self.pulsation is not None:
             rate = complex(-1.0 / self.pulsation.decay, 2.0 * math.pi * self.line)
-            yield Piece(begin, self._window(begin).end, -1j * self.pulsation.torque, rate=rate)
+            level = -1j * self.pulsation.torque * cmath.exp(1j * self.pulsation.phase)
+            yield Piece(begin, self._window(begin).end, level, rate=rate)
 
     def laws(self, begin: float, at: Point) -> Iterator[Law]:
         window = self._window(begin)
@@ -102,9 +122,13 @@ class Start(Kind):
         if self.slip_pulsation is not None:
             twice = 4.0 * math.pi * self.line
             turned = -twice / (self.synchronous or 1.0)
-            yield torque_laws.Wave(
-                0, torque_laws.table(self.slip_pulsation), turned, 0.0, 1j * twice, window, from_begin=True
-            )
+            size, phase = torque_laws.table(self.slip_pulsation), 0.0 if self.phase == WORST else self.phase
+            yield torque_laws.Wave(0, size, turned, phase, 1j * twice, window, from_begin=True)
+
+    @property
+    def has_worst_phase(self) -> bool:
+        """Its phase is left open."""
+        return self.slip_pulsation is not None and self.phase == WORST
 
     def _window(self, begin: float) -> torque_laws.Window:
         return torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)

@@ -11,7 +11,7 @@ from torsion.analyses.response.over_speed import response
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.transient.event_kind import Lack, Point
 from torsion.analyses.transient.events import Event, Stop
-from torsion.analyses.transient.following_events import SpeedProgram, Start
+from torsion.analyses.transient.following_events import Load, SpeedProgram, Start
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
@@ -87,7 +87,7 @@ def points_of_events(
     for number, event in enumerate(events):
         at = replace(point(study, system, before, event.at), turns=turns)
         found.append(at)
-        lack = _lack_of_freedom(study, system, event) or _lack_of_order(events, event) or event.body.lacks(at)
+        lack = _lack_of_freedom(study, system, event) or _lack_of_order(events, event, at.mean) or event.body.lacks(at)
         if lack is not None:
             faults.append(Fault((*place, "events", number, event.body.key), *lack))
     if faults:
@@ -95,9 +95,24 @@ def points_of_events(
     return found
 
 
-def _lack_of_order(events: Sequence[Event], event: Event) -> Lack:
-    """A mean torque that ends where a start or a load has taken its place, or that comes back after it."""
+def _lack_of_stop(events: Sequence[Event], event: Event) -> Lack:
+    """A brake whose point is driven, unless that torque has ended before, or a start has taken its place."""
+    there = [one for one in events if one.at == event.at and one.time <= event.time]
+    late = [one.body.taken(event.time - one.time) for one in there if isinstance(one.body, Stop)]
+    if any(isinstance(one.body, Start) for one in there) or math.isclose(sum(late), 1.0, rel_tol=1e-9):
+        return None
+    message = f"the mean torque of '{event.at}' drives, and a load would take its place"
+    return message, f"`{{at: {event.at}, time: {event.time:g} s, stop: {{}}}}` beside it, or the load at another point"
+
+
+def _lack_of_order(events: Sequence[Event], event: Event, mean: float) -> Lack:
+    """A mean torque that ends where a start or a load has taken its place, or that comes back after it.
+
+    mean: N m at the point, positive where it drives.
+    """
     others = [one for one in events if one.at == event.at and one.body.drives]
+    if isinstance(event.body, Load) and mean > 0.0:
+        return _lack_of_stop(events, event)
     if not isinstance(event.body, Stop) or not others:
         return None
     begins = min(one.time for one in others)

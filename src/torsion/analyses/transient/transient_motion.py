@@ -1,5 +1,6 @@
 """Motion over time of a train, exactly from its modes: torques, their peaks and reversals, and speeds."""
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -33,6 +34,7 @@ from torsion.analyses.transient.transient_settings import (
     TransientSettings,
     cases,
 )
+from torsion.analyses.transient.worst_phase import Phases, over_phases
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
@@ -47,7 +49,9 @@ from torsion.study import Study
 BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
 RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
 SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
+SCATTER = 0.1  # of a peak: by which two motions that impacts set apart may differ in it
 TINY = np.finfo(float).tiny
+Peaks = tuple[FloatArray, FloatArray]  # (spans,) N m, and s
 
 
 @reported
@@ -103,12 +107,20 @@ class TransientMotion:
     )
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
+    slip_phase: tuple[float, ...] = result(
+        "rad", (), "phases of slip pulsations that the file leaves open: those of the worst, whose curves these are; "
+        "greatest and least torques are those of all that were computed", default=()
+    )  # fmt: skip
+    phases_computed: int = result("", (), "how many sets of these phases were computed", default=0)
+    fastest: float = 0.0  # rad/s of modes and torques
     turns: tuple[FloatArray, ...] = ()  # of every span, values at which its torque turns, while damage is counted
 
     @property
     def peak(self) -> FloatArray:
-        """(spans,) N m, the greatest magnitude, with what modes without samples may add."""
-        return np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
+        """(spans,) N m, the greatest magnitude, with what modes without samples may add, and its scatter."""
+        scatter = None if self.switching is None else self.switching.scatter
+        most = np.maximum(np.abs(self.greatest), np.abs(self.least)) + self.unresolved
+        return most if scatter is None else most + scatter
 
     @derived("", (), "ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:
@@ -124,6 +136,11 @@ class TransientMotion:
         if self.switching is not None and self.switching.band_change > SETTLED:
             change = 100.0 * self.switching.band_change
             found.append(f"twice the band of modes changes a torque by {change:.2g} %: compute a shorter time")
+        scatter = None if self.switching is None else self.switching.scatter
+        if scatter is not None and (scatter > SCATTER * (self.peak + TINY)).any():
+            change = 100.0 * float((scatter / (self.peak + TINY)).max())
+            message = "impacts make the motion sensitive, and halved steps change a peak"
+            found.append(f"{message} by {change:.2g} %: compute a longer time, whose peaks differ less")
         return "; ".join(found) or "ok"
 
 
@@ -144,9 +161,41 @@ def transient(
     every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
     too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
     """
+    solve = partial(_of_phases, study, system, place, modes, damping_ratio, progress)
+    limits = [part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts]
+    limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
+    return _read(study, system, settings, _merged(over_phases(settings, solve, limit)))
+
+
+def _merged(found: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
+    """The motion of the worst phases, the first, with the greatest of every span's torques of all."""
+    phases, shown = found[0]
+    every, spans = [one for _, one in found], np.arange(len(shown.greatest))
+    if len(every) == 1:
+        return shown
+    high = np.argmax([one.greatest for one in every], axis=0)
+    low, most = np.argmin([one.least for one in every], axis=0), np.argmax([one.peak for one in every], axis=0)
+
+    def of(name: str, chosen: IntArray) -> FloatArray:
+        return np.asarray(np.array([getattr(one, name) for one in every])[chosen, spans])
+
+    return replace(
+        shown, greatest=of("greatest", high), greatest_at=of("greatest_at", high), least=of("least", low),
+        least_at=of("least_at", low), unresolved=np.max([one.unresolved for one in every], axis=0),
+        reversals=np.max([one.reversals for one in every], axis=0), residual=max(one.residual for one in every),
+        change=None if shown.change is None else max(one.change or 0.0 for one in every), phases_computed=len(every),
+        slip_phase=tuple(phase for _, phase in phases),
+        turns=tuple(every[one].turns[span] for span, one in enumerate(most.tolist()) if every[one].turns),
+    )  # fmt: skip
+
+
+def _of_phases(
+    study: Study, system: System, place: Path, modes: tuple[Modes, Modes] | None, damping_ratio: float | None,
+    progress: Progress, settings: TransientSettings,
+) -> TransientMotion:  # fmt: skip
+    """The motion of settings that leave no phase open."""
     if study.train.has_nonlinear_couplings:
-        found = _event_driven(study, system, settings, place, damping_ratio, progress)
-        return _read(study, system, settings, found)
+        return _event_driven(study, system, settings, place, damping_ratio, progress)
     before = state_before(study, system, settings, place)
     cuts = joint_cuts(system, before.mean)
     if modes is None or cuts:
@@ -164,10 +213,10 @@ def transient(
         moved = np.max([np.abs(one - other) for one, other in ends], axis=0)
         found = replace(found, change=float((moved / (more.peak + TINY)).max(initial=0.0)))
     if settings.samples is not None and (found.unresolved > RESOLVED * (found.peak + TINY)).any():
-        least = int(PER_PERIOD * settings.duration * float(kept.frequency.max())) + 1
-        message = "modes with fewer than 4 samples in a period may add more than 5 % to a peak"
+        least = int(PER_PERIOD * settings.duration * found.fastest / (2.0 * math.pi)) + 1
+        message = "torques or modes with fewer than 4 samples in a period may add more than 5 % to a peak"
         raise InputError([Fault((*place, "samples"), message, f"{least} resolve all; or keep fewer `modes`")])
-    return _read(study, system, settings, found)
+    return found
 
 
 def _solved(
@@ -216,7 +265,8 @@ def _solved(
     return TransientMotion(
         time, torque, turning, *top, -bottom[0], bottom[1], before.torque,
         _reversals(seen, noise / np.abs(system.speed_ratio[system.driving])), lacking, residual(moved, time),
-        before.speed, len(modes.frequency), system, settings.name, turns=seen.turns, **added,
+        before.speed, len(modes.frequency), system, settings.name, turns=seen.turns,
+        fastest=max(curves.fastest, *(one.w for one in curves.waves)), **added,
     )  # fmt: skip
 
 
@@ -225,7 +275,7 @@ def _event_driven(
     progress: Progress,
 ) -> TransientMotion:  # fmt: skip
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
-    curves, balance, switching = event_driven_curves(study, system, settings, place, damping_ratio, progress)
+    curves, balance, switching, fine = event_driven_curves(study, system, settings, place, damping_ratio, progress)
     built, added = curves.built, dict[str, Any]()
     if built.following is not None and curves.marched is not None:
         added = _of_steps(built.following.follows, curves.marched)
@@ -235,6 +285,11 @@ def _event_driven(
     seen = sampled(curves, looked, progress)
     refuse_beyond_tables(study, settings.events, seen.turning, place)
     before, (top, bottom) = built.before, seen.ends
+    if switching.sensitive_after is not None:
+        other = sampled(fine, looked_at_of(fine, built.modes, time, counts=False)[0], progress).ends
+        scatter = np.abs(np.maximum(top[0], bottom[0]) - np.maximum(other[0][0], other[1][0]))
+        switching = replace(switching, scatter=scatter)
+        top, bottom = (_larger(one, two) for one, two in zip((top, bottom), other, strict=True))
     lacking = missed(built.modes, curves, time, finer) + curves.unseen(looked.left)
     if any(wave.w >= looked.left for wave in curves.regimes):
         lacking += np.maximum(np.abs(top[0]), np.abs(bottom[0]))  # nothing bounds what a coupling does
@@ -243,6 +298,11 @@ def _event_driven(
         balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
         turns=seen.turns, **added,
     )  # fmt: skip
+
+
+def _larger(one: Peaks, other: Peaks) -> Peaks:
+    """The larger of the peaks of two motions, with its time."""
+    return np.maximum(one[0], other[0]), np.where(one[0] >= other[0], one[1], other[1])
 
 
 def _reversals(seen: Seen, noise: FloatArray | float = 0.0) -> IntArray:
@@ -309,6 +369,8 @@ def run(work: Work) -> None:
                 if one.steps:
                     step.method += ", exponential collocation"
                 step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
+                if one.speed_before and settings.initial is None:
+                    step.size += f", begins steady at {one.speed_before * 30.0 / math.pi:.6g} rpm"
             found.append(one)
         except (InputError, SolveError) as error:
             errors.append(error)

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
 from torsion.analyses.transient.events import Event, Stop
+from torsion.analyses.transient.following_events import SpeedProgram, Start
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study
@@ -161,6 +162,7 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
             message = f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
             yield Fault((*place, event.body.key), message, f"at least {4.0 * math.ulp(event.time):.1g} s between them")
     yield from _stopped_twice(settings, path)
+    yield from _given_twice(settings, path)
     yield from _names(settings, path, known)
 
 
@@ -191,3 +193,20 @@ def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
             message = f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"
             yield Fault((*path, "events", number, "stop"), message, "a `share` each, of 100 % together")
             return
+
+
+def _given_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
+    """A second program of speed at a point, and a start there while an earlier one is on; two at one time add."""
+    for number, event in enumerate(settings.events):
+        body, place = event.body, (*path, "events", number, event.body.key)
+        earlier = [one for one in settings.events[:number] if one.at == event.at and type(one.body) is type(body)]
+        if isinstance(body, SpeedProgram) and earlier:
+            yield Fault(place, f"the speed of '{event.at}' is prescribed twice", "one `program` with all its rows")
+        others = [(one.time, one.body) for one in settings.events if one.at == event.at]
+        on = [
+            begin for begin, other in others
+            if isinstance(other, Start) and begin < event.time < begin + (other.off or math.inf)
+        ]  # fmt: skip
+        if isinstance(body, Start) and on:
+            message = f"'{event.at}' is switched on at {on[0]:g} s already"
+            yield Fault(place, message, f"end that start by its `off`, at most {event.time - on[0]:g} s")

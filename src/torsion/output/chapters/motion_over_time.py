@@ -1,5 +1,6 @@
 """Chapter: the motion over time."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,6 +15,7 @@ from torsion.output.selection import Element, elements
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 MOST_PASSAGES = 20  # lines of a table
+MOST_ORDERS = 4  # named of those that excite it
 COLUMNS = 2000  # of the figures: each shows the least and the greatest value of its samples
 METHOD = (
     "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
@@ -46,9 +48,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     rows = [(one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()])) for one, k in spans]
     unit = scale("N m", [value for _, high, low in rows for value in (found.greatest[high], found.least[low])])
     yield Paragraph(_introduction(found, settings))
-    if found.speed_before and findings.study.excites and settings.initial in (None, "steady"):
-        text = "Periodic torques and the errors of joints go on as before the events, at the speed before them."
-        yield Paragraph(text, "note")
+    yield from _steady_begin(findings, found, settings)
     if found.status != "ok":
         yield Paragraph(f"Not to be relied upon: {found.status}.", "fail", brief=True)
     events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
@@ -66,6 +66,24 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
         )
         yield Paragraph(text, "note")
     yield from _figures(findings, found, settings, unit)
+
+
+def _steady_begin(findings: Findings, found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+    """How a motion begins that is steady before its events; briefly, where the file says neither that nor a speed."""
+    if not found.speed_before or settings.initial not in (None, "steady"):
+        return
+    if findings.study.excites:
+        text = "Periodic torques and the errors of joints go on as before the events, at the speed before them."
+        yield Paragraph(text, "note")
+    if settings.initial is None and findings.study.operation.rated is None:
+        orders = [f"order {one.order} at {one.name}" for one in findings.study.train.torques if one.order is not None]
+        excited = f", excited by {', '.join(dict.fromkeys(orders[:MOST_ORDERS]))}" if orders else ""
+        more = ", ..." if len(orders) > MOST_ORDERS else ""
+        text = (
+            f"The file names no `initial` and no rated speed: the motion begins steady at {rpm(found.speed_before)} "
+            f"rpm, the highest of its speeds{excited}{more}. `initial: rest` or `{{speed: ...}}` begins elsewhere."
+        )
+        yield Paragraph(text, "note", brief=True)
 
 
 def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
@@ -96,6 +114,14 @@ def _following(found: TransientMotion) -> Iterator[Block]:
         f"kept of their series is at most {number(found.left_in_series, 2)} of the largest of them; the error is "
         "smaller. Periodic torques of the file follow the angle of their point too, from its angle 0 on."
     )
+    if found.phases_computed:
+        shown = ", ".join(f"{number(math.degrees(one), 3)} deg" for one in found.slip_phase)
+        text = (
+            f"The file leaves the phase of the slip pulsation open: of {counted(found.phases_computed, 'phase')} that "
+            f"were computed, among them those at which it adds most to each torque, {shown} is the worst, and its "
+            "curves are shown; greatest and least torques are those of all."
+        )
+        yield Paragraph(text, "note", brief=True)
     if found.passages:
         cells = [
             (one.mode, one.what, one.time, rpm(one.speed), number(one.frequency), number(one.seconds, 3),
@@ -149,7 +175,8 @@ def _switching(found: Switching) -> Iterator[Block]:
     if found.sensitive_after is not None:
         text = (
             f"From {number(found.sensitive_after)} s on the motion is sensitive: impacts amplify rounding until halved "
-            "steps change torques by more than 1e-6 of their peak. Read peaks, counts and heat there, not the moment."
+            "steps change torques by more than 1e-6 of their peak. Read peaks, counts and heat there, not the moment. "
+            "Greatest and least torques are those of both motions, and verdicts add their difference."
         )
         yield Paragraph(text, "note")
     if found.band_change:
