@@ -78,6 +78,7 @@ def test_a_clutch_with_a_ramp_under_load_sticks_when_the_speeds_meet() -> None:
     # 150 rad/s less 25 over the ramp and 40 after it; then 100 - 20 rad/s2
     assert whats(found)[:2] == [(0.1, "slip"), (pytest.approx(0.6 + 0.4 + 85.0 / 80.0, rel=1e-13), "stuck")]
     assert found.residual < 1e-12
+    assert found.greatest_at == pytest.approx([0.6], rel=1e-15)  # the first of all times at which it carries 400 N m
 
 
 @pytest.mark.parametrize("late", [0.1, 0.0])

@@ -22,8 +22,9 @@ class Reference:
     stiffness: np.ndarray
     clearance: tuple[np.ndarray, float, float, float]  # ends, stiffness, half, viscous
     friction: tuple[np.ndarray, float, float]
-    load: np.ndarray  # of exp(-0.05 t) cos(30 t)
+    load: np.ndarray  # of the real part of exp(rate t)
     steady: np.ndarray
+    rate: complex  # 1/s
 
     def matrix(self, contact: int, slip: int) -> np.ndarray:
         """Of (angles, speeds, slip, cos, sin, 1), by acceleration."""
@@ -39,7 +40,8 @@ class Reference:
         found[n : 2 * n, -1] += self.steady / self.inertia
         if slip:
             found[2 * n] = rows[3]
-        found[-3:-1, -3:-1] = [[-0.05, -30.0], [30.0, -0.05]]
+        decay, turn = self.rate.real, self.rate.imag
+        found[-3:-1, -3:-1] = [[decay, -turn], [turn, decay]]
         return found
 
     def rows(self, contact: int, slip: int) -> list[np.ndarray]:
@@ -120,17 +122,19 @@ def polynomial(terms, share):
     return total
 
 
-def ten_stations() -> tuple[Reference, PiecewiseTrain]:
-    """A free train with a clearance in its middle and friction beside a span, in angles and in modes of its parts."""
+def ten_stations(
+    ratio: float = 0.0, load: float = 120.0, rate: complex = complex(-0.05, 30.0)
+) -> tuple[Reference, PiecewiseTrain]:
+    """A free train with a clearance in its middle and friction beside a span, in angles and in modes of its parts.
+
+    ratio: of damping, of every mode of a part; 0: damping that goes with the stiffness. load: N m, with its rate (1/s).
+    """
     draw = np.random.default_rng(3)
     inertia, spans, cut = draw.uniform(0.5, 2.0, 10), draw.uniform(5e4, 2e5, 9), 5
     twist = np.eye(10)[:-1] - np.eye(10)[1:]
     own = np.delete(np.arange(9), cut)
-    stiffness, damping = ((twist[own].T * spans[own]) @ twist[own] * factor for factor in (1.0, 1e-5))
-    load, steady = 120.0 * np.eye(10)[0], 30.0 * (np.eye(10)[0] - np.eye(10)[9])
-    reference = Reference(
-        inertia, damping, stiffness, (twist[cut], 1e5, 0.005, 20.0), (twist[8], 5e4, 5.0), load, steady
-    )
+    stiffness = (twist[own].T * spans[own]) @ twist[own]
+    loads = np.stack([load * np.eye(10)[0], 30.0 * (np.eye(10)[0] - np.eye(10)[9])])
     shape, w = np.zeros((10, 10)), np.empty(8)
     shape[:, 0] = 1.0
     shape[:6, 1], shape[6:, 1] = 1.0 / inertia[:6].sum(), -1.0 / inertia[6:].sum()
@@ -146,6 +150,13 @@ def ten_stations() -> tuple[Reference, PiecewiseTrain]:
     ends = twist @ shape
     ends[:, 0], ends[8, 1] = 0.0, 0.0
     made = Clearance(ends[cut], 1e5, 0.005, 20.0), Friction(ends[8], 5e4, 5.0)
-    pieces = (Piece(0.0, math.inf, 1.0, rate=complex(-0.05, 30.0)),), (Piece(0.0, math.inf, 1.0),)
-    force = (shape.T @ np.stack([load, steady], axis=1)).astype(complex)
+    damping = 1e-5 * stiffness
+    if ratio:
+        pushed = inertia[:, None] * shape
+        damping = (pushed[:, 2:] * (2.0 * ratio * w)) @ pushed[:, 2:].T
+    reference = Reference(
+        inertia, damping, stiffness, (twist[cut], 1e5, 0.005, 20.0), (twist[8], 5e4, 5.0), *loads, rate
+    )
+    pieces = (Piece(0.0, math.inf, 1.0, rate=rate),), (Piece(0.0, math.inf, 1.0),)
+    force = (shape.T @ loads.T).astype(complex)
     return reference, PiecewiseTrain(w, shape.T @ damping @ shape, made, Signals(pieces), force)

@@ -243,10 +243,6 @@ def _signals(
     if follows is None and settings.initial in (None, "steady") and before.speed:
         at = np.array([before.speed])
         for excitation in excitations(system):
-            if excitation.errors:
-                name = excitation.errors[0].name
-                message = f"the transmission error of '{name}' beside a nonlinear coupling is not built"
-                raise SolveError(message, "begin with `initial: {speed: ...}`", (*place, "initial"))
             column = np.zeros(len(acting), dtype=complex)
             for torque in excitation.torques:
                 column[torque.station] += amplitude(system, torque, at, before.mean)[0]

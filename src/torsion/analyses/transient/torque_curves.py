@@ -27,6 +27,7 @@ from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.torque_history import Piece
 
 BLOCK = 2**21  # values of one array at once
+ALIKE = 1e-13  # of a greatest value: others within it are as great, and the first of them is reported
 SAFETY, LEAST_NEAR, MOST_NEAR = 10.0, 1e-6, 0.02  # how far below the highest sampled peak others are looked at
 MOST_SUMS = 5e8  # products of all torques at all times that are formed to look for peaks between the samples
 EXPONENTIAL = 50  # products that take the time of one exponential
@@ -182,9 +183,9 @@ def sampled(curves: Readable, looked: Looked, progress: Progress) -> Seen:
         values, rate, there = curves.torque(time[part])
         for number, (sense, found) in enumerate(zip((1.0, -1.0), extremes, strict=True)):
             found.add(time[part], sense * values, sense * rate)
-            at = (sense * values).argmax(axis=1)
-            top = sense * values[np.arange(spans), at]
-            when[number] = np.where(top > best[number], time[part][at], when[number])
+            top = (sense * values).max(axis=1)
+            at = (sense * values >= (top - ALIKE * np.abs(top))[:, None]).argmax(axis=1)  # a slipping clutch: the first
+            when[number] = np.where(top - ALIKE * np.abs(top) > best[number], time[part][at], when[number])
             best[number] = np.maximum(best[number], top)
         turns.append(turns_within(time[part], values, rate))
         here = slice(*np.searchsorted(sample, (part.start, part.stop)))
@@ -200,7 +201,9 @@ def sampled(curves: Readable, looked: Looked, progress: Progress) -> Seen:
     ends = []
     for number, function in enumerate((curves.torque_of, negative)):
         top, place = extremes[number].exact(function)
-        ends.append((np.maximum(top, best[number]), np.where(top >= best[number], place, when[number])))
+        slack = ALIKE * np.abs(best[number])
+        alike = np.where(top < best[number] - slack, when[number], np.minimum(place, when[number]))
+        ends.append((np.maximum(top, best[number]), np.where(top > best[number] + slack, place, alike)))
     span, value = (np.concatenate(one) for one in zip(*turns, strict=True))
     order = np.argsort(span, kind="stable")
     cut = np.searchsorted(span[order], np.arange(1, spans))

@@ -40,7 +40,8 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     for number in np.unique(motion.regime[:-1]).tolist():
         one, whole = motion.regimes[number], list[FloatArray]()
         for block, start, length in _steps(motion, one, np.flatnonzero(motion.regime[:-1] == number)):
-            is_whole, powers = bool((length == one.step).all()), np.zeros((len(gained), len(block)))
+            is_whole = len(block) >= train.size and bool((length == one.step).all())
+            powers = np.zeros((len(gained), len(block)))
             if is_whole and not whole:
                 whole = [one.moved(np.eye(train.size), np.full(train.size, share * one.step)) for share in node]
             for at, (share, factor) in enumerate(zip(node, weight, strict=True)):

@@ -1,6 +1,6 @@
 """A linear motion z' = A z that lasts while its switching functions stay positive: its steps, and what ends it.
 
-A regime may be visited briefly and once, so that it keeps little: exp(A h) of a short part h, and its squares as they
+A regime may be met briefly and once, so that it keeps little: exp(A h) - 1 of a short part h, and its squares as they
 are needed. States at the begin of many parts are products of these, each twice as many as the one before. A part is
 looked at more closely where a function is below zero at an end of it, or a tangent at one end is below zero at the
 other; there z is a Taylor polynomial, the functions are polynomials, and the root is exact to rounding.
