@@ -363,3 +363,16 @@ def test_the_most_events_of_a_motion_are_said_with_a_shorter_duration(monkeypatc
     motions = "[{name: none, duration: 1 ms, initial: {speed: {a: 5 rad/s}}},\n {name: long, duration: 1 s, "
     several = f"{text}analyses: {{transient: {motions}initial: {{speed: {{a: 5 rad/s}}}}}}]}}\n"
     assert torsion.run(torsion.parse(several)).plan.unanswered[0].line == 4
+
+
+def test_events_that_cannot_reach_the_end_are_refused_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(event_driven_motion, "MOST_EVENTS", 200)
+    monkeypatch.setattr(event_driven_motion, "WATCHED", 10)
+    parts = "disc: {name: a, inertia: 2}, coupling: {stiffness: 1e5, clearance: 0.02 rad}, disc: {inertia: 3}"
+    with pytest.raises(SolveError, match=r"its 20 events at .* s, and no more than 200 are followed") as refused:
+        moved(f"name: x\ntrain: [{parts}]\n", duration=10.0, initial={"speed": {"a": "5 rad/s"}})
+    assert refused.value.hint is not None
+    reaches = float(refused.value.hint.removeprefix("a `duration` below ").removesuffix(" s"))
+    monkeypatch.undo()
+    found = moved(f"name: x\ntrain: [{parts}]\n", duration=reaches, initial={"speed": {"a": "5 rad/s"}})
+    assert len(whats(found)) == pytest.approx(200, rel=0.05)  # it bounces evenly

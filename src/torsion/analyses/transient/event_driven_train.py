@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -84,6 +85,7 @@ class Built:
         Raises SolveError where a coupling changes its regime without end, or steps become too short.
         """
         march, regimes = March(self.train, duration, fineness), tuple(one.regime for one in self.standing)
+        march.progress = partial(progress, "from event to event")
         z = self.train.at_first(np.array([one.twist for one in self.standing]), self.place, self.speed)
         try:
             if self.following is None:
@@ -241,10 +243,6 @@ def _signals(
     if follows is None and settings.initial in (None, "steady") and before.speed:
         at = np.array([before.speed])
         for excitation in excitations(system):
-            if excitation.errors:
-                name = excitation.errors[0].name
-                message = f"the transmission error of '{name}' beside a nonlinear coupling is not built"
-                raise SolveError(message, "begin with `initial: {speed: ...}`", (*place, "initial"))
             column = np.zeros(len(acting), dtype=complex)
             for torque in excitation.torques:
                 column[torque.station] += amplitude(system, torque, at, before.mean)[0]

@@ -1,6 +1,10 @@
 """Events of an event-driven motion that follow each other without end."""
 
+import math
+
 from torsion.errors import SolveError
+
+GAIN = 1.2  # of the pace: such a motion may come to its end yet
 
 
 class Chatter(SolveError):
@@ -14,6 +18,22 @@ class Chatter(SolveError):
 class TooManyEvents(SolveError):
     """More events than are kept."""
 
-    def __init__(self, time: float, number: int) -> None:
-        super().__init__(f"the motion has its {number} events at {time:.6g} s, and no more are followed")
-        self.time = time
+    def __init__(self, number: tuple[int, int], time: float, end: float) -> None:
+        super().__init__(
+            f"the motion has its {number[0]} events at {time:.6g} s, and no more than {number[1]} are followed"
+        )
+        self.time = end
+
+
+def refuse_too_many(number: int, most: int, times: list[float], watched: int, duration: float) -> None:
+    """Raises TooManyEvents, as soon as their pace lets no end be reached.
+
+    times: s, of the events twice and once as many as are watched before, and now.
+    """
+    end = math.inf
+    if number >= 2 * watched:
+        first, second, time = times
+        pace = (second - first) / watched, (time - second) / (watched - 1)  # s an event
+        end = time + (most - number) * pace[1] if pace[1] <= GAIN * pace[0] else math.inf
+    if number > most or end < duration:
+        raise TooManyEvents((min(number, most), most), times[-1], times[-1] if number > most else end)

@@ -9,6 +9,7 @@ Modes above a band may be left out: their `compliance` F is then in series with 
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -17,13 +18,15 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.transient.endless_events import Chatter, TooManyEvents
+from torsion.kernels.transient.endless_events import Chatter, refuse_too_many
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.linear_regime import RADIANS, STEPS, Regime, fastest
 from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, Element, Friction, Law, Switch
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
+NEWS = 100  # blocks between two reports of progress
+WATCHED = 10_000  # events, after two times of which those of the whole motion are judged by their pace
 State = tuple[int, ...]  # the regime of every element
 
 
@@ -258,6 +261,7 @@ class March:
     duration: float
     fineness: float
     dips: bool = True
+    progress: Callable[[float], None] = lambda share: None
     released: FloatArray = field(init=False)
     halvings: int = 0  # of the steps
     idle: int = 0  # events without progress
@@ -348,14 +352,17 @@ class March:
         self.idle, self.last = (self.idle + 1, self.last) if time - self.last <= near else (0, time)
         if self.idle > CHATTER * len(state):
             raise Chatter(time, number)
-        if len(self.events) > MOST_EVENTS:
-            raise TooManyEvents(time, MOST_EVENTS)
+        if len(self.events) > MOST_EVENTS or len(self.events) % WATCHED == 0:
+            times = [self.events[-k * WATCHED].time for k in (2, 1) if k * WATCHED <= len(self.events)]
+            refuse_too_many(len(self.events), MOST_EVENTS, [*times, time], WATCHED, self.duration)
         return time, z, state, True
 
     def to(self, time: float, end: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
         """From one break to the next."""
         while time < end:
             time, z, state, _ = self.on(time, end, z, state)
+            if len(self.blocks) % NEWS == 0:
+                self.progress(time / self.duration)
         return z, state
 
     def whole(self, z: FloatArray, state: State) -> EventDrivenMotion:
@@ -380,11 +387,12 @@ class March:
 
 def event_driven(
     train: PiecewiseTrain, state: State, *, twist: FloatArray, place: FloatArray, speed: FloatArray, duration: float,
-    fineness: float = 1.0, dips: bool = True,
+    fineness: float = 1.0, dips: bool = True, progress: Callable[[float], None] = lambda share: None,
 ) -> EventDrivenMotion:  # fmt: skip
     """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
 
     fineness: of the steps, of those that the fastest motion of a regime allows. dips: look for functions that fall
-    below zero and rise again between two samples. Raises Chatter where events have no progress, and TooManyEvents.
+    below zero and rise again between two samples. progress: called with the share of the time that is done. Raises
+    Chatter where events follow each other without progress, and TooManyEvents.
     """
-    return March(train, duration, fineness, dips).whole(train.at_first(twist, place, speed), state)
+    return March(train, duration, fineness, dips, progress).whole(train.at_first(twist, place, speed), state)
