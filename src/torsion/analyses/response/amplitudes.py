@@ -6,7 +6,7 @@ A response that needs more memory than it may is refused beforehand; any other i
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -14,9 +14,11 @@ from torsion.analyses.response.harmonic_components import Line
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
-from torsion.kernels.describing_functions import Secant
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result, words
+
+if TYPE_CHECKING:
+    from torsion.kernels.describing_functions import Secant
 
 BLOCK_VALUES = 2**22  # points times stations of one line solved at once: 64 MB an array
 SMALL_BLOCK = 2**20  # the same of the synthesis, which needs some twenty arrays on the way
@@ -39,8 +41,10 @@ class Balanced:
     extra: ComplexArray  # N m/rad beside them
 
     @property
-    def added(self) -> dict[int, Secant]:
+    def added(self) -> "dict[int, Secant]":
         """What every coupling is."""
+        from torsion.kernels.describing_functions import Secant
+
         return {span: Secant(self.share[:, k], self.extra[:, k]) for k, span in enumerate(self.spans)}
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -41,9 +41,11 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.describing_functions import Secant
 from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
+
+if TYPE_CHECKING:
+    from torsion.kernels.describing_functions import Secant
 
 MOST_ROUNDS = 4  # of looking for higher shares of the limits between the speeds
 
@@ -200,7 +202,7 @@ def _solved(
 
 def _answers(
     system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
-    added: Mapping[int, Secant],
+    added: "Mapping[int, Secant]",
 ) -> list[Answer]:  # fmt: skip
     """Of every harmonic component, with a stiffness added to some spans."""
     return [answer(system, own, force, ground, added) for own, force in zip(w, forces, strict=True)]
