@@ -133,6 +133,7 @@ class FrequencyResponse:
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies left out", default="")
+    balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
 
     @property
     def points(self) -> FloatArray:
@@ -189,6 +190,19 @@ def merged(first: Result, second: Result, along: FloatArray, others: FloatArray)
         elif isinstance(value, Balanced):
             both[key] = merged(value, getattr(second, key), along, others)
     return replace(first, **both)
+
+
+def with_balance(found: Response | FrequencyResponse, factor: float, unit: str) -> str:
+    """The remark on a response, with where harmonic balance has several solutions or none; points times `factor`."""
+    words, balanced = [found.remark], found.balanced
+    if balanced is not None:
+        several = found.points[(balanced.number > 1).any(axis=1)] * factor
+        if several.size:
+            where = f"{several[0]:.5g} to {several[-1]:.5g} {unit}"
+            words.append(f"play, friction or stages have several solutions from {where}, of which the largest stands")
+        if lost := int(np.count_nonzero(~balanced.settled)):
+            words.append(f"harmonic balance has no answer at {lost} points: use motion over time")
+    return "; ".join(one for one in words if one)
 
 
 def joined(parts: Sequence[Balanced]) -> Balanced | None:

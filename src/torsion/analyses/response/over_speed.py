@@ -22,6 +22,7 @@ from torsion.analyses.response.amplitudes import (
     joined,
     merged,
     refuse_too_large,
+    with_balance,
 )
 from torsion.analyses.response.harmonic_components import (
     Excitation,
@@ -112,9 +113,8 @@ def response(
     solved = partial(_solved, study, system, found, progress or silent)
     result = grid.with_peaks(solved, requested, points, remark, refuse)
     kept = {one.line.order for one in found}
-    if result.balanced is not None and (lost := int(np.count_nonzero(~result.balanced.settled))):
-        words = f"harmonic balance of play, friction or stages has no answer at {lost} speeds: use motion over time"
-        result = replace(result, remark="; ".join(one for one in (result.remark, words) if one))
+    if result.balanced is not None:
+        result = replace(result, remark=with_balance(result, 30.0 / math.pi, "rpm"))
     return replace(result, left_out=tuple(line for line in lines(system) if line.order not in kept))
 
 
