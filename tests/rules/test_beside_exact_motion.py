@@ -30,6 +30,7 @@ def judged(found: Findings, peaks: NonlinearPeaks) -> dict[str, Check]:
 def test_a_verdict_takes_the_exact_motion_where_it_is_larger(found: Findings) -> None:
     peaks = found.need(NonlinearPeaks).each
     first = peaks[0]
+    assert first.response == pytest.approx(np.abs(found.need(Response).torque).max(), rel=1e-12)
     larger = replace(first, half_ranges=np.array([2.0 * first.response]), greatests=np.array([1500.0]))
     checks = judged(found, NonlinearPeaks((larger, *peaks[1:])))
     assert checks["T_KW"].value == pytest.approx(2.0 * first.response, rel=1e-9)

@@ -112,11 +112,6 @@ class PiecewiseCoupling:
         return sum(one.stiffness for one in self.sliders if not one.half)
 
     @property
-    def lasts_linear(self) -> bool:
-        """Some amplitude leaves the own spring and damper as they are, alone."""
-        return not self.stuck
-
-    @property
     def lasting(self) -> float:
         """N m/rad beside the own spring at a very large amplitude."""
         return sum(stiffness for _, stiffness in self.stages)

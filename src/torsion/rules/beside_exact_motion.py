@@ -1,4 +1,4 @@
-"""What verdicts make of a response by harmonic balance: never less than the exact motion at its peaks beside it."""
+"""What verdicts make of a response by harmonic balance: never less than the exact motions beside it."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Balanced, Response, Synthesis
 from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.findings import Results
 
 COMPUTED = "computed_synthesis"  # name of that which the exact motion is compared with, where another stands for it
@@ -14,26 +14,45 @@ SAMPLED = 1e-3  # share by which the extremes of a sampled motion may be off: no
 
 
 def on_the_safe_side(evidence: Results) -> Results:
-    """With a synthesis that is nowhere less than the exact motion; infinite at a peak that has none.
-
-    At a peak the exact motion exceeds the half range, or the largest magnitude, of a span by a factor: it is taken that
-    much larger at all speeds.
-    """
+    """With a synthesis that is nowhere less than the exact motion; infinite where one is needed and none is known."""
     found, response, total = evidence.get(NonlinearPeaks), evidence.get(Response), evidence.get(Synthesis)
     if response is None or total is None or response.balanced is None:
         return evidence
-    factors = _factors(evidence, np.arange(total.half_range.shape[1]))
-    half_range, peak = total.half_range * factors[0], total.peak * factors[1]
+    of_half_range, of_peak = surplus(evidence)
+    half_range, peak = total.half_range * of_half_range, total.peak * of_peak
     for at in _unknown(response, response.balanced, found):
         half_range[at], peak[at] = np.inf, np.inf
     safe = replace(total, half_range=half_range, peak=peak)
     return evidence.having(**{"synthesis": safe, COMPUTED: evidence.results.get(COMPUTED, total)})
 
 
-def surplus(evidence: Results, spans: IntArray) -> tuple[float, float]:
-    """The largest factors of half range and of largest magnitude in some spans; 1 where no exact motion is larger."""
-    of_half_range, of_peak = (float(one.max(initial=1.0)) for one in _factors(evidence, spans))
-    return of_half_range, of_peak
+def surplus(evidence: Results) -> tuple[FloatArray, FloatArray]:
+    """(speeds, spans) each, by which exact motions exceed half range and largest magnitude, 1 at least.
+
+    Between two speeds that are compared it is the larger of both, beyond them that of the nearest, and 1 at a speed at
+    which every coupling is linear.
+    """
+    found, response = evidence.get(NonlinearPeaks), evidence.need(Response)
+    total: Synthesis = evidence.results.get(COMPUTED, evidence.need(Synthesis))
+    factors = np.ones((2, *total.half_range.shape))
+    if found is None or not found.each or response.balanced is None:
+        return factors[0], factors[1]
+    each = sorted(found.each, key=lambda one: one.speed)
+    at = np.array([int(np.argmin(np.abs(response.speed - one.speed))) for one in each])
+    exact = np.array([[one.half_ranges for one in each], [one.greatests for one in each]])
+    known = np.array([total.half_range[at], total.peak[at]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.where(np.isfinite(known) & (known > 0.0), exact / known, 1.0)
+    own = np.where(own > 1.0 + SAMPLED, own, 1.0)
+    speed = response.speed[at]
+    before = np.clip(np.searchsorted(speed, response.speed, "right") - 1, 0, len(speed) - 1)
+    after = np.clip(np.searchsorted(speed, response.speed, "left"), 0, len(speed) - 1)
+    factors = np.maximum(own[:, before], own[:, after])
+    for number in range(len(speed)):  # several couplings may be compared at one speed
+        here = response.speed == speed[number]
+        factors[:, here] = np.maximum(factors[:, here], own[:, [number]])
+    factors[:, _is_linear(response.balanced)] = 1.0
+    return factors[0], factors[1]
 
 
 def words(evidence: Results, spans: IntArray, speed: float) -> str:
@@ -41,13 +60,13 @@ def words(evidence: Results, spans: IntArray, speed: float) -> str:
     response, found = evidence.get(Response), evidence.get(NonlinearPeaks)
     if response is None or response.balanced is None or not spans.size:
         return ""
-    notes = [f"the play of '{name}' opens" for name in _opening(found)]
-    if speed in response.speed[list(_unknown(response, response.balanced, found))]:
+    notes, at = [f"the play of '{name}' opens" for name in _opening(found)], int(np.argmin(abs(response.speed - speed)))
+    half_range, peak = (float(one[at, spans].max()) for one in surplus(evidence))
+    if at in _unknown(response, response.balanced, found):
         notes.append("harmonic balance alone, no exact motion settles beside it: compute the motion over time")
-    elif max(factors := surplus(evidence, spans)) > 1.0:
-        half_range, peak = factors
+    elif max(half_range, peak) > 1.0:
         notes.append(
-            f"as the exact motion at a peak: half range {half_range:.3g} times, greatest torque {peak:.3g} times"
+            f"as the exact motion near it, half range {half_range:.3g} times, greatest torque {peak:.3g} times"
         )
     return "; ".join(notes)
 
@@ -57,34 +76,23 @@ def _opening(found: NonlinearPeaks | None) -> list[str]:
     return list(dict.fromkeys(one.coupling for one in found.each if one.opens_from is not None)) if found else []
 
 
-def _factors(evidence: Results, spans: IntArray) -> tuple[FloatArray, FloatArray]:
-    """(spans,) each, by which the exact motion exceeds half range and largest magnitude at most, 1 at least."""
-    found, response = evidence.get(NonlinearPeaks), evidence.get(Response)
-    total: Synthesis | None = evidence.results.get(COMPUTED, evidence.get(Synthesis))
-    factors = np.ones((2, len(spans)))
-    if found is None or total is None or response is None:
-        return factors[0], factors[1]
-    for one in found.each:
-        at = int(np.argmin(np.abs(response.speed - one.speed)))
-        exact = np.array([one.half_ranges[spans], one.greatests[spans]])
-        known = np.array([total.half_range[at, spans], total.peak[at, spans]])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            factors = np.fmax(factors, np.where(np.isfinite(known) & (known > 0.0), exact / known, 1.0))
-    factors = np.where(factors > 1.0 + SAMPLED, factors, 1.0)
-    return factors[0], factors[1]
+def _is_linear(balanced: Balanced) -> BoolArray:
+    """(speeds,) every coupling stays linear."""
+    return np.asarray((balanced.amplitude <= balanced.first).all(axis=1))
 
 
 def _unknown(response: Response, balanced: Balanced, found: NonlinearPeaks | None) -> list[int]:
     """Speeds, by number, at which a coupling leaves its linear range and no exact motion is known."""
     if found is None:
         return []
-    known: dict[int, NonlinearPeak] = {one.span: one for one in found.each}
-    numbers = []
+    known: dict[int, list[NonlinearPeak]] = {}
+    for one in found.each:
+        known.setdefault(one.span, []).append(one)
+    numbers = list[int]()
     for number, span in enumerate(balanced.spans):
         beyond = balanced.amplitude[:, number] > balanced.first[:, number]
         if span not in known:
             numbers += np.flatnonzero(beyond).tolist()
-        elif known[span].exact is None:
-            at = int(np.argmin(np.abs(response.speed - known[span].speed)))
-            numbers += [at] if beyond[at] else []
+        unsettled = [one.speed for one in known.get(span, []) if one.exact is None]
+        numbers += [at for at in map(int, np.flatnonzero(np.isin(response.speed, unsettled))) if beyond[at]]
     return numbers

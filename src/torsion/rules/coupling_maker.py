@@ -105,7 +105,7 @@ def _vibration(
     if evidence.study.train.has_nonlinear_couplings:
         from torsion.rules.beside_exact_motion import surplus
 
-        power *= surplus(evidence, spans)[0] ** 2
+        power *= surplus(evidence)[0][:, spans].max(axis=1) ** 2
     varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
     rows = (
         ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, in_use),

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import torsion
+from torsion.errors import SolveError
 from torsion.rules.beside_exact_motion import surplus
 
 STIFFNESS, HALF, DAMPING = 1e4, 0.01, 4.0
@@ -111,6 +112,7 @@ def test_the_jump_lies_below_the_natural_frequency_and_the_peak_beside_it() -> N
     response, balanced = found.results["response"], found.results["response"].balanced
     several = response.speed[balanced.number[:, 0] > 1]
     assert several.max() < 100.0
+    assert f"several solutions from {several.min() * 30 / math.pi:.5g}" in response.remark
     left = int(np.flatnonzero(response.speed == several.max())[0])
     assert response.speed[left + 1] - response.speed[left] < 3e-3  # narrowed
     assert np.abs(response.torque[:, 0, 0]).max() > 1.5 * 20.0
@@ -130,9 +132,20 @@ def test_the_exact_motion_beside_it_is_that_of_shooting() -> None:
         assert abs(one.difference) < 0.07
         if one.solutions > 1:
             assert one.from_rest == pytest.approx(STIFFNESS * balanced.smallest[at, 0], rel=1e-3)
+        share = balanced.share[at, 0]
+        assert (one.mode, one.natural_frequency) == (
+            1,
+            pytest.approx(math.sqrt(1e4 * share) / (2.0 * math.pi), rel=1e-9),
+        )
     assert each[0].opens_from == each[0].several_from == 72.0
-    ratios = [one.half_range / abs(response.torque[response.speed == one.speed, 0, 0])[0] for one in each]
-    assert surplus(found, np.array([0]))[0] == pytest.approx(max(ratios), rel=1e-12)
+    factor = surplus(found)[0][:, 0]
+    for one in each:
+        at = int(np.argmin(np.abs(response.speed - one.speed)))
+        own = max(one.half_range / abs(response.torque[at, 0, 0]), 1.0)
+        assert factor[at] == pytest.approx(own if own > 1.001 else 1.0, rel=1e-12)
+    assert (factor[balanced.share[:, 0] == 1.0] == 1.0).all()
+    between = (response.speed > 72.0) & (response.speed < sorted(one.speed for one in each)[1])
+    assert factor[between].min() >= factor[response.speed == 72.0][0]
 
 
 def test_without_mean_torque_the_play_floats_or_hammers() -> None:
@@ -159,3 +172,70 @@ def test_further_stages_stiffen_and_bend_the_resonance_up() -> None:
     for one in found.results["nonlinear_peaks"].each:
         assert one.exact is not None
         assert abs(one.difference) < 0.1 or one.response > one.exact
+
+
+TWO = """name: x
+operation: {speeds: {from: 60 rad/s, to: 120 rad/s, steps: 13}, rated: {speed: 100 rad/s, power: 500 W}, load: constant}
+train:
+- motor: {name: m, inertia: 1}
+- coupling: {name: dry, stiffness: 1e4, viscous: 3, hysteresis_torque: {torque: 4, stiffness: 5e3}}
+- disc: {name: d, inertia: 0.5}
+- coupling: {name: teeth, stiffness: 3e4, clearance: {angle: 0.01 rad, viscous: 6}}
+- propeller: {name: p, inertia: 0.8}
+excitations: [{at: m, order: 1, torque: 9}, {at: m, order: 2, torque: 1}]
+analyses: {response: }
+"""
+
+
+def test_friction_and_play_satisfy_both_balances_at_every_speed() -> None:
+    from torsion.kernels.describing_functions import PiecewiseCoupling, Slider
+
+    response = torsion.run(torsion.parse(TWO)).results["response"]
+    balanced, w = response.balanced, response.speed[:, None] * [1.0, 2.0]
+    assert balanced.settled.all()
+    assert (balanced.share[:, 1] < 1.0).any()
+    twist = response.angle[:, :, :-1] - response.angle[:, :, 1:]
+    couplings = PiecewiseCoupling(1e4, sliders=(Slider(4.0, 5e3),)), PiecewiseCoupling(3e4, 0.005)
+    for k, (coupling, damping) in enumerate(zip(couplings, (3.0, 6.0), strict=True)):
+        amplitude = np.abs(twist[:, :, k]).max(axis=1)
+        one = coupling.secant(amplitude, np.full(len(amplitude), 5.0))
+        stiffness = one.share[:, None] * (coupling.stiffness + 1j * w * damping) + one.extra[:, None]
+        assert response.torque[:, :, k] == pytest.approx(stiffness * twist[:, :, k], rel=1e-6)
+        assert balanced.amplitude[:, k] == pytest.approx(amplitude, rel=1e-7)
+
+
+@pytest.mark.parametrize(("torque", "opens"), [(0.5, False), (5.0, True)])
+def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(torque: float, opens: bool) -> None:
+    text = TWO.replace(", viscous: 3, hysteresis_torque: {torque: 4, stiffness: 5e3}", "").replace(", viscous: 6", "")
+    text = text.replace("torque: 9}", f"torque: {torque}}}") + "damping: {modal: 5 %}\n"
+    if not opens:
+        text = text.replace(", {at: m, order: 2, torque: 1}", "")
+        found = torsion.run(torsion.parse(text)).results["response"]
+        assert (found.balanced.share == 1.0).all()
+        return
+    with pytest.raises(SolveError, match="damped by mode"):
+        torsion.run(torsion.parse(text))
+
+
+def test_over_frequency_a_play_opens_too() -> None:
+    text = TWO.replace("order: 1, torque: 9}, {at: m, order: 2, torque: 1}", "torque: 9}")
+    text = text.replace("{response: }", "{response: {frequencies: {from: 10 Hz, to: 30 Hz, steps: 21}}}")
+    found = torsion.run(torsion.parse(text)).results["frequency_response"]
+    linear = torsion.run(torsion.parse(text.replace("power: 500 W", "power: 100 kW"))).results["frequency_response"]
+    both = [one.torque[np.searchsorted(one.frequency, 12.0), 1] for one in (found, linear)]
+    assert abs(both[0]) > 5.0
+    assert both[0] != pytest.approx(both[1], rel=0.01)
+
+
+@pytest.mark.parametrize(("power", "closed"), [("500 W", True), ("1 W", False)])
+def test_a_play_that_closes_a_loop_stays_closed_or_there_is_no_response(power: str, closed: bool) -> None:
+    text = TWO.replace(", hysteresis_torque: {torque: 4, stiffness: 5e3}", "").replace("500 W", power)
+    text = text.replace(", clearance: {angle: 0.01 rad, viscous: 6}", "").replace("torque: 9}", "torque: 0.1}")
+    text = text.replace(", {at: m, order: 2, torque: 1}", "")
+    loop = "links: [{between: [d, p], coupling: {name: loop, stiffness: 1e4, clearance: 0.01 rad}}]\n"
+    if closed:
+        found = torsion.run(torsion.parse(text + loop)).results["response"]
+        assert (found.balanced.share == 1.0).all()
+        return
+    with pytest.raises(SolveError, match="closes a loop"):
+        torsion.run(torsion.parse(text + loop))

@@ -6,7 +6,7 @@ A response that needs more memory than it may is refused beforehand; any other i
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -14,9 +14,11 @@ from torsion.analyses.response.harmonic_components import Line
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
-from torsion.kernels.describing_functions import Secant
 from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result, words
+
+if TYPE_CHECKING:
+    from torsion.kernels.describing_functions import Secant
 
 BLOCK_VALUES = 2**22  # points times stations of one line solved at once: 64 MB an array
 SMALL_BLOCK = 2**20  # the same of the synthesis, which needs some twenty arrays on the way
@@ -39,8 +41,10 @@ class Balanced:
     extra: ComplexArray  # N m/rad beside them
 
     @property
-    def added(self) -> dict[int, Secant]:
+    def added(self) -> "dict[int, Secant]":
         """What every coupling is."""
+        from torsion.kernels.describing_functions import Secant
+
         return {span: Secant(self.share[:, k], self.extra[:, k]) for k, span in enumerate(self.spans)}
 
 
@@ -129,6 +133,7 @@ class FrequencyResponse:
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies left out", default="")
+    balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
 
     @property
     def points(self) -> FloatArray:
@@ -185,6 +190,19 @@ def merged(first: Result, second: Result, along: FloatArray, others: FloatArray)
         elif isinstance(value, Balanced):
             both[key] = merged(value, getattr(second, key), along, others)
     return replace(first, **both)
+
+
+def with_balance(found: Response | FrequencyResponse, factor: float, unit: str) -> str:
+    """The remark on a response, with where harmonic balance has several solutions or none; points times `factor`."""
+    words, balanced = [found.remark], found.balanced
+    if balanced is not None:
+        several = found.points[(balanced.number > 1).any(axis=1)] * factor
+        if several.size:
+            where = f"{several[0]:.5g} to {several[-1]:.5g} {unit}"
+            words.append(f"play, friction or stages have several solutions from {where}, of which the largest stands")
+        if lost := int(np.count_nonzero(~balanced.settled)):
+            words.append(f"harmonic balance has no answer at {lost} points: use motion over time")
+    return "; ".join(one for one in words if one)
 
 
 def joined(parts: Sequence[Balanced]) -> Balanced | None:

@@ -80,9 +80,7 @@ def balanced(system: System, w: Sequence[FloatArray], mean: FloatArray, solved: 
     rows = _Rows(system, w, np.abs(mean), solved, couplings)
     fixed = [span for span in couplings if system.train.modal_damping or system.condensed.span[span] < 0]
     free = [span for span in couplings if span not in fixed]
-    found = {span: rows.at_rest(span) for span in couplings}
-    for span in fixed:
-        found[span] = rows.unchanged(span)
+    found = {span: rows.at_rest(span) for span in free}
     settled = np.zeros(columns, dtype=bool)
     for number in range(ROUNDS):
         before = {span: found[span].largest for span in free}
@@ -93,7 +91,7 @@ def balanced(system: System, w: Sequence[FloatArray], mean: FloatArray, solved: 
             settled = settled | np.all(same, axis=0) if len(free) > 1 else ~settled
         if settled.all():
             break
-    return rows.collected(found, settled)
+    return rows.collected(found | {span: rows.unchanged(span, found) for span in fixed}, settled)
 
 
 @dataclass(frozen=True)
@@ -112,15 +110,17 @@ class _Rows:
         tiny = np.full(columns, 1e-9 * max(self.couplings[span].scale, 1e-9))
         return Amplitudes(tiny, tiny, tiny, np.ones(columns, dtype=np.int64))
 
-    def unchanged(self, span: int) -> Amplitudes:
-        """The amplitudes of a coupling that nothing but the linear train can answer for."""
+    def unchanged(self, span: int, found: Mapping[int, Amplitudes]) -> Amplitudes:
+        """The amplitudes of a coupling that has to stay as it is in the linear train, beside others."""
         coupling, name = self.couplings[span], self.system.spans[span].name
         loops = "closes a loop" if self.system.condensed.span[span] < 0 else "is in a train that is damped by mode"
         hint = "give the damping of the components" if self.system.train.modal_damping else REMEDY
-        if not coupling.lasts_linear:
+        if coupling.stuck:
             raise SolveError(f"'{name}' {loops}, and its friction in the response is not built", hint)
-        amplitude = np.abs(self._twists(span, self.solved({}), self._own(span))).max(axis=0)
-        if (amplitude >= coupling.first(self.mean[span])).any():
+        others = {other: self.secant(other, one.largest) for other, one in found.items()}
+        amplitude = np.abs(self._twists(span, self.solved(others), self._own(span))).max(axis=0)
+        opens = (self.mean[span] == 0.0) & (coupling.half > 0.0)
+        if (opens | (amplitude >= coupling.first(self.mean[span]))).any():
             raise SolveError(f"'{name}' {loops}, and its play or stages in the response are not built", hint)
         return Amplitudes(amplitude, amplitude, amplitude, np.ones(len(amplitude), dtype=np.int64))
 

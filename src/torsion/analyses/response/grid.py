@@ -161,7 +161,7 @@ def with_peaks(
 
 def _about_jumps(found: Response | FrequencyResponse) -> FloatArray:
     """Points between two that have other numbers of solutions by harmonic balance: there the largest ends."""
-    balanced = found.balanced if isinstance(found, Response) else None
+    balanced = found.balanced
     if balanced is None:
         return np.empty(0)
     left = np.flatnonzero((np.diff(balanced.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]

@@ -1,13 +1,14 @@
 """Forced response over frequency: the torques that act at every frequency, at one operating point."""
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
-from torsion.analyses.response.amplitudes import FrequencyResponse, refuse_too_large
+from torsion.analyses.response.amplitudes import FrequencyResponse, refuse_too_large, with_balance
 from torsion.analyses.response.balanced_couplings import balanced
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
 from torsion.analyses.response.solver import answer, ground_damping
@@ -60,14 +61,24 @@ def frequency_response(
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources
         return FrequencyResponse(
-            hertz, flags, names, float(at[0]), found.angle, found.torque, found.residual, status, system
+            hertz,
+            flags,
+            names,
+            float(at[0]),
+            found.angle,
+            found.torque,
+            found.residual,
+            status,
+            system,
+            balanced=balance,
         )
 
     known = grid.resonances(system, 2.0 * math.pi * float(requested[-1]), modes, damped)
     where = known, system, np.array([2.0 * math.pi]), requested[0], requested[-1]
     points, remark = grid.refined(requested, *grid.places(*where, lambda hertz: np.tile(ground, (1, len(hertz)))))
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")
-    return grid.with_peaks(solved, requested, points, remark, refuse)
+    found = grid.with_peaks(solved, requested, points, remark, refuse)
+    return found if found.balanced is None else replace(found, remark=with_balance(found, 1.0, "Hz"))
 
 
 def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> FloatArray:

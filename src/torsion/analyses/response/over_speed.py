@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -22,6 +22,7 @@ from torsion.analyses.response.amplitudes import (
     joined,
     merged,
     refuse_too_large,
+    with_balance,
 )
 from torsion.analyses.response.harmonic_components import (
     Excitation,
@@ -41,9 +42,11 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.describing_functions import Secant
 from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
+
+if TYPE_CHECKING:
+    from torsion.kernels.describing_functions import Secant
 
 MOST_ROUNDS = 4  # of looking for higher shares of the limits between the speeds
 
@@ -110,9 +113,8 @@ def response(
     solved = partial(_solved, study, system, found, progress or silent)
     result = grid.with_peaks(solved, requested, points, remark, refuse)
     kept = {one.line.order for one in found}
-    if result.balanced is not None and (lost := int(np.count_nonzero(~result.balanced.settled))):
-        words = f"harmonic balance of play, friction or stages has no answer at {lost} speeds: use motion over time"
-        result = replace(result, remark="; ".join(one for one in (result.remark, words) if one))
+    if result.balanced is not None:
+        result = replace(result, remark=with_balance(result, 30.0 / math.pi, "rpm"))
     return replace(result, left_out=tuple(line for line in lines(system) if line.order not in kept))
 
 
@@ -200,7 +202,7 @@ def _solved(
 
 def _answers(
     system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
-    added: Mapping[int, Secant],
+    added: "Mapping[int, Secant]",
 ) -> list[Answer]:  # fmt: skip
     """Of every harmonic component, with a stiffness added to some spans."""
     return [answer(system, own, force, ground, added) for own, force in zip(w, forces, strict=True)]

@@ -13,14 +13,14 @@ from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.describing_functions import Secant
 from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
+    from torsion.kernels.describing_functions import Secant
     from torsion.kernels.loops import Chords
 
 
-NOTHING: Mapping[int, Secant] = {}
+NOTHING: "Mapping[int, Secant]" = {}
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Answer:
 
 
 def answer(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, Secant] = NOTHING
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING
 ) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
@@ -64,7 +64,7 @@ def undamped(system: System) -> System:
 
 
 def swept(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: Mapping[int, Secant] = NOTHING
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING
 ) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
@@ -102,7 +102,7 @@ def swept(
 
 
 def _with_added(
-    system: System, compliance: NDArray[Any], added: Mapping[int, Secant], frequencies: int
+    system: System, compliance: NDArray[Any], added: "Mapping[int, Secant]", frequencies: int
 ) -> ComplexArray:
     """(tree stations, frequencies) rad/(N m)."""
     whole = np.empty((len(compliance), frequencies), dtype=complex)

@@ -9,8 +9,9 @@ from torsion.analyses.response.amplitudes import Balanced, Response
 from torsion.analyses.response.balanced_couplings import balanced_spans
 from torsion.analyses.transient.event_driven_curves import EventDrivenCurves
 from torsion.analyses.transient.event_driven_train import Built, build
-from torsion.analyses.transient.nonlinear_couplings import Standing, couplings
+from torsion.analyses.transient.nonlinear_couplings import Standing
 from torsion.analyses.transient.transient_settings import TransientSettings
+from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
@@ -52,6 +53,8 @@ class NonlinearPeak:
     several_to: float | None = result("rad/s", (), "highest of them")
     opens_from: float | None = result("rad/s", (), "lowest reference speed at which its play opens; null for none")
     opens_to: float | None = result("rad/s", (), "highest of them")
+    mode: int = result("", (), "mode of the linear train with the largest share of its energy in the coupling, from 1")
+    natural_frequency: float = result("Hz", (), "of that mode with all such couplings as stiff as at these amplitudes")
     span: int  # of the coupling
     half_ranges: FloatArray  # (spans,) N m, as `half_range`
     greatests: FloatArray  # (spans,) N m
@@ -100,31 +103,38 @@ def _amplitude(found: Response, span: int) -> FloatArray:
 
 
 def _peak(study: Study, found: Response, balanced: Balanced, span: int, at: int) -> NonlinearPeak:
-    amplitude = _amplitude(found, span)
-    line = int(amplitude[at].argmax())
+    amplitude, number = _amplitude(found, span), balanced.spans.index(span)
+    line, part = int(amplitude[at].argmax()), int(found.system.span_part[span])
     speed, w = float(found.speed[at]), 2.0 * math.pi * float(found.frequency[at, line])
-    number = balanced.spans.index(span)
-    window = _window(found, speed, w)
+    window, record = _window(found, speed, w), study.train.parts[part].nonlinear
     motion = settled(study, found, span, at, w, window, vibrates=True)
-    linear, exact = float(amplitude[at, line]), motion.amplitude
-    several = found.speed[balanced.number[:, number] > 1]
-    play = couplings(study.train, found.system)
-    has_play = any(one.span == span and one.record.play for one in play)
-    opens = found.speed[balanced.share[:, number] < 1.0] if has_play else np.empty(0)
-    rest = None
-    if balanced.number[at, number] > 1:
-        rest = settled(study, found, span, at, w, window, vibrates=False).amplitude
+    linear, exact, solutions = float(amplitude[at, line]), motion.amplitude, int(balanced.number[at, number])
+    rest = settled(study, found, span, at, w, window, vibrates=False).amplitude if solutions > 1 else None
+    several = _ends(found.speed[balanced.number[:, number] > 1])
+    opens = _ends(found.speed[balanced.share[:, number] < 1.0] if record is not None and record.play else np.empty(0))
+    mode, frequency = _natural_frequency(found, balanced, span, at)
     return NonlinearPeak(
-        study.train.parts[int(found.system.span_part[span])].name, found.lines[line].words, speed, linear, exact,
-        linear / exact - 1.0 if exact else None, float(motion.half_range[span]), float(motion.greatest[span]), rest,
-        int(balanced.number[at, number]), *_ends(several), *_ends(opens), span, motion.half_range,
-        motion.greatest,
+        coupling=study.train.parts[part].name, component=found.lines[line].words, speed=speed, response=linear,
+        exact=exact, difference=linear / exact - 1.0 if exact else None, half_range=float(motion.half_range[span]),
+        greatest=float(motion.greatest[span]), from_rest=rest, solutions=solutions, several_from=several[0],
+        several_to=several[1], opens_from=opens[0], opens_to=opens[1], mode=mode, natural_frequency=frequency,
+        span=span, half_ranges=motion.half_range, greatests=motion.greatest,
     )  # fmt: skip
 
 
 def _ends(speed: FloatArray) -> tuple[float | None, float | None]:
     """The lowest and highest of some."""
     return (float(speed[0]), float(speed[-1])) if speed.size else (None, None)
+
+
+def _natural_frequency(found: Response, balanced: Balanced, span: int, at: int) -> tuple[int, float]:
+    """The mode that a span has most of, from 1, and its frequency (Hz) at the amplitudes of the speed number `at`."""
+    system, flexibility = found.system, found.system.flexibility.copy()
+    mode = int(modes_as_discretised(system, None).elastic[span].argmax())
+    own, spans = balanced.share[at] / flexibility[list(balanced.spans)], list(balanced.spans)
+    flexibility[spans] = 1.0 / (own + balanced.extra[at].real)
+    there = modes_as_discretised(replace(system, flexibility=flexibility), None)
+    return mode + 1, float(there.frequency[mode])
 
 
 def _window(found: Response, speed: float, w: float) -> float:

@@ -14,11 +14,12 @@ METHOD = (
     "frequencies are those of a closed play, without friction, in the first stage. At the largest torque amplitude of "
     "each such coupling, and in each quarter of the speeds at which it is not linear, the motion is also computed "
     "exactly, from event to event, beginning as the response is, until it repeats itself. Verdicts stand on the larger "
-    "of both."
+    "of both. The last columns are the mode that the coupling takes most part in, and its frequency as stiff as the "
+    "couplings are at these amplitudes."
 )
 TITLES = (
     "< Coupling -> | < Harmonic component | rpm -> | Response [N m] -> | Exact [N m] -> | Difference [%] -> | "
-    "Exact, half range [N m]"
+    "Exact, half range [N m] | Mode | Its frequency there [Hz]"
 )
 
 
@@ -34,6 +35,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
             one.coupling, one.component, rpm(one.speed), number(one.response),
             NONE if one.exact is None else number(one.exact),
             NONE if one.difference is None else number(100.0 * one.difference, 2), number(one.half_range),
+            one.mode, number(one.natural_frequency),
         )
         for one in found.each
     ]  # fmt: skip
