@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.kernels.transient.resonance_passage import share_of_steady
 from torsion.output.blocks import Table
 from torsion.output.chapters.verdict import barred_ranges
 from torsion.output.results_json import results
 from torsion.rules.barred_time import within
+from torsion.rules.stable_motion import StableMotion
 from torsion.rules.verdict_line import Check, Checks
 
 RPM = np.pi / 30.0
@@ -60,6 +63,20 @@ def test_a_motion_that_ends_within_the_range_does_not_pass_it() -> None:
     assert time.stays
     assert time.seconds == pytest.approx(1.0 + (480.0 * RPM - barred.lower) / (180.0 * RPM / 20.0), rel=1e-9)
     assert "ends within the range" in line.note
+
+
+def test_a_motion_through_an_unstable_range_says_how_long_it_is_within() -> None:
+    found, _ = run(900.0)
+    speed = np.linspace(30.0, 100.0, 5)
+    zone = UnstableRange("principal", (1,), 1, 50.0, 56.0, (False, False), 0.3, 53.0)
+    none = np.full(5, -1.0)
+    unstable = Stability(
+        speed, np.ones(5, dtype=bool), none, none, none, (zone,), np.array([50.0]), "monodromy", 0.0, speed[:0], True
+    )
+    (line,) = StableMotion().check(found.having(stability=unstable), None)
+    assert line.verdict == "fail"
+    assert line.times[0].seconds == pytest.approx(6.0 / (600.0 * RPM / 20.0), rel=1e-9)
+    assert f"is {line.times[0].seconds:.3g} s within an unstable range" in line.note
 
 
 def test_speeds_outside_at_the_ends_and_still_ones() -> None:

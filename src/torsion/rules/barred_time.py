@@ -1,4 +1,4 @@
-"""How long motions over time stay within barred ranges of speed, and how much of the steady resonance they reach."""
+"""How long motions over time stay within barred or unstable ranges, and how much of the steady resonance they reach."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -48,13 +48,21 @@ def within(time: FloatArray, speed: FloatArray, lower: float, upper: float) -> f
 
 
 def words(times: tuple[BarredTime, ...]) -> str:
-    """Of all motions in a remark; empty where none enters a range."""
+    """Of all motions within barred ranges in a remark; empty where none enters one."""
     return "; ".join(map(_words, times))
 
 
+def unstable_words(times: tuple[BarredTime, ...]) -> str:
+    """Of all motions within unstable ranges."""
+    return "; ".join(f"{_name(one)} is {one.seconds:.3g} s within an unstable range, where it grows" for one in times)
+
+
+def _name(one: BarredTime) -> str:
+    return f"the motion over time {one.motion}".rstrip()
+
+
 def _words(one: BarredTime) -> str:
-    name = f"the motion over time {one.motion}".rstrip()
     reaches = "" if one.share is None else f", {100.0 * one.share:.3g} % of the steady resonance"
     if one.stays:
-        return f"{name} ends within the range, after {one.seconds:.3g} s in it{reaches}"
-    return f"passed in {one.seconds:.3g} s{reaches} by {name}: as fast as possible, without a limit"
+        return f"{_name(one)} ends within the range, after {one.seconds:.3g} s in it{reaches}"
+    return f"passed in {one.seconds:.3g} s{reaches} by {_name(one)}: as fast as possible, without a limit"

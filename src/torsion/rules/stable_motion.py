@@ -3,6 +3,7 @@
 What was not looked at of the operation is not passed.
 """
 
+from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
@@ -12,8 +13,9 @@ from torsion.analyses.lateral.tilt_stability import Tilting
 from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
 from torsion.findings import Results
+from torsion.rules.barred_time import barred_times, unstable_words
 from torsion.rules.judgement import within
-from torsion.rules.verdict_line import Check, Rule
+from torsion.rules.verdict_line import BarredRange, Check, Rule
 from torsion.study import Operation
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
@@ -30,7 +32,11 @@ class StableMotion(Rule):
 
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of the whole train."""
-        return (stability_check(evidence.need(Stability), evidence.study.operation),)
+        found = evidence.need(Stability)
+        line = stability_check(found, evidence.study.operation)
+        times = barred_times(evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges))
+        note = "; ".join(word for word in (line.note, unstable_words(times)) if word)
+        return (replace(line, note=note, times=times),)
 
 
 def stability_check(found: Stability, operation: Operation) -> Check:

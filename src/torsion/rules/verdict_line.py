@@ -48,7 +48,7 @@ class BarredRange:
 
 @reported
 class BarredTime:
-    """A motion over time within a barred range."""
+    """A motion over time within a barred or unstable range."""
 
     motion: str = result("", (), "name of the motion over time")
     lower: float = result("rad/s", (), "lower end of the range, reference speed")
@@ -85,7 +85,9 @@ class Check:
         "", (), "the value must not be below the limit", key="limit_is_a_least_value", default=False
     )
     barred: tuple[BarredRange, ...] = result("", (), "ranges that the verdict stands on", default=())
-    times: tuple[BarredTime, ...] = result("", (), "motions over time within these ranges", default=())
+    times: tuple[BarredTime, ...] = result(
+        "", (), "motions over time within these, or within unstable ranges", default=()
+    )
 
     @property
     def fails(self) -> bool:

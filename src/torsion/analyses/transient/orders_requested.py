@@ -27,7 +27,7 @@ def orders_requested(
     orders = np.array(given.track if given else (), dtype=float)
     if not orders.size:
         orders = _exciting(study, system, settings) / abs(float(system.speed_ratio[station]))
-    if given is None and (not orders.size or not _sweeps(mean_speed(system, turning))):
+    if not peak.size or (given is None and (not orders.size or not _sweeps(mean_speed(system, turning)))):
         return None
     if given is not None and study.has_joints and not (system.lumped_inertia[station] or system.held[station]):
         message = f"the angle of '{name}', a point without inertia, is no coordinate of the motion"

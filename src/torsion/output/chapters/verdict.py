@@ -142,7 +142,7 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
         short="Barred ranges",
     )  # fmt: skip
-    times = dict.fromkeys(one for check in findings.need(Checks).lines for one in check.times)
+    times = dict.fromkeys(one for check in findings.need(Checks).lines for one in check.times if check.barred)
     if times:
         cells = [
             (one.motion or "the only", rpm(one.lower), rpm(one.upper), number(one.seconds, 3),
