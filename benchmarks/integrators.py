@@ -18,7 +18,7 @@ from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.modal_basis import rigid_shapes
 from torsion.analyses.transient.events import ramps
-from torsion.analyses.transient.transient_motion import transient
+from torsion.analyses.transient.motion_from_events import transient
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.assembly import assemble

@@ -135,7 +135,7 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("shaft_bending",),
     ),
     "transient": Analysis(
-        "motion over time", "torsion.analyses.transient.transient_motion",
+        "motion over time", "torsion.analyses.transient.motion_from_events",
         settings="torsion.analyses.transient.transient_settings:TransientSettings",
         needs=("steady",), results={"transient": "Transients"}, chapters=("motion_over_time",), is_listed=True,
     ),

@@ -11,7 +11,8 @@ from tests.analyses.transient.test_given_cases import chain, moved
 
 import torsion
 from torsion.analyses.transient import energy_balance
-from torsion.analyses.transient.transient_motion import TransientMotion, transient
+from torsion.analyses.transient.motion_from_events import transient
+from torsion.analyses.transient.transient_motion import TransientMotion
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.kernels.transient.damped_motion import ModalTrain, Motion

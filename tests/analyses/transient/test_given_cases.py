@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 
 import torsion
 from torsion.analyses.transient.events import Point
-from torsion.analyses.transient.transient_motion import TransientMotion, transient
+from torsion.analyses.transient.motion_from_events import transient
+from torsion.analyses.transient.transient_motion import TransientMotion
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from tests.analyses.transient.test_given_cases import moved
 
 import torsion
-from torsion.analyses.transient.transient_motion import transient
+from torsion.analyses.transient.motion_from_events import transient
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.errors import SolveError

@@ -8,7 +8,8 @@ import pytest
 
 import torsion
 from torsion.analyses.transient import event_driven_train
-from torsion.analyses.transient.transient_motion import TransientMotion, transient
+from torsion.analyses.transient.motion_from_events import transient
+from torsion.analyses.transient.transient_motion import TransientMotion
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError

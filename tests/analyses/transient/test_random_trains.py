@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import torsion
-from torsion.analyses.transient.transient_motion import TransientMotion, transient
+from torsion.analyses.transient.motion_from_events import transient
+from torsion.analyses.transient.transient_motion import TransientMotion
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly import assemble
 

@@ -15,9 +15,16 @@ SWEPT = 0.05  # of the largest speed: by how much it changes where orders are tr
 
 
 def orders_requested(
-    study: Study, system: System, settings: TransientSettings, place: Path, *, peak: FloatArray, turning: FloatArray
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    place: Path,
+    *,
+    peak: FloatArray,
+    turning: FloatArray,
+    follows: bool,
 ) -> Tracked | None:
-    """None where none are; peak: (spans,) N m; turning: (stations, times) rad/s.
+    """None where none are; peak: (spans,) N m; turning: (stations, times) rad/s; follows: torques follow the motion.
 
     Raises InputError for a reference between a joint and its elastic neighbour, whose angle is no coordinate.
     """
@@ -27,7 +34,8 @@ def orders_requested(
     orders = np.array(given.track if given else (), dtype=float)
     if not orders.size:
         orders = _exciting(study, system, settings) / abs(float(system.speed_ratio[station]))
-    if not peak.size or (given is None and (not orders.size or not _sweeps(mean_speed(system, turning)))):
+    sweeps = follows and orders.size > 0 and _sweeps(mean_speed(system, turning))
+    if not peak.size or (given is None and not sweeps):
         return None
     if given is not None and study.has_joints and not (system.lumped_inertia[station] or system.held[station]):
         message = f"the angle of '{name}', a point without inertia, is no coordinate of the motion"

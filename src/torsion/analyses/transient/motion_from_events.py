@@ -1,0 +1,303 @@
+"""Motion over time of a train from its events, by the path that its couplings and torques need."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.steady import steady
+from torsion.analyses.transient.compared_methods import compared
+from torsion.analyses.transient.direct_torques import direct_torques
+from torsion.analyses.transient.energy_balance import residual
+from torsion.analyses.transient.event_driven_curves import event_driven_curves
+from torsion.analyses.transient.fatigue import damages
+from torsion.analyses.transient.following_torques import (
+    Following,
+    carrier_of,
+    dampers_beside_loads,
+    following,
+    refuse_beyond_tables,
+    turns,
+)  # fmt: skip
+from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
+from torsion.analyses.transient.known_loads import known_loads, vibration_before
+from torsion.analyses.transient.milling_ice import Ice, IceTorque
+from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.order_tracking import order_tracking
+from torsion.analyses.transient.orders_requested import orders_requested
+from torsion.analyses.transient.resonances_passed import passages
+from torsion.analyses.transient.state_before import State, point, points_of_events, state_before
+from torsion.analyses.transient.times_looked_at import PER_PERIOD
+from torsion.analyses.transient.torque_curves import Curves, Seen, looked_at_of, missed, sampled
+from torsion.analyses.transient.transient_motion import RESOLVED, TINY, Change, TransientMotion, Transients
+from torsion.analyses.transient.transient_settings import (
+    DEFAULT_MOST,
+    DEFAULT_PER_PERIOD,
+    PATH,
+    TransientSettings,
+    cases,
+)
+from torsion.analyses.transient.worst_phase import Phases, over_phases
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.section.solved_sections import stress_modulus
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path, SolveError
+from torsion.findings import Progress, Work, silent
+from torsion.kernels.transient.collocation import Marched
+from torsion.kernels.transient.damped_motion import ModalTrain, motion
+from torsion.study import Study
+
+Peaks = tuple[FloatArray, FloatArray]  # (spans,) N m, and s
+
+
+def transient(
+    study: Study, system: System, settings: TransientSettings, *, place: Path = PATH,
+    modes: tuple[Modes, Modes] | None = None, damping_ratio: float | None = None, progress: Progress = silent,
+) -> TransientMotion:  # fmt: skip
+    """The motion from the events of `settings`, exact at every sample, and its peaks between them.
+
+    place: of the settings in the file. modes: those kept, and twice as many, where they are known. damping_ratio: of
+    every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
+    too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
+    """
+    solve = partial(_of_phases, study, system, place, modes, damping_ratio, progress)
+    limits = [part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts]
+    limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
+    return _read(study, system, settings, _merged(over_phases(settings, solve, limit)))
+
+
+def _merged(found: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
+    """The motion of the worst phases, the first, with the greatest of every span's torques of all."""
+    phases, shown = found[0]
+    every, spans = [one for _, one in found], np.arange(len(shown.greatest))
+    if len(every) == 1:
+        return shown
+    high = np.argmax([one.greatest for one in every], axis=0)
+    low, most = np.argmin([one.least for one in every], axis=0), np.argmax([one.peak for one in every], axis=0)
+
+    def of(name: str, chosen: IntArray) -> FloatArray:
+        return np.asarray(np.array([getattr(one, name) for one in every])[chosen, spans])
+
+    return replace(
+        shown, greatest=of("greatest", high), greatest_at=of("greatest_at", high), least=of("least", low),
+        least_at=of("least_at", low), unresolved=np.max([one.unresolved for one in every], axis=0),
+        reversals=np.max([one.reversals for one in every], axis=0), residual=max(one.residual for one in every),
+        change=None if shown.change is None else max(one.change or 0.0 for one in every), phases_computed=len(every),
+        slip_phase=tuple(phase for _, phase in phases),
+        turns=tuple(every[one].turns[span] for span, one in enumerate(most.tolist()) if every[one].turns),
+    )  # fmt: skip
+
+
+def _of_phases(
+    study: Study, system: System, place: Path, modes: tuple[Modes, Modes] | None, damping_ratio: float | None,
+    progress: Progress, settings: TransientSettings,
+) -> TransientMotion:  # fmt: skip
+    """The motion of settings that leave no phase open."""
+    if study.train.has_nonlinear_couplings:
+        return _event_driven(study, system, settings, place, damping_ratio, progress)
+    before = state_before(study, system, settings, place)
+    cuts = joint_cuts(system, before.mean)
+    if modes is None or cuts:
+        modes = kept_modes(parts_of(system, cuts) if cuts else system, settings.modes, place)
+    kept, twice = modes
+    needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
+    if needed > study.memory:
+        message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
+        raise SolveError(message, "fewer `samples`, or run with more `memory`", (*place, "samples"))
+    solved = partial(_solved, study, system, settings, place, before, damping_ratio, progress)
+    found = solved(kept, is_band=system.bars is not None or kept is not twice)
+    if kept is not twice and len(twice.frequency) > len(kept.frequency):
+        more = solved(twice, is_band=True)
+        ends = ((more.greatest, found.greatest), (more.least, found.least))
+        moved = np.max([np.abs(one - other) for one, other in ends], axis=0)
+        found = replace(found, change=float((moved / (more.peak + TINY)).max(initial=0.0)))
+    if settings.samples is not None and (found.unresolved > RESOLVED * (found.peak + TINY)).any():
+        least = int(PER_PERIOD * settings.duration * found.fastest / (2.0 * math.pi)) + 1
+        message = "torques or modes with fewer than 4 samples in a period may add more than 5 % to a peak"
+        raise InputError([Fault((*place, "samples"), message, f"{least} resolve all; or keep fewer `modes`")])
+    return found
+
+
+def _solved(
+    study: Study, system: System, settings: TransientSettings, place: Path, before: State,
+    damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
+) -> TransientMotion:  # fmt: skip
+    """The motion of some modes."""
+    events, is_driven, cuts = settings.events, turns(study, system, settings.events), joint_cuts(system, before.mean)
+    points = points_of_events(study, system, events, before, place, turns=is_driven)
+    parts = replace(parts_of(system, cuts) if cuts else system, dampers=dampers_beside_loads(study, system, events))
+    shape = shapes(parts, modes)
+    train = modal_train(study, parts, modes, shape, before, turns=is_driven)
+    if damping_ratio is not None:
+        train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
+    follows = following(study, system, events, points, before, cuts, shape) if is_driven else None
+    loads, acting = known_loads(study, parts, events, points, follows)
+    direct, added, noise = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any](), 0.0
+    begin = start(parts, modes, before, shape)
+    if follows is None:
+        moved = motion(train, shape.T @ acting, loads, *begin)
+    else:
+        if not cuts:
+            shaken = vibration_before(parts, modes, before, shape)
+            begin = begin[0] + shaken[0], begin[1] + shaken[1]
+        before = replace(before, frequency=before.frequency[:0], amplitude=before.amplitude[:0])
+        given = motion(train, shape.T @ acting, loads, *begin)
+        try:
+            moved, solved = follows.solve(system, given, shape, settings, progress)
+        except SolveError as error:
+            raise SolveError(error.message, error.hint, place) from None
+        follows.carried(system, direct)
+        added, noise = _of_steps(follows, solved), settings.tolerance * solved.largest
+    time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
+    slowed = slowed_torques(study, parts, modes, shape, before, turns=is_driven)
+    patches = [partial(cut.patched, system) for cut in cuts if cut.massless]
+    carrier = carrier_of(study, system, events, before, cuts)
+    curves = Curves(system, modes, before, shape, moved, slowed, direct, carrier, patches)
+    looked, finer = looked_at_of(curves, modes, time, counts=settings.fatigue is not None)
+    seen = sampled(curves, looked, progress)
+    torque, turning, (top, bottom) = seen.torque, seen.turning, seen.ends
+    refuse_beyond_tables(study, events, turning, place)
+    if follows is not None:
+        straight = _straight(study, system, before) if cuts else train
+        added["passages"] = passages(system, follows, straight, time, turning)
+    lacking = missed(modes, moved, time, finer) + curves.unseen(looked.left)
+    peak = np.maximum(np.abs(top[0]), np.abs(bottom[0]))
+    requested = orders_requested(study, system, settings, place, peak=peak, turning=turning, follows=is_driven)
+    if requested is not None:
+        added["orders"] = order_tracking(curves, requested, time, max(shape.shape[1], len(torque)))
+    return TransientMotion(
+        time, torque, turning, *top, -bottom[0], bottom[1], before.torque,
+        _reversals(seen, noise / np.abs(system.speed_ratio[system.driving])), lacking, residual(moved, time),
+        before.speed, len(modes.frequency), system, settings.name, turns=seen.turns,
+        fastest=max(curves.fastest, *(one.w for one in curves.waves)), **added,
+    )  # fmt: skip
+
+
+def _event_driven(
+    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None,
+    progress: Progress,
+) -> TransientMotion:  # fmt: skip
+    """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
+    curves, balance, switching, fine = event_driven_curves(study, system, settings, place, damping_ratio, progress)
+    built, added = curves.built, dict[str, Any]()
+    if built.following is not None and curves.marched is not None:
+        added = _of_steps(built.following.follows, curves.marched)
+    samples = _samples(settings, built.modes)
+    time = np.linspace(0.0, settings.duration, samples + 1)
+    looked, finer = looked_at_of(curves, built.modes, time, counts=settings.fatigue is not None)
+    seen = sampled(curves, looked, progress)
+    refuse_beyond_tables(study, settings.events, seen.turning, place)
+    before, (top, bottom) = built.before, seen.ends
+    if switching.sensitive_after is not None:
+        other = sampled(fine, looked_at_of(fine, built.modes, time, counts=False)[0], progress).ends
+        scatter = np.abs(np.maximum(top[0], bottom[0]) - np.maximum(other[0][0], other[1][0]))
+        switching = replace(switching, scatter=scatter)
+        top, bottom = (_larger(one, two) for one, two in zip((top, bottom), other, strict=True))
+    lacking = missed(built.modes, curves, time, finer) + curves.unseen(looked.left)
+    if any(wave.w >= looked.left for wave in curves.regimes):
+        lacking += np.maximum(np.abs(top[0]), np.abs(bottom[0]))  # nothing bounds what a coupling does
+    return TransientMotion(
+        time, seen.torque, seen.turning, *top, -bottom[0], bottom[1], before.torque, _reversals(seen), lacking,
+        balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
+        turns=seen.turns, **added,
+    )  # fmt: skip
+
+
+def _larger(one: Peaks, other: Peaks) -> Peaks:
+    """The larger of the peaks of two motions, with its time."""
+    return np.maximum(one[0], other[0]), np.where(one[0] >= other[0], one[1], other[1])
+
+
+def _reversals(seen: Seen, noise: FloatArray | float = 0.0) -> IntArray:
+    """(spans,) changes of sign; a torque of nothing, within a play, has none. noise: N m that do not count."""
+    least = np.maximum([1e-9 * float(np.abs(one).max(initial=0.0)) for one in seen.turns], noise)
+    there = [one[np.abs(one) > floor] for one, floor in zip(seen.turns, least.tolist(), strict=True)]
+    return np.array([np.count_nonzero(np.diff(np.sign(one))) for one in there], dtype=np.int64)
+
+
+def _straight(study: Study, system: System, before: State) -> ModalTrain:
+    """The modes of a train with its joints straight, whose resonances are passed."""
+    found = modes_as_discretised(system, None)
+    return modal_train(study, system, found, shapes(system, found), before, turns=True)
+
+
+def _of_steps(follows: Following, solved: Marched) -> dict[str, Any]:
+    """What the result says of torques that follow the motion."""
+    changed = dict.fromkeys((time, follows.words[law]) for time, law, _ in solved.changes)
+    return {
+        "steps": solved.number, "following": tuple(dict.fromkeys(follows.words)),
+        "left_in_series": solved.lack, "changes": tuple(Change(*one) for one in changed),
+    }  # fmt: skip
+
+
+def _samples(settings: TransientSettings, found: Modes) -> int:
+    if settings.samples is not None:
+        return settings.samples
+    highest = float(found.frequency.max(initial=1.0 / settings.duration))
+    return int(min(max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
+
+
+def _read(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> TransientMotion:
+    """With rated torques, stresses and damage."""
+    operation, rated = study.operation, None
+    if operation.rated is not None and operation.has_mean_torque:
+        rated = steady(study.train, system, operation, np.array([operation.rated.speed])).torque[:, 0]
+    stress = np.full(len(system.spans), np.nan)
+    for bar in study.train.bars:
+        here = system.span_part == bar.part
+        stress[here] = found.peak[here] / stress_modulus(bar)
+    damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.turns)
+    return replace(
+        found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=(),
+        is_rare=settings.is_rare, ice=tuple(_ice(study, system, settings, found)),
+    )  # fmt: skip
+
+
+def _ice(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> Iterator[IceTorque]:
+    """The greatest ice torques of the classes that its events name."""
+    for event in settings.events:
+        if isinstance(event.body, Ice):
+            torque = event.body.of_class(point(study, system, found.speed_before, event.at))
+            if torque is not None:
+                yield torque
+
+
+def run(work: Work) -> None:
+    """Every motion over time that the file names; one without an answer takes no other with it."""
+    found, errors, known = list[TransientMotion](), list[InputError | SolveError](), dict[Any, tuple[Modes, Modes]]()
+    for settings, place in cases(work.study):
+        title = f"motion over time {settings.name}".rstrip()
+        try:
+            with work.log.step(title, "requested") as step:
+                is_nonlinear = work.study.train.has_nonlinear_couplings
+                if settings.modes not in known and not is_nonlinear:
+                    known[settings.modes] = kept_modes(work.system, settings.modes, place)
+                is_exact = settings.method == "exact"
+                beside = None if is_exact else compared(work.study, work.system, settings, place)
+                one = transient(
+                    work.study,
+                    work.system,
+                    settings,
+                    place=place,
+                    modes=known.get(settings.modes),
+                    progress=work.progress,
+                )
+                step.method = "exact, from event to event" if is_nonlinear else "exact propagation of the modes"
+                if one.steps:
+                    step.method += ", exponential collocation"
+                step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
+                if one.speed_before and settings.initial is None:
+                    step.size += f", begins steady at {one.speed_before * 30.0 / math.pi:.6g} rpm"
+            found.append(replace(one, compared=beside))
+        except (InputError, SolveError) as error:
+            errors.append(error)
+            if len(errors) > 1:
+                work.log.without(title, str(error))
+    if found:
+        work.put(transient=Transients(tuple(found)))
+    if errors:
+        raise errors[0]
