@@ -204,3 +204,53 @@ def test_parts_with_speeds_of_their_own_beside_a_joint_are_refused() -> None:
     text = THREE.replace(BEFORE, f"{JOINT}{DISC}{BEFORE}").format(NEVER)
     with pytest.raises(SolveError, match="speeds of their own beside uneven joints"):
         moved(text, duration=0.1, events=START, initial={"speed": {"motor": "10 rad/s", "pump": "0 rad/s"}})
+
+
+SHAFTS = """name: x
+train:
+- disc: {{name: a, inertia: 2}}
+- shaft: {{name: s1, length: 1.5 m, diameter: 60 mm{0}}}
+- disc: {{name: b, inertia: 0.2}}
+- coupling: {{name: c, stiffness: 6e4, {1}}}
+- disc: {{name: d, inertia: 0.3}}
+- shaft: {{name: s2, length: 1 m, diameter: 50 mm{0}}}
+- disc: {{name: e, inertia: 3}}
+"""
+SHAKEN = [{"at": "a", "step": {"torque": 500}}, {"at": "e", "sine": {"torque": 200, "frequency": 15}}]
+PLAY = "clearance: {angle: 0.01 rad, viscous: 20}"
+
+
+def with_shafts(segments: str, coupling: str, model: str, events: list[dict], **body) -> TransientMotion:
+    study = torsion.parse(SHAFTS.format(segments, coupling))
+    settings = TransientSettings.model_validate({"initial": "rest", "samples": 1000, "events": events, **body})
+    return transient(study, assemble(study.train, model=model), settings)
+
+
+def test_lumped_shafts_beside_a_play_converge_to_finite_elements_with_the_square_of_their_length() -> None:
+    fem = with_shafts("", PLAY, "fem", SHAKEN, duration=0.1)
+    assert fem.switching is not None
+    assert fem.residual < 1e-12
+    errors = []
+    for segments in (8, 16, 32):
+        lumped = with_shafts(f", segments: {segments}", PLAY, "lumped", SHAKEN, duration=0.1)
+        assert lumped.switching is not None
+        pairs = zip(lumped.switching.events, fem.switching.events, strict=True)
+        errors.append(max(abs(one.time - other.time) / other.time for one, other in pairs))
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)
+    assert errors[2] < 2e-6
+
+
+def test_a_coupling_that_never_slips_is_linear_beside_finite_elements() -> None:
+    events = [
+        {"at": "a", "start": {"torque": [["0 rpm", 300], ["600 rpm", 0]]}},
+        {"at": "e", "load": {"law": "propeller", "torque": 100, "speed": "500 rpm"}},
+    ]
+    linear, found = (
+        with_shafts("", one, "fem", events, duration=0.1, tolerance=1e-8, modes=80)
+        for one in ("viscous: 0", "capacity: 1e6")
+    )
+    assert linear.modes == found.modes + 1  # all of both: the clutch parts the train
+    span = [one.name for one in found.system.spans].index("c") if found.system is not None else 0
+    assert np.abs(found.torque - linear.torque)[span].max() <= 1e-8 * linear.peak[span]
+    assert np.abs(found.torque - linear.torque).max() <= 1e-8 * linear.peak.max()

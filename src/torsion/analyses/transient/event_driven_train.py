@@ -34,7 +34,7 @@ from torsion.analyses.transient.nonlinear_couplings import (
 )
 from torsion.analyses.transient.state_before import State, points_of_events, state_before
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
@@ -48,6 +48,7 @@ from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.torque_history import Piece
 from torsion.study import Study
 
+MOST_OF_ELEMENTS = 200  # modes of a train with finite elements
 LARGEST_ANGLE = 2e7  # rad of the fastest mode within the duration, up to which all modes are kept
 
 
@@ -142,10 +143,7 @@ def build(
         raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`", (*place, "initial"))
     dampers = dampers_beside_loads(study, system, events)
     bare = opened(replace(parts_of(system, cuts), dampers=dampers), found)
-    if bare.bars is not None:
-        message = f"play and friction in motion over time take shafts as lumped masses, not the model {bare.model}"
-        raise SolveError(message, "model: lumped", place)
-    modes = kept_modes(bare, "all", place)[0]
+    modes = _modes(bare, before, place)
     shape = shapes(bare, modes)
     train = modal_train(study, bare, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
@@ -171,6 +169,20 @@ def build(
     kept = _kept(train.w, settings, halved=halved)
     built = _in_modes(parts, found, tuple(all_standing), acting, kept, settings.duration)
     return replace(built, where=place)
+
+
+def _modes(bare: System, before: State, place: Path) -> Modes:
+    """All modes of the linear parts."""
+    if bare.bars is None:
+        return kept_modes(bare, "all", place)[0]
+    if before.torque.any() or before.twist.any():
+        message = "play and friction beside finite elements begin without any torque"
+        raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`", place)
+    found = modes_as_discretised(bare, MOST_OF_ELEMENTS + 1)
+    if len(found.frequency) > MOST_OF_ELEMENTS:
+        message = f"play and friction take all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
+        raise SolveError(message, "take `model: lumped`, or a lower highest frequency", place)
+    return found
 
 
 @dataclass(frozen=True)
@@ -204,7 +216,7 @@ def _in_modes(
     force, ends = parts.shape.T @ where, np.array([one.element.ends for one in all_standing])
     soft, answer = ends[:, others] / w[kept:] ** 2, force[others] / w[kept:, None] ** 2
     higher = modes.torque[:, kept:]
-    of_elements = direct_torques(bare, modes, _pushed(bare, spans)) - higher @ soft.T
+    of_elements = _direct(bare, modes, _pushed(bare, spans).astype(complex)).real - higher @ soft.T
     of_elements[spans, np.arange(len(spans))] += 1.0
     elements = tuple(replace(one.element, ends=row[own]) for one, row in zip(all_standing, ends, strict=True))
     compliance, rest = (soft @ ends[:, others].T, soft @ force[others]) if is_band else (None, None)
@@ -276,5 +288,6 @@ def _pushed(bare: System, spans: IntArray) -> FloatArray:
 
 def _direct(bare: System, modes: Modes, acting: ComplexArray) -> ComplexArray:
     """(spans, signals)."""
-    real, imaginary = (direct_torques(bare, modes, part) for part in (acting.real, acting.imag))
+    is_band = bare.bars is not None  # inside its elements the torque is not that of the modes alone
+    real, imaginary = (direct_torques(bare, modes, part, is_band=is_band) for part in (acting.real, acting.imag))
     return np.asarray(real + 1j * imaginary)
