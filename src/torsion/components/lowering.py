@@ -123,6 +123,8 @@ class PropellerRecord:
     water: float | None  # kg m2, entrained; None where the file gives none
     blades: int | None
     diameter: float | None  # m
+    pitch_ratio: float | None
+    area_ratio: float | None
     damping_model: str
     damping_factor: float | None
 
