@@ -48,9 +48,14 @@ class SolveError(TorsionError):
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
-    """The candidate that `word` was probably meant to be, for 'did you mean'; capitals, '-' and '_' do not count."""
+    """The candidate that `word` was probably meant to be, for 'did you mean'; capitals, '-' and '_' do not count.
+
+    A word that is a part of one candidate alone stands for it.
+    """
     known = {_plain(candidate): candidate for candidate in candidates}
     close = difflib.get_close_matches(_plain(word), known, 1)
+    holding = [candidate for candidate in known if _plain(word) in candidate.split("_")]
+    close = close or (holding if len(holding) == 1 else [])
     return known[close[0]] if close else None
 
 

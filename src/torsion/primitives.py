@@ -97,6 +97,7 @@ class Constraint:
     flexibility: float = 0.0  # rad/(N m) at the driving station's speed (a mesh stiffness); 0 is rigid
     error: tuple[tuple[int, complex], ...] = ()  # (order, rad)
     after: int | None = None  # of a joint: the part of the joint before it on the same shaft line
+    teeth: tuple[int, ...] = ()  # of a mesh: driving and driven; () where its ratio is given
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,8 +50,8 @@ def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
     assert part("coupling-1").damping == ("psi", 0.8)
     assert part("coupling-3").damping == ("viscous", 7.0)
     assert (part("gear-1").application_factor, part("gear-1").is_point) == (1.3, False)
-    assert part("propeller-1").propeller == PropellerRecord(4.0, 1.0, 3, 1.5, "frahm", 3.0)
-    assert part("propeller-2").propeller == PropellerRecord(1.0, None, None, None, "viscous", None)
+    assert part("propeller-1").propeller == PropellerRecord(4.0, 1.0, 3, 1.5, None, None, "frahm", 3.0)
+    assert part("propeller-2").propeller == PropellerRecord(1.0, *[None] * 5, "viscous", None)
 
 
 def test_a_joint_has_its_yoke_counted_along_its_shaft_line(train: Train) -> None:

@@ -108,6 +108,7 @@ def test_no_figure_of_a_holzer_table_could_be_another(scene: str) -> None:
     cells = [
         (row, column) for row in range(len(table.rows) - 1) for column in (2, 3, 4, 7, 8, 9, 10)
         if re.match(r"[−\d]", table.rows[row][column]) and value(table.rows[row][column])
+        and table.rows[row][{2: 3, 8: 7}.get(column, column)] != "0"  # nothing shows the inertia of what stands still
     ]  # fmt: skip
     for by, most in ((1e-3, 0.0), (3e-5, 0.15)):
         changed = [

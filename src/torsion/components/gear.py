@@ -77,15 +77,19 @@ class Gear(Component, keyword="gear", sort="link"):
     def _mesh(self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival) -> Constraint:
         """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
-        return Constraint(name, part, *ends, self._speed(wheel), flexibility)
+        teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
+        return Constraint(name, part, *ends, self._speed(wheel), flexibility, teeth=teeth)
 
     def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
         """Speed after / speed before, of a wheel on this gear."""
         if wheel.ratio is not None:
             return 1 / wheel.ratio
+        return Fraction(self._driving_teeth(wheel), (wheel.teeth or (1,))[-1])
+
+    def _driving_teeth(self, wheel: "Gear | GearBranch") -> int:
+        """Of the driving gear, where it meshes with a wheel that has teeth."""
         teeth = wheel.teeth or (1,)
-        driving = teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
-        return Fraction(driving, teeth[-1])
+        return teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
 
 
 def _one_ratio(gear: Gear | GearBranch) -> None:

@@ -125,9 +125,10 @@ class PropellerRecord:
     water: float | None  # kg m2, entrained; None where the file gives none
     blades: int | None
     diameter: float | None  # m
+    pitch_ratio: float | None
+    area_ratio: float | None
     damping_model: str
     damping_factor: float | None
-    pitch_ratio: float | None = None
     hub_ratio: float | None = None
     is_ducted: bool = False
 

@@ -85,11 +85,10 @@ class Propeller(Component, keyword="propeller", sort="point"):
         unit, amount = self.entrained or ("", 0.0)
         water = self.inertia * amount if unit == "1" else amount
         entrained = None if self.entrained is None else water
-        record = PropellerRecord(
-            self.inertia, entrained, self.blades, self.diameter, model, factor, self.pitch_ratio, self.hub_ratio,
-            self.ducted,
-        )  # fmt: skip
-        build.record(propeller=record)
+        shape = self.blades, self.diameter, self.pitch_ratio, self.area_ratio
+        build.record(propeller=PropellerRecord(
+            self.inertia, entrained, *shape, model, factor, self.hub_ratio, self.ducted,
+        ))  # fmt: skip
         here = build.point()
         build.inertia(here, self.inertia, "dry" if water else "")
         build.inertia(here, water, "entrained water")

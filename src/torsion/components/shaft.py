@@ -8,6 +8,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering, ShaftRecord, Support
+from torsion.errors import nearest
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 
@@ -81,7 +82,11 @@ class Shaft(Component, keyword="shaft", sort="link"):
         driving, driven = build.link()
         material = build.materials.get(self.material)
         if material is None:
-            hint = f"there is {', '.join(build.materials)}"
+            near = nearest(self.material, build.materials)
+            figures = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"  # of an example
+            known = f"there is {', '.join(build.materials)}"
+            hint = f"declare it with its figures, as `materials: {{{self.material}: {figures}}}`; {known}"
+            hint = f"did you mean '{near}'?" if near else hint
             build.fault(f"no material is called '{self.material}'", hint, "material")
             return
         section, widest = None, math.inf if self.unusual else WIDEST

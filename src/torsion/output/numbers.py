@@ -17,6 +17,8 @@ SIGNS = (
     (r"\btau_", "τ_"), (r"\bsigma_", "σ_"), (r"\blambda\b", "λ"), (r"\b(mm|cm|m|s)([2-4])\b", r"\1^\2"), (r"\^2", "²"),
     (r"\^3", "³"), (r"\^4", "⁴"),
 )  # fmt: skip
+ROUNDING = 1e-12  # of the largest of a column or curve: a smaller figure may be the rounding of its computation
+LESS = "less than 10⁻¹² of the largest, which may be rounding"
 NONE = "–"
 PREFIXES = ((1e6, "M"), (1e3, "k"))
 RPM = 60.0 / (2.0 * math.pi)
@@ -64,6 +66,15 @@ def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:
 def counted(count: int, noun: str) -> str:
     """A number with its noun: '1 line', '4 lines'."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def settled(value: float, largest: float) -> float:
+    """The value, or 0 where it is less than ROUNDING of the largest of its kind and so may be rounding.
+
+    >>> settled(9e-19, 1.0), settled(9e-19, 1e-9), settled(-3.0, 5.0)
+    (0.0, 9e-19, -3.0)
+    """
+    return 0.0 if abs(value) < ROUNDING * largest else value
 
 
 def given(value: float | None, digits: int = DIGITS) -> str:

@@ -8,8 +8,10 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.steady import Steady, steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray
+from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.numbers import NONE, RPM, given, number
@@ -44,6 +46,23 @@ def rated(findings: Findings) -> float | None:
     """Rated speed, rad/s of the reference component."""
     point = findings.study.operation.rated
     return None if point is None else point.speed
+
+
+def steady_at_rated(findings: Findings) -> Steady | None:
+    """The mean torques at the rated speed alone; None where they are not known there."""
+    point, study = findings.study.operation.rated, findings.study
+    if point is None or findings.get(Steady) is None:
+        return None
+    try:
+        return steady_if_known(study, findings.system, np.array([point.speed]))
+    except InputError:  # the table of the load does not reach to it
+        return None
+
+
+def mean_torque_at_rated(findings: Findings) -> tuple[FloatArray, FloatArray] | None:
+    """N m at the rated speed: magnitudes of what is applied at the stations (stations,) and of the spans (spans,)."""
+    found = steady_at_rated(findings)
+    return None if found is None else (np.abs(found.applied[:, 0]), np.abs(found.torque[:, 0]))
 
 
 def rated_rpm(findings: Findings) -> float | None:

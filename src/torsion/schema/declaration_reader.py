@@ -1,6 +1,6 @@
 """What the file says as an instance of its declaration, or faults in an engineer's words from what that refuses."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar, get_args
 
@@ -80,10 +80,10 @@ def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
     return Fault(path, f"{what} is part of the format but not built yet", hint, at_key=True)
 
 
-def unknown(path: Path, what: str, word: str, candidates: list[str]) -> Fault:
-    """The fault of a word that is none of the candidates."""
+def unknown(path: Path, what: str, word: str, candidates: list[str], every: Sequence[str] = ()) -> Fault:
+    """The fault of a word that is none of the candidates, or of `every` one there is."""
     near = nearest(word, candidates)
-    hint = f"did you mean `{near}`?" if near else f"there is {', '.join(candidates)}"
+    hint = f"did you mean `{near}`?" if near else f"there is {', '.join(every or candidates)}"
     return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
 
 

@@ -22,6 +22,7 @@ from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
+from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number, without_colon
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, ModalDamping, Operation, Several, ShaftModel, Study
@@ -105,7 +106,9 @@ def _faulty(faults: list[Fault]) -> set[str]:
 def _sections(source: Source, faults: list[Fault]) -> Study | None:
     """The study, where its train can be looked at; its faulty sections are left empty."""
     data = source.data
-    scene = declared(Scene, _top(data), (), faults)
+    top: list[Fault] = []
+    scene = declared(Scene, _top(data), (), top)
+    faults += map(_outside_train, top)
     if not isinstance(data, dict):
         return None
     materials = _materials(data, faults)
@@ -131,6 +134,13 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         file=source.name,
         text=source.text,
     )
+
+
+def _outside_train(fault: Fault) -> Fault:
+    """The same; of a component at the top level with what would be right."""
+    kind = fault.path[0] if fault.path else ""
+    hint = f"a component is an entry of `train`, with a dash: `- {kind}: ...`"
+    return replace(fault, hint=hint) if kind in KINDS else fault
 
 
 def _top(data: object) -> object:
@@ -224,7 +234,8 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
             faults.append(Fault(place, f"{shown(entry)} is not a rule", hint))
             continue
         if name not in RULES:
-            faults.append(unknown(path, "rule", name, list(RULES)))
+            fault = unknown(path, "rule", name, of_its_number(name, list(RULES)), list(RULES))
+            faults.append(replace(fault, hint=RULE_FOR.get(name.casefold(), fault.hint)))
             continue
         if name in seen:
             faults.append(Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True))
@@ -271,7 +282,11 @@ def _unknown_names(
 def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Component, ...]:
     """The sound components of a list; every fault of the others is noted."""
     if not isinstance(entries, list):
-        faults.append(Fault(path, f"{shown(entries)} is not a list of components", "`- disc: {inertia: 1.2}`, ..."))
+        hint = "`- disc: {inertia: 1.2}`, ..."
+        if isinstance(entries, dict) and (kind := next((key for key in entries if key in KINDS), None)):
+            path, hint = (*path, kind), f"begin each component with a dash: `- {kind}: ...`"
+        message = f"{shown(entries)} is not a list of components"
+        faults.append(Fault(path, message, hint, at_key=path[-1] in KINDS))
         return ()
     read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
     return tuple(found for found in read if found is not None)
@@ -327,19 +342,27 @@ def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> C
         faults.append(unbuilt(path, f"`{kind}`"))
         return None
     if kind not in KINDS:
-        faults.append(unknown(path, "component", kind, list(KINDS)))
+        faults.append(_unknown_kind(kind, path))
         return None
     before = len(faults)
     read = declared(component(kind), _with_trains(body, path, faults), path, faults)
     return read if len(faults) == before else None
 
 
+def _unknown_kind(kind: str, path: Path) -> Fault:
+    """The fault of a key that is no kind: without its colon, a word that the format has another for, or a slip."""
+    if named := without_colon(kind):
+        message = f"a colon is missing behind `{named}`"
+        return Fault(path, message, f"write `- {named}: {{...}}`", at_key=True)
+    fault = unknown(path, "component", kind, list(KINDS))
+    return replace(fault, hint=KIND_FOR.get(kind.casefold(), fault.hint))
+
+
 def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:
     """An entry is a mapping with one key, its kind."""
     if not isinstance(entry, dict) or not entry:
-        hint = (
-            f"write `- {entry}: {{...}}`" if isinstance(entry, str) and entry in KINDS else "`- disc: {inertia: 1.2}`"
-        )
+        named = (entry if entry in KINDS else without_colon(entry)) if isinstance(entry, str) else ""
+        hint = f"write `- {named}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
         faults.append(Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint))
         return None
     if len(entry) > 1:

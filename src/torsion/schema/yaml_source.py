@@ -224,6 +224,8 @@ def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
     """The fault in plain words, where the text cannot be read on or where the piece that is not closed begins."""
     line, column = source.within(_place(error.problem_mark))
     before = source.lines[line - 1][:column]
+    if dashless := _without_dash(source.lines, line, column):
+        return dashless
     problem = "tab character" if before.isspace() and before.endswith("\t") else str(error.problem)
     for pattern, words, hint, at_begin in _SYNTAX:
         if found := re.search(pattern, problem):
@@ -231,6 +233,20 @@ def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
             place = error.context_mark if at_begin else None
             return _fault(message, hint, *(source.within(_place(place)) if place else (line, column)))
     return _fault(f"this is not YAML: {problem}", "", line, column)
+
+
+def _without_dash(lines: list[str], line: int, column: int) -> Fault | None:
+    """The fault of a key between the entries of a list, at the entry behind which the reading ends; else None."""
+    indent = " " * (column - 1)
+    if not lines[line - 1].startswith(f"{indent}- "):
+        return None
+    above = next((k for k in range(line - 2, -1, -1) if re.match(rf"{indent}\S", lines[k])), None)
+    if above is None or not (found := re.match(r"\s*([\w-]+):", lines[above])):
+        return None
+    before = [one for one in lines[:above] if re.match(rf"{indent}\S", one)]
+    if not before or not before[-1].startswith(f"{indent}- "):
+        return None
+    return _fault(f"`{found[1]}` begins without a dash", f"write `- {found[1]}: ...`", above + 1, column)
 
 
 def _forbidden(sign: str, line: int, column: int) -> Fault:

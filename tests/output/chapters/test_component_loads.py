@@ -100,6 +100,11 @@ def test_stress_of_shafts_is_torque_over_the_modulus_of_their_section() -> None:
     )
     assert "M68" not in texts(blocks)[0]
     assert isinstance(blocks[0], Heading)
+    by_order = [block for block in blocks if isinstance(block, Table)][1]
+    assert by_order.rows == (
+        ("mid", "4 × screw (1.6 of m)", number(STRESS["mid"][4]), "477.46", "3.0000", "–"),
+        ("plain", "4 × screw (1.6 of m)", number(STRESS["plain"][0]), "95.493", "3.0000", "–"),
+    )
     drawn = figures(blocks)
     for name, position in (("mid", 5), ("plain", 7)):
         figure = drawn[f"Vibratory shear stress of {name}"]

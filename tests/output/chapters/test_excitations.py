@@ -1,5 +1,6 @@
 """What excites the train: torques as the file gives them, joints, and the harmonic components of the response."""
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -10,6 +11,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Heading, Paragraph, Table
 from torsion.output.chapters.excitations import chapter
+from torsion.output.numbers import number
 
 TEXT = """
 name: geared
@@ -36,13 +38,16 @@ def tables(findings: Findings) -> list[Table]:
 def test_torques_as_the_file_gives_them() -> None:
     found = torsion.run(torsion.parse(TEXT))
     torques, _ = tables(found)
+    own = 30.0 * 0.4 * 30.0 / math.pi  # rpm of the disc at the rated speed
+    between = number((500.0 + 2000.0 * (own - 30.0) / 370.0) / 1e3)
+    assert torques.columns[5].unit == "kN m"
     assert torques.rows == (
-        ("m", "6", "6", "–", "2.5 % of the mean torque", "0", "maker"),
-        ("d", "5", "2", "–", "1.2345 kN m", "40", "not stated"),
-        ("d", "0.5", "0.2", "–", "0 N m", "0", "not stated"),
-        ("d", "3", "1.2", "–", "0.5 kN m at 30 rpm; 2.5 kN m at 400 rpm", "0", "not stated"),
-        ("m", "–", "–", "7.25", "2 N m", "0", "not stated"),
-        ("m", "–", "–", "every one requested", "3 N m", "0", "not stated"),
+        ("m", "6", "6", "–", "2.5 % of the mean torque", "0.0041667", "0", "maker"),
+        ("d", "5", "2", "–", "1.2345 kN m", "1.2345", "40", "not stated"),
+        ("d", "0.5", "0.2", "–", "0 N m", "0", "0", "not stated"),
+        ("d", "3", "1.2", "–", "0.5 kN m at 30 rpm; 2.5 kN m at 400 rpm", between, "0", "not stated"),
+        ("m", "–", "–", "7.25", "2 N m", "0.0020000", "0", "not stated"),
+        ("m", "–", "–", "every one requested", "3 N m", "0.0030000", "0", "not stated"),
     )
     train = found.study.train
     both = replace(train, torques=tuple(replace(one, of_mean=0.0625) for one in train.torques[1:4:2]))

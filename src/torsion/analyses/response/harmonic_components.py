@@ -88,11 +88,14 @@ def _decimal(order: Fraction) -> str:
     return text if Fraction(text) == order else str(order)
 
 
+SHORTEST_RUN = 3  # names that are said as one
+
+
 def in_runs(names: Iterable[str]) -> str:
     """Names one after another; those that differ in their number alone as 'cylinder 1–6'.
 
-    >>> in_runs(["cylinder 1", "cylinder 2", "cylinder 3", "screw"])
-    'cylinder 1–3, screw'
+    >>> in_runs(["cylinder 1", "cylinder 2", "cylinder 3", "joint-1", "joint-2"])
+    'cylinder 1–3, joint-1, joint-2'
     """
     runs: list[tuple[str, list[int]]] = []
     for name in names:
@@ -103,8 +106,13 @@ def in_runs(names: Iterable[str]) -> str:
             last[1].append(number)
         else:
             runs.append((stem, [number]) if str(number) == name[len(stem) :] else (name, [-1]))
-    ends = ((stem, dict.fromkeys((run[0], run[-1]))) for stem, run in runs)
-    return ", ".join(stem + "–".join(str(end) for end in both if end >= 0) for stem, both in ends)
+    words: list[str] = []
+    for stem, run in runs:
+        if len(run) >= SHORTEST_RUN:
+            words.append(f"{stem}{run[0]}–{run[-1]}")
+        else:
+            words += [f"{stem}{end if end >= 0 else ''}" for end in run]
+    return ", ".join(words)
 
 
 def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tuple[Excitation, ...]:

@@ -10,23 +10,28 @@ from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
+from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
     barred_rpm,
+    mode_near,
     orders_together,
     rated_rpm,
+    reference,
     responds,
     synthesis,
     unreliable,
 )
-from torsion.output.selection import Element, damps, elements, highest, largest, torques, worst
+from torsion.output.selection import Element, damps, elements, highest, largest, strongest, torques, worst
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12  # of shafts
+MOST_ORDERS = 8  # of a shaft, in the table of stress by order
+SMALLEST = 0.01  # of the shaft's largest stress of one order; less is not listed
 LIMITS = "| τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]"
 
 
@@ -52,6 +57,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
     yield Heading("Stress of the shafts")
     yield Paragraph(text)
     yield _stresses(findings, curves)
+    yield _orders(findings)
     drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
     for name, curve in curves.items():
         if name in drawn:
@@ -77,9 +83,9 @@ def _curves(findings: Findings, bar: Bar) -> Curves:
             return Curves(speed, np.where(bad, np.nan, stress), continuous, transient)
         except KeyError:
             pass
-    spans = [k for k, span in enumerate(findings.system.spans) if span.part == bar.part]
-    modulus = next(stress_modulus(own) for own in findings.system.train.bars if own.part == bar.part)
-    stress = findings.need(Synthesis).half_range[:, spans].max(axis=1) / modulus * PA
+    spans = np.flatnonzero(findings.system.span_part == bar.part)
+    half = findings.need(Synthesis).half_range[:, spans]
+    stress = (half / _moduli(findings, bar, len(spans))).max(axis=1) * PA
     return Curves(findings.need(Response).speed, np.where(bad, np.nan, stress))
 
 
@@ -98,6 +104,48 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
         rows.append((name, None if shaft is None else shaft.role, *own, *((*there, *share) if limited else ())))
     columns = "< Shaft | < Role | Largest stress [N/mm²] | At speed [rpm] " + (LIMITS if limited else "")
     return table(columns, rows, "Largest stress amplitude of every shaft over the speed range")
+
+
+def _orders(findings: Findings) -> Table:
+    """Of every shaft the largest stress of each harmonic component by itself, the strongest of them."""
+    response, rows = findings.need(Response), []
+    for bar in findings.study.train.bars:
+        spans = np.flatnonzero(findings.system.span_part == bar.part).tolist()
+        stress = _of_orders(findings, bar, spans)
+        top = highest(stress)
+        for line in strongest(stress, MOST_ORDERS):
+            at = largest(stress[:, line])
+            frequency = None if at is None else float(response.frequency[at, line])
+            if at is None or stress[at, line] >= SMALLEST * top:
+                own = worst(stress[:, line], response.speed)
+                mode = NONE if frequency is None else mode_near(findings, frequency)
+                rows.append((bar.name, response.lines[line].named(reference(findings)), *own, frequency, mode))
+    return table(
+        "< Shaft | < Harmonic component | Largest stress [N/mm²] | At speed [rpm] | Frequency [Hz] | Mode",
+        rows,
+        f"Largest stress amplitude of every order by itself (the {MOST_ORDERS} strongest of a shaft, down to "
+        f"{100 * SMALLEST:g} % of its largest)",
+    )
+
+
+def _of_orders(findings: Findings, bar: Bar, spans: list[int]) -> FloatArray:
+    """(speeds, lines) N/mm2; NaN where a line has no reliable value."""
+    response = findings.need(Response)
+    size = np.abs(response.torque[:, :, spans]) / _moduli(findings, bar, len(spans)) * PA
+    return np.where(response.status == Status.OK, size.max(axis=2), np.nan)
+
+
+def _moduli(findings: Findings, bar: Bar, spans: int) -> FloatArray:
+    """(spans,) m3: W_p of every piece as the class rule takes it where it judges the shaft, else the smallest."""
+    from torsion.rules.m68_shafts import M68Settings, classed_shafts
+    from torsion.rules.m68_shafts import stress_modulus as ruled
+
+    for settings in (given for _, given in findings.study.rules if isinstance(given, M68Settings)):
+        for shaft in classed_shafts(findings.study, settings):
+            if shaft.part == bar.part:
+                return ruled(findings.system, shaft)[1]
+    own = next(one for one in findings.system.train.bars if one.part == bar.part)
+    return np.full(spans, stress_modulus(own))
 
 
 def gears(findings: Findings) -> Iterator[Block]:

@@ -3,11 +3,14 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.harmonic_components import amplitude
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, degrees, given, given_rpm, number, order, scale
-from torsion.output.reported_values import NOT_STATED, reference
+from torsion.output.reported_values import NOT_STATED, rated, reference, steady_at_rated
 from torsion.primitives import Torque
 
 
@@ -28,21 +31,42 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 
 def _torques(findings: Findings) -> Table:
-    rows = []
-    for torque in findings.study.train.torques:
+    rows, sizes = [], _at_rated(findings)
+    unit = scale("N m", [size for size in sizes if size is not None])
+    for torque, size in zip(findings.study.train.torques, sizes, strict=True):
         station, own = findings.system.stations[torque.station], torque.order
         frequency = "every one requested" if torque.frequency is None else given(torque.frequency)
         rows.append((
             torque.name, order(own), order(None if own is None else own * station.ratio),
-            NONE if own is not None else frequency, _amplitude(torque), degrees(torque.phase),
+            NONE if own is not None else frequency, _amplitude(torque), unit.text(size),
+            degrees(torque.phase),
             torque.source or NOT_STATED,
         ))  # fmt: skip
     return table(
-        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) | Phase [deg] | "
-        "< Source",
+        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) as given | "
+        f"Amplitude at rated speed [{unit.unit}] | Phase [deg] | < Source",
         rows,
         "Harmonic torques",
     )
+
+
+def _at_rated(findings: Findings) -> list[float | None]:
+    """N m at the rated speed, of every torque; None where that is not known."""
+    speed, mean = rated(findings), steady_at_rated(findings)
+    every = findings.study.train.torques
+    if speed is None:
+        return [None if one.of_mean or one.table else one.torque for one in every]
+    found: list[float | None] = []
+    for one in every:
+        is_known = _reaches(findings, one, speed) and (mean is not None or not one.of_mean)
+        found.append(float(np.abs(amplitude(findings.system, one, np.array([speed]), mean))[0]) if is_known else None)
+    return found
+
+
+def _reaches(findings: Findings, torque: Torque, speed: float) -> bool:
+    """The table of a torque has the speed (rad/s of the reference)."""
+    own = speed * float(findings.system.stations[torque.station].ratio)
+    return not torque.table or torque.table[0][0] <= own <= torque.table[-1][0]
 
 
 def _amplitude(torque: Torque) -> str:

@@ -12,7 +12,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.numbers import NONE, RPM, Scale, counted, degrees, exact, number, order, rpm
+from torsion.output.numbers import LESS, NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, settled
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
@@ -200,15 +200,17 @@ def local_maxima(values: FloatArray) -> list[int]:
 
 
 def _angles(findings: Findings, response: Response) -> Table:
-    rows = []
+    rows, known = [], (response.status == Status.OK)[:, :, None]
+    sizes = np.where(known, np.abs(response.angle), np.nan)
+    top = highest(sizes / findings.system.speed_ratio[: sizes.shape[2]])
     for index, name in _moving(findings):
-        size = np.where(response.status == Status.OK, np.abs(response.angle[:, :, index]), np.nan)
+        size = sizes[:, :, index]
         at = largest(size.ravel())
         if at is None:
             rows.append((name, NO_VALUE, *[NONE] * 4))
             continue
         speed, line = divmod(at, size.shape[1])
-        angle = float(size[speed, line])
+        angle = settled(float(size[speed, line]), top * float(findings.system.speed_ratio[index]))
         rows.append((
             name, degrees(angle), number(angle), _name(findings, line), rpm(float(response.speed[speed])),
             number(angle * float(response.frequency[speed, line]) * 60.0),
@@ -217,7 +219,7 @@ def _angles(findings: Findings, response: Response) -> Table:
         "< Station | Largest amplitude [deg] | Amplitude [rad] | < Harmonic component | At speed [rpm] | "
         "Speed amplitude [rpm]",
         rows,
-        "Largest angular amplitude of any one order, each at its own speed of rotation",
+        f"Largest angular amplitude of any one order, each at its own speed of rotation; 0: {LESS}",
     )
 
 

@@ -10,7 +10,7 @@ from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound,
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table, table
-from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale
+from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale, settled
 
 Series = tuple[str, FloatArray]  # title with unit; (angles,)
 LINES = "Joints of a shaft line as one: angle, speed ratios, index"  # on the terminal
@@ -25,7 +25,7 @@ def geometry(joints: Joints) -> Table:
         (
             joint.name, joint.kind, degrees(joint.angle, below_right(joint.angle)),
             NONE if k in leading else degrees(joint.plane), degrees(joint.phase),
-            degrees(math.remainder(joint.yoke, math.tau)),
+            degrees(settled(math.remainder(joint.yoke, math.tau), math.tau)),
             math.tan(joint.angle / 2) ** 2 if joint.kind == "cross" else NONE,
         )
         for k, joint in enumerate(joints.joints)
@@ -45,7 +45,7 @@ def alone(joints: Joints) -> Table:
     for joint in joints.joints:
         size = abs(joint.amplitude)
         orders = (str(joint.order), order(joint.order * joint.ratio)) if joint.order and size else (NONE, NONE)
-        phase = degrees(cmath.phase(joint.amplitude)) if size else NONE
+        phase = degrees(settled(cmath.phase(joint.amplitude), math.tau)) if size else NONE
         rows.append((joint.name, *orders, size, math.degrees(size), phase, _percent(joint.unevenness)))
     return table(
         "< Joint -> | Order, own shaft -> order | Order, reference | Error amplitude [rad] | "
@@ -62,11 +62,12 @@ def lines(joints: Joints) -> Table:
     for line in joints.lines:
         varies = line.index > STILL
         ends = [
-            (number(end.speed_ratio, 7), degrees(end.at) if varies else NONE) for end in (line.greatest, line.least)
+            (number(end.speed_ratio, 7), degrees(settled(end.at, math.tau)) if varies else NONE)
+            for end in (line.greatest, line.least)
         ]
         rows.append((
             names(joints, line), _angle(line.resultant), _angle(line.classical),
-            degrees(line.phase) if varies else NONE, *ends[0], *ends[1], _percent(line.index),
+            degrees(settled(line.phase, math.tau)) if varies else NONE, *ends[0], *ends[1], _percent(line.index),
         ))  # fmt: skip
     return table(
         "< Joints -> | Resultant angle [deg] -> as one, deg | Small-angle sum [deg] -> small-angle | Phase [deg] | "

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.holzer import holzer
+from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.numbers import NONE, counted, number, rpm
+from torsion.output.numbers import LESS, NONE, ROUNDING, counted, number, rpm
 from torsion.output.selection import elements
 from torsion.output.station_layout import MOST_NAMES, layout
 
@@ -26,7 +26,7 @@ HOW_TO_READ = (
     "end. All that enters a station, and its ω² J × angle, leaves it toward the next rows; what is left over is the "
     "residual. Of a shaft with inertia between its ends θ' = A θ − H T and T' = B θ + D T, with θ the angle of that "
     "row and T the torque in, θ' and T' the angle and the torque out of its own row; its share of inertia at its ends "
-    "is that of the mass-elastic system in the lumped model and none in the others."
+    f"is that of the mass-elastic system in the lumped model and none in the others. A figure of 0 is {LESS}."
 )
 OVERDAMPED = 8  # roots that are listed
 
@@ -130,9 +130,9 @@ def _shares(findings: Findings, modes: Modes) -> Table:
 def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table]:
     """The table of a mode, and the constants of shafts with inertia between their ends, where there are such."""
     system, found = findings.system, holzer(findings.system, modes, mode)
-    numbers = (found.inertia, found.angle, found.inertia_torque, found.torque_in, found.twist, found.torque_out)
     rows, constants = [], []
-    for row, (inertia, angle, moved, enters, twist, leaves) in enumerate(np.transpose(numbers).tolist()):
+    for row, (angle, moved, enters, leaves, twist) in enumerate(_settled(found)):
+        inertia = float(found.inertia[row])
         link, station = found.links[row], system.stations[int(found.station[row])].name
         own = ["held", number(angle, HOLZER), "held"]
         if math.isfinite(inertia):
@@ -162,6 +162,21 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
     if constants:
         titles = "< Shaft | A | H [rad/(N m)] | B [N m/rad] | D"
         yield table(titles, constants, f"Constants of the shafts at the frequency of mode {mode + 1}")
+
+
+def _settled(found: HolzerTable) -> list[list[float]]:
+    """Angle, omega^2 J angle, torque in and out and twist of every row, 0 where they may be rounding.
+
+    A heavy station may hardly move and yet carry a torque: an angle and its torque are 0 together, likewise a torque
+    and its twist.
+    """
+    at = np.array([found.angle, found.inertia_torque])
+    link = np.array([found.torque_in, found.torque_out, found.twist])
+    torque, angle = np.abs(link[:2]).max(), np.abs(found.angle).max()
+    at[:, (np.abs(at) < ROUNDING * np.array([[angle], [max(torque, np.abs(at[1]).max())]])).all(axis=0)] = 0.0
+    link[:, (np.abs(link) < ROUNDING * np.array([[torque], [torque], [angle]])).all(axis=0)] = 0.0
+    rows: list[list[float]] = np.transpose([*at, *link]).tolist()
+    return rows
 
 
 def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:

@@ -1,0 +1,131 @@
+"""Chapter: data sheets of motors, couplings, gears and propellers, as the file gives them."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from torsion.components.lowering import Part
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
+from torsion.output.reported_values import mean_torque_at_rated, rated, source
+
+MOST_DIGITS = 8  # significant digits of a figure of the file
+NO_FORCE = "Tooth forces are not stated: the file has no pitch diameters and angles of the gears."
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """Nothing of a kind that the train does not have."""
+    made = [one for one in (_motors(findings), _couplings(findings), _gears(findings), _propellers(findings)) if one]
+    if not made:
+        return
+    yield Heading("Data sheets")
+    yield from made
+    if any(findings.study.train.of_kind("gear")):
+        yield Paragraph(NO_FORCE)
+
+
+def _figure(value: float | None, factor: float = 1.0) -> str:
+    return NONE if value is None else given(value * factor, MOST_DIGITS)
+
+
+def _parts(findings: Findings, kind: str) -> list[tuple[int, Part]]:
+    return list(findings.study.train.of_kind(kind))
+
+
+def _sheet(titles: str, rows: Iterable[Iterable[Any]], caption: str) -> Table | None:
+    """A table, None where it has no row."""
+    listed = [tuple(row) for row in rows]
+    return table(titles, listed, caption) if listed else None
+
+
+def _motors(findings: Findings) -> Table | None:
+    """Power and speed at the rated point, with the mean torque that the train takes from each."""
+    speed, applied = rated(findings), mean_torque_at_rated(findings)
+    torques = dict[int, float]()
+    if applied is not None:
+        torques = {k: float(applied[0][part.stations[0]]) for k, part in _parts(findings, "motor")}
+    unit = scale("N m", torques.values())
+    lumps = {lump.part: lump for lump in findings.study.train.inertias}
+    ripples = [torque.path[:-2] for torque in findings.study.train.torques]
+    rows = (
+        (
+            part.name, _figure(lumps[k].given) if k in lumps and np.isfinite(lumps[k].given) else NONE,
+            _figure(part.power, 1e-3), NONE if speed is None else given_rpm(speed * float(part.ratio)),
+            unit.text(torques.get(k)), ripples.count(part.path),
+            source(findings, k),
+        )
+        for k, part in _parts(findings, "motor")
+    )  # fmt: skip
+    titles = "< Motor | J [kg m²] | Rated power [kW] | Speed at the rated point [rpm] | "
+    return _sheet(titles + f"Mean torque there [{unit.unit}] | Components of its ripple | < Source", rows, "Motors")
+
+
+def _couplings(findings: Findings) -> Table | None:
+    """The ratings of their makers, stiffness and losses."""
+    train, rows = findings.study.train, []
+    springs = {spring.part: spring for spring in train.springs if train.parts[spring.part].kind == "coupling"}
+    for k, part in _parts(findings, "coupling"):
+        limits, spring = part.ratings, springs[k]
+        stiffness = "rigid" if spring.flexibility == 0 else given(1.0 / spring.flexibility, MOST_DIGITS)
+        torques: tuple[float | None, ...] = (None,) * 3
+        if limits is not None:
+            torques = (limits.rated_torque, limits.vibratory_torque, limits.max_torque)
+        heat, tolerance = (None, None) if limits is None else (limits.heat_limit, limits.tolerance)
+        lost = 2.0 * np.pi * spring.loss_factor
+        rows.append((
+            part.name, *map(_figure, torques), _figure(heat), stiffness, _figure(tolerance, 100.0),
+            number(lost) if lost else NONE, _figure(spring.viscous or None), source(findings, k),
+        ))  # fmt: skip
+    return _sheet(
+        "< Coupling | T_{KN} [N m] | T_{KW} [N m] | T_{Kmax} [N m] | P_{KW} [W] | k own [N m/rad] | "
+        "Its tolerance [%] | Relative damping ψ | Viscous c [N m s/rad] | < Source",
+        rows,
+        "Couplings: ratings of the maker, stiffness and losses",
+    )
+
+
+def _gears(findings: Findings) -> Table | None:
+    """Teeth, ratio, application factor and the mean torque at the rated point, of every mesh."""
+    system, means = findings.system, mean_torque_at_rated(findings)
+    torques = {
+        span.name: float(means[1][k]) for k, span in enumerate(system.own_spans if means is not None else ())
+        if means is not None and system.train.parts[span.part].kind == "gear"
+    }  # fmt: skip
+    unit, rows = scale("N m", torques.values()), []
+    for mesh in findings.study.train.constraints:
+        part = findings.study.train.parts[mesh.part]
+        if part.kind == "gear":
+            rows.append((
+                mesh.name, *(mesh.teeth or (NONE, NONE)), exact(1 / mesh.ratio), _figure(part.application_factor),
+                unit.text(torques.get(mesh.name)),
+                "rigid" if mesh.flexibility == 0 else given(1.0 / mesh.flexibility, MOST_DIGITS),
+                source(findings, mesh.part),
+            ))  # fmt: skip
+    return _sheet(
+        f"< Mesh | Teeth, driving | Teeth, driven | Ratio | K_{{A}} | Mean torque at the rated point, driving side "
+        f"[{unit.unit}] | Mesh stiffness, driving side [N m/rad] | < Source",
+        rows,
+        "Gears",
+    )
+
+
+def _propellers(findings: Findings) -> Table | None:
+    """Blades, size, dry and wet inertia and the model of the damping."""
+    rows = []
+    for k, part in _parts(findings, "propeller"):
+        screw = part.propeller
+        if screw is not None:
+            wet = None if screw.water is None else screw.inertia + screw.water
+            rows.append((
+                part.name, screw.blades, _figure(screw.diameter), _figure(screw.pitch_ratio), _figure(screw.area_ratio),
+                _figure(screw.inertia), _figure(screw.water), _figure(wet), screw.damping_model,
+                _figure(screw.damping_factor), source(findings, k),
+            ))  # fmt: skip
+    return _sheet(
+        "< Propeller | Blades | D [m] | P/D | A_{E}/A_{0} | J dry [kg m²] | Entrained water [kg m²] | J wet [kg m²] | "
+        "< Damping model | Its factor | < Source",
+        rows,
+        "Propellers and other absorbers",
+    )

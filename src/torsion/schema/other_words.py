@@ -1,0 +1,30 @@
+"""Words that are no kind or rule of the format, and what the format has for them."""
+
+import re
+
+from torsion.components import KINDS
+from torsion.components import UNBUILT as UNBUILT_KINDS
+
+ABSORBS = "`propeller` for what absorbs the power, `motor` for what drives"
+KIND_FOR = {
+    "generator": ABSORBS, "alternator": ABSORBS, "pump": ABSORBS, "fan": ABSORBS, "impeller": ABSORBS,
+    "compressor": ABSORBS, "turbine": ABSORBS, "flywheel": "`disc: {inertia: ...}`",
+    "spring": "`coupling: {stiffness: ...}`", "clutch": "`coupling: {stiffness: ..., capacity: ...}`",
+    "gearbox": "`gear: {ratio: ...}`", "cardan": "`joint: {angle: ...}`",
+}  # fmt: skip
+RULE_FOR = {
+    "iacs-m53": "UR M53 is about crankshafts of engines and is not built; `iacs-m68` is another rule, about shafts",
+}
+
+
+def without_colon(word: str) -> str:
+    """The kind in 'coupling {stiffness', which misses its colon; empty where the word is another."""
+    found = re.match(r"([\w-]+)\s*\{|([\w-]+)\s+\S", word)
+    kind = "" if found is None else found[1] or found[2]
+    return kind if kind in KINDS or kind in UNBUILT_KINDS else ""
+
+
+def of_its_number(word: str, candidates: list[str]) -> list[str]:
+    """The candidates with the figures of the word, in whatever order: iacs-m86 is a slip for iacs-m68, iacs-m53 none."""
+    figures = sorted(re.findall(r"\d", word))
+    return [one for one in candidates if not figures or sorted(re.findall(r"\d", one)) in ([], figures)]
