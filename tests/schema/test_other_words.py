@@ -41,7 +41,7 @@ def fault(*lines: str):
         ([MOTOR, SHAFT, END, "rules: [iacs-m53]"], (6, 9), "unknown rule `iacs-m53`",
          "UR M53 is about crankshafts of engines and is not built; `iacs-m68` is another rule, about shafts"),
         ([MOTOR, SHAFT, END, "rules: [iacs-m69]"], (6, 9), "unknown rule `iacs-m69`",
-         "there is iacs-m68, coupling-maker, gear-hammer, universal-joints"),
+         "there is iacs-m68, coupling-maker, gear-hammer, ice, universal-joints"),
     ],
 )  # fmt: skip
 def test_a_slip_is_answered_at_its_place_with_what_is_right(lines, place, message, hint) -> None:
