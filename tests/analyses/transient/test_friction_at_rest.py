@@ -294,7 +294,7 @@ def test_the_balance_of_a_steady_train_still_shows_an_error(monkeypatch: pytest.
         train = moved.train
         return real(replace(moved, train=ModalTrain(train.w * (1.0 + 1e-5), train.ratio, train.viscous)), time)
 
-    monkeypatch.setattr("torsion.analyses.transient.transient_motion.residual", planted)
+    monkeypatch.setattr("torsion.analyses.transient.motion_from_events.residual", planted)
     events = [{"at": "p", "load": {"law": "propeller"}}, {"at": "p", "sine": {"torque": 30, "frequency": "40 Hz"}}]
     found = pump({"duration": 3.0, "events": events})
     assert found.residual > 1e-8
