@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.output.drawn import levels, marks, plot
 
 from torsion.analyses.compare.timing import TimedQuantity, TimedRow, Timings
 from torsion.findings import Findings
@@ -114,7 +115,7 @@ def test_where_no_method_keeps_the_tolerance_the_nearest_is_named() -> None:
     assert [line[-1] for line in made.rows] == [""] * 4
     assert set(made.marks) == {""}
     (figure,) = (one for one in study.blocks(strict) if isinstance(one, Figure))
-    assert figure.values["best"] is None
+    assert plot(figure).marks == ()
 
 
 def test_methods_whose_middle_half_begins_before_that_of_the_fastest_ends_are_as_fast() -> None:
@@ -156,20 +157,24 @@ def test_an_error_is_stated_as_people_read_it(error: float, text: str) -> None:
 
 def test_the_figure_draws_every_method_with_its_quartiles() -> None:
     (figure,) = (one for one in study.blocks(TIMINGS) if isinstance(one, Figure))
-    assert (figure.name, figure.plot) == ("study-frequencies", "study")
-    values = figure.values
-    assert (values["tolerance"], values["bound"]) == (1e-3, 2e-6)
-    assert values["best"] == pytest.approx((7.6, 5e-4))
-    wanted = [
-        ("lumped", "lumped", 0, [3.8, 7.6], [3.4, 6.8], [4.2, 8.4], [0.02, 5e-4]),
-        ("fem, degree 3, dense", "fem", 3, [9.0], [7.8], [10.2], [2e-5]),
-        ("modal, static corr.", "corrected", 0, [9.5], [7.9], [11.1], [6e-4]),
-        ("exact", "exact", 0, [13.0], [11.0], [15.0], [1e-9]),
-    ]
-    for (*head, median, low, high, error), drawn in zip(wanted, values["curves"], strict=True):
-        assert list(drawn[:3]) == head
-        for numbers, stated in zip((median, low, high, error), drawn[3:], strict=True):
-            np.testing.assert_allclose(stated, numbers, rtol=1e-12)
+    assert figure.name == "study-frequencies"
+    assert levels(figure) == {"tolerance": [1e-3]}
+    (doubt,) = plot(figure).bands
+    assert (doubt.axis, doubt.high) == ("y", 2e-6)
+    assert marks(figure, "recommended") == [pytest.approx((7.6, 5e-4))]
+    wanted = {
+        "lumped": ([3.8, 7.6], [3.4, 6.8], [4.2, 8.4], [0.02, 5e-4]),
+        "fem, degree 3, dense": ([9.0], [7.8], [10.2], [2e-5]),
+        "modal, static corr.": ([9.5], [7.9], [11.1], [6e-4]),
+        "exact": ([13.0], [11.0], [15.0], [1e-9]),
+    }
+    lines = plot(figure).lines
+    assert [line.name for line in lines] == [name for word in wanted for name in (word, "")]
+    for (median, low, high, error), drawn, spread in zip(wanted.values(), lines[::2], lines[1::2], strict=True):
+        np.testing.assert_allclose(drawn.x, median, rtol=1e-12)
+        np.testing.assert_allclose(drawn.y, error, rtol=1e-12)
+        np.testing.assert_allclose(spread.x.reshape(-1, 3)[:, :2], np.column_stack([low, high]), rtol=1e-12)
+        np.testing.assert_allclose(spread.y, np.repeat(error, 3), rtol=1e-12)
 
 
 def test_the_csv_has_seconds_to_the_last_digit() -> None:

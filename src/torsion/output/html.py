@@ -8,7 +8,7 @@ from markupsafe import Markup, escape
 
 from torsion.output.blocks import Heading
 from torsion.output.document import Document, Numbered
-from torsion.output.figures.drawing import svg
+from torsion.output.drawing.svg import svg
 
 LONG_WORD = 20  # characters
 SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")

@@ -10,7 +10,9 @@ from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures import curves_over_speed
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
@@ -55,13 +57,13 @@ def shafts(findings: Findings) -> Iterator[Block]:
     drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
     for name, curve in curves.items():
         if name in drawn:
-            values = {
-                "speed": curve.speed * RPM, "synthesis": curve.stress, "bad": unreliable(findings),
-                "continuous": curve.continuous, "transient": curve.transient, "rated": rated_rpm(findings),
-                "barred": tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
-            }  # fmt: skip
             position = findings.study.train.parts.index(findings.study.train.part(name))
-            yield Figure(f"stress-{position}", f"Vibratory shear stress of {name}", "stress", values)
+            yield curves_over_speed.stress(
+                f"stress-{position}", f"Vibratory shear stress of {name}", speed=curve.speed * RPM,
+                synthesis=curve.stress, bad=unreliable(findings), continuous=curve.continuous,
+                transient=curve.transient, rated=rated_rpm(findings),
+                barred=tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
+            )  # fmt: skip
     if len(drawn) < len(curves):
         yield Paragraph(f"The {len(drawn)} most stressed of {len(curves)} shafts have a figure.")
 
@@ -151,13 +153,12 @@ def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArra
         for check in findings.need(Checks).lines
         if (check.where, check.rule, check.unit) == (mesh.name, "gear-hammer", "N m") and np.isfinite(check.limit)
     ]
-    drawn = {
-        "speed": findings.need(Response).speed * RPM, "vibratory": values * unit.factor,
-        "mean": None if mean is None else mean * unit.factor, "bad": unreliable(findings), "unit": unit.unit,
-        "limit": limits[0] * unit.factor if limits else None, "rated": rated_rpm(findings),
-        "barred": barred_rpm(findings),
-    }  # fmt: skip
-    return Figure(f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}", "gear", drawn)
+    return curves_over_speed.gear(
+        f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}",
+        speed=findings.need(Response).speed * RPM, vibratory=values * unit.factor,
+        mean=None if mean is None else mean * unit.factor, bad=unreliable(findings), unit=unit.unit,
+        limit=limits[0] * unit.factor if limits else None, rated=rated_rpm(findings), barred=barred_rpm(findings),
+    )  # fmt: skip
 
 
 def couplings(findings: Findings) -> Iterator[Block]:
