@@ -108,6 +108,8 @@ def test_stress_of_shafts_is_torque_over_the_modulus_of_their_section() -> None:
         line = figure.lines["stress (synthesis)"]
         np.testing.assert_allclose(line.y, STRESS[name], rtol=1e-13)
         np.testing.assert_allclose(line.x, SPEED * RPM, rtol=1e-13)
+        (order,) = (one for one in figure.lines.values() if one.name.startswith("order"))  # the only one, of that size
+        np.testing.assert_allclose(order.y, STRESS[name], rtol=1e-13)
         assert levels(figure) == {"rated speed": [pytest.approx(45.0 * RPM)]}
         assert plot(figure).bands == ()
         assert not any("limit" in name for name in figure.lines)

@@ -7,9 +7,10 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
+from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
@@ -17,18 +18,20 @@ from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
     barred_rpm,
+    harmonic_name,
     orders_together,
     rated_rpm,
     responds,
     synthesis,
     unreliable,
 )
-from torsion.output.selection import Element, damps, elements, highest, largest, torques, worst
+from torsion.output.selection import Element, damps, elements, highest, largest, strongest, torques, worst
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12  # of shafts
+MOST_ORDERS = 8  # in one figure
 LIMITS = "| τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]"
 
 
@@ -38,6 +41,7 @@ class Curves:
 
     speed: FloatArray  # (speeds,) rad/s
     stress: FloatArray  # (speeds,) NaN where the response has no reliable value
+    orders: FloatArray  # (speeds, lines) the same of single orders
     continuous: FloatArray | None = None  # (speeds,)
     transient: FloatArray | None = None
 
@@ -61,6 +65,10 @@ def shafts(findings: Findings) -> Iterator[Block]:
             yield curves_over_speed.stress(
                 f"stress-{position}", f"Vibratory shear stress of {name}", speed=curve.speed * RPM,
                 synthesis=curve.stress, bad=unreliable(findings), continuous=curve.continuous,
+                lines=[
+                    (harmonic_name(findings.need(Response), k, "order "), curve.orders[:, k])
+                    for k in strongest(curve.orders, MOST_ORDERS)
+                ],
                 transient=curve.transient, rated=rated_rpm(findings),
                 barred=tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
             )  # fmt: skip
@@ -72,17 +80,25 @@ def _curves(findings: Findings, bar: Bar) -> Curves:
     """With the rule's own limits, where the rule is named and the shaft has a role."""
     bad = unreliable(findings)
     if any(rule == "iacs-m68" for rule, _ in findings.study.rules):
-        from torsion.rules.m68 import limits
+        from torsion.rules.m68 import limits, section
 
         try:
             speed, continuous, transient, stress = limits(findings, bar.name)
-            return Curves(speed, np.where(bad, np.nan, stress), continuous, transient)
+            orders = _orders(findings, *section(findings, bar.name))
+            return Curves(speed, np.where(bad, np.nan, stress), orders, continuous, transient)
         except KeyError:
             pass
     spans = [k for k, span in enumerate(findings.system.spans) if span.part == bar.part]
     modulus = next(stress_modulus(own) for own in findings.system.train.bars if own.part == bar.part)
     stress = findings.need(Synthesis).half_range[:, spans].max(axis=1) / modulus * PA
-    return Curves(findings.need(Response).speed, np.where(bad, np.nan, stress))
+    return Curves(findings.need(Response).speed, np.where(bad, np.nan, stress), _orders(findings, spans, modulus))
+
+
+def _orders(findings: Findings, spans: IntArray | list[int], modulus: FloatArray | float) -> FloatArray:
+    """(speeds, lines) N/mm2: stress amplitude of every order alone, the largest of the spans; NaN where not known."""
+    response = findings.need(Response)
+    stress = (np.abs(response.torque[:, :, spans]) / modulus).max(axis=2) * PA
+    return np.where(response.status == Status.OK, stress, np.nan)
 
 
 def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:

@@ -20,6 +20,7 @@ from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
     barred_rpm,
+    harmonic_name,
     joint_model,
     orders_together,
     rated_rpm,
@@ -134,7 +135,7 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
             continue
         both = (unit.text(float(values[at, span])) for values in (made.rms, made.bound))
         rows.append((
-            element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _line(response, line),
+            element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), harmonic_name(response, line),
             unit.text(float(parts[at, line])), *both, steady,
         ))  # fmt: skip
     together = orders_together(findings)
@@ -146,12 +147,6 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
         f"Largest vibratory torque of every element over the speed range, {together}",
         short=f"Largest vibratory torque, {together}",
     )
-
-
-def _line(response: Response, index: int, word: str = "") -> str:
-    """'2' of an order, behind a word where one is given, or '40 Hz'."""
-    line = response.lines[index]
-    return f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
 
 
 def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Table:
@@ -220,7 +215,7 @@ def _angles(findings: Findings, response: Response) -> Table:
         speed, line = divmod(at, size.shape[1])
         angle = float(size[speed, line])
         rows.append((
-            name, degrees(angle), number(angle), _line(response, line), rpm(float(response.speed[speed])),
+            name, degrees(angle), number(angle), harmonic_name(response, line), rpm(float(response.speed[speed])),
             number(angle * float(response.frequency[speed, line]) * 60.0),
         ))  # fmt: skip
     return table(
@@ -241,7 +236,7 @@ def _figure(findings: Findings, element: Element) -> Figure:
     ratings = findings.study.train.parts[element.part].ratings
     limit = None if ratings is None else ratings.vibratory_torque
     unit = torques([parts])
-    lines = [(_line(response, k, "order "), parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]
+    lines = [(harmonic_name(response, k, "order "), parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]
     rest = (
         f" (the {len(lines)} strongest of {parts.shape[1]} harmonic components)" if len(lines) < parts.shape[1] else ""
     )
