@@ -1,6 +1,5 @@
 """The report as one self-contained HTML page: style and figures are in the page, which prints on A4."""
 
-import re
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -9,9 +8,9 @@ from markupsafe import Markup, escape
 from torsion.output.blocks import Heading
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.svg import svg
+from torsion.output.drawing.text import SUBSCRIPT
 
 LONG_WORD = 20  # characters
-SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")
 
 
 def html(document: Document) -> str:

@@ -1,5 +1,7 @@
 """Curves as SVG paths in tenths of px: broken where there is no value, and without points that nobody can see."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
@@ -66,5 +68,15 @@ def _piece(x: IntArray, y: IntArray) -> str:
     turns[:-1] |= (across[:-1] * across[1:] < 0) | (down[:-1] * down[1:] < 0)
     ends = np.flatnonzero(turns)
     steps = [np.diff(np.concatenate([[0], np.cumsum(one)[ends]])) for one in (across, down)]
-    words = " ".join(map(str, np.column_stack(steps).ravel().tolist())).replace(" -", "-")
-    return f"M{x[0]} {y[0]}l{words}"
+    return outline([(int(x[0]), int(y[0])), *np.column_stack(steps).tolist()])
+
+
+def outline(start_and_steps: Sequence[Sequence[int]]) -> str:
+    """A path from a place by steps, in as few signs as there can be.
+
+    >>> outline([(10, 20), (5, -3), (-1, 0)])
+    'M10 20l5-3-1 0'
+    """
+    (x, y), *steps = start_and_steps
+    words = " ".join(str(one) for step in steps for one in step).replace(" -", "-")
+    return f"M{x} {y}l{words}"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.output.drawing.curves import outline
 from torsion.output.drawing.frame import MIDDLE, WIDTH
 from torsion.output.drawing.pens import COLOURS, INK, Stroke
 from torsion.output.drawing.text import shown, words
@@ -55,12 +56,13 @@ class Sheet:
         self.drawn.setdefault(look, []).append(self._path(points) + "z")
 
     def _path(self, points: Points) -> str:
-        return "M" + "L".join("{:.1f} {:.1f}".format(*self.at(x, y)) for x, y in points)
+        places = np.rint([[10.0 * one for one in self.at(x, y)] for x, y in points]).astype(np.int64)
+        return outline([places[0].tolist(), *np.diff(places, axis=0).tolist()])
 
     def elements(self) -> list[str]:
         """From the farthest to the nearest."""
         return [
-            f'<path d="{"".join(paths)}" fill="{look.fill}" {look.stroke.attributes()}/>'
+            f'<path d="{"".join(paths)}" fill="{look.fill}" {look.stroke.attributes(10.0)}/>'
             for look, paths in sorted(self.drawn.items(), key=lambda item: item[0].near)
         ]
 
@@ -84,8 +86,8 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
     ends = [room_[1] for room_ in room.taken] + [sheet.at(0, _y(min(rows)) + LETTERS)[1]]
     feet = [room_[3] for room_ in room.taken] + [sheet.at(0, _y(max(rows)) - LETTERS)[1]]
     upper, lower = min(ends) - 3.0, max(feet) + 3.0
-    body = f'<g font-size="{SIZE:g}">{"".join([*sheet.elements(), *texts])}</g>'
-    return lower - upper, f'<g transform="translate(0 {shown(top - upper)})">{body}</g>'
+    body = f'<g transform="scale(.1)">{"".join(sheet.elements())}</g><g font-size="{SIZE:g}">{"".join(texts)}</g>'
+    return lower - upper, f'<g class="sketch" transform="translate(0 {shown(top - upper)})">{body}</g>'
 
 
 def _y(row: float) -> float:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
+from torsion.output.drawing.curves import outline
 from torsion.output.drawing.frame import MIDDLE, WIDTH
 from torsion.output.drawing.pens import COLOURS, INK, Stroke
 from torsion.output.drawing.text import HALO, shown, words
@@ -100,12 +101,11 @@ def _sides(surface: Twisted, corners: FloatArray, flat: IntArray) -> list[str]:
     points = np.stack([flat[here], flat[here][:, along], flat[here + 1][:, along], flat[here + 1]], axis=2)
     for row, corner in zip(look.tolist(), points.tolist(), strict=True):
         for side in sorted((k for k in range(AROUND) if row[k] >= 0), key=row.__getitem__):
-            (x0, y0), *others = corner[side]
-            outline = f"M{x0} {y0}" + "".join(f"L{x} {y}" for x, y in others) + "z"
-            if grouped and grouped[-1][0] == row[side]:
-                grouped[-1][1].append(outline)
-            else:
-                grouped.append((row[side], [outline]))
+            a, b, c, d = corner[side]
+            steps = [(there[0] - here[0], there[1] - here[1]) for here, there in ((a, b), (b, c), (c, d))]
+            if not grouped or grouped[-1][0] != row[side]:
+                grouped.append((row[side], []))
+            grouped[-1][1].append(outline([a, *steps]) + "z")
     paths = [f'<path d="{"".join(lines)}" {_paint(colour)}/>' for colour, lines in grouped]
     return ['<g transform="scale(.1)" stroke-width="3" stroke-linejoin="round">', *paths, "</g>"]
 
