@@ -97,7 +97,8 @@ def _band(frame: Frame, band: Band) -> str:
     area_ = f'<rect x="{box[0]}" y="{box[1]}" width="{box[2] - box[0]}" height="{box[3] - box[1]}" fill="{fill}"/>'
     lines = hatching(box, apart, sign)
     inside = f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>' if colour else ""
-    return f'<g class="{band.kind.replace(" ", "-")}">{_tip(band.name)}{area_}{inside}</g>'
+    named = f'class="{band.kind.replace(" ", "-")}" data-name="{clean(plain(band.name))}"'
+    return f"<g {named}>{_tip(band.name)}{area_}{inside}</g>"
 
 
 def hatching(box: tuple[float, float, float, float], apart: float, sign: int) -> str:
@@ -118,7 +119,8 @@ def _level(frame: Frame, level: Level) -> str:
     across = level.axis == "x"
     at = round(TENTH * float((frame.across if across else frame.down)(level.value)))
     line = f"M{at} 0v{round(TENTH * frame.high)}" if across else f"M0 {at}h{round(TENTH * frame.wide)}"
-    return f'<path d="{line}" {stroke(level.pen).attributes(TENTH)}/>'
+    named = f' data-name="{clean(plain(level.name))}"' if level.name else ""
+    return f'<path{named} d="{line}" {stroke(level.pen).attributes(TENTH)}/>'
 
 
 def _line(frame: Frame, line: Line) -> str:
@@ -140,13 +142,14 @@ def _marks(frame: Frame, marks: Marks, room: Room) -> str:
     on = (x >= -1) & (x <= frame.wide + 1) & (y >= -1) & (y <= frame.high + 1)
     for across, down in zip(x[on].tolist(), y[on].tolist(), strict=True):
         room.taken.append((across - 4, down - 4, across + 4, down + 4))
+    named = f' data-name="{clean(plain(marks.name))}"' if marks.name else ""
     if not marks.words:
-        return f'<g transform="scale(.1)">{symbols(marks.symbol, marks.pen, TENTH * x[on], TENTH * y[on])}</g>'
+        return f'<g{named} transform="scale(.1)">{symbols(marks.symbol, marks.pen, TENTH * x[on], TENTH * y[on])}</g>'
     each = [
         f"<g>{_tip(marks.words[k])}{symbols(marks.symbol, marks.pen, TENTH * x[k : k + 1], TENTH * y[k : k + 1])}</g>"
         for k in np.flatnonzero(on).tolist()
     ]
-    return f'<g transform="scale(.1)">{"".join(each)}</g>'
+    return f'<g{named} transform="scale(.1)">{"".join(each)}</g>'
 
 
 def _labels(frame: Frame, room: Room) -> Iterator[str]:

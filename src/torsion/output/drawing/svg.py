@@ -21,6 +21,11 @@ Keyed = Line | Level | Band | Marks
 
 def svg(figure: Figure) -> str:
     """The element; the same figure gives the same text."""
+    return framed(figure)[0]
+
+
+def framed(figure: Figure) -> tuple[str, list[Frame]]:
+    """The element, and where its plots stand in it."""
     pieces, frames, foot = list[str](), list[Frame](), 0.0
     for panel, has_numbers in _panels(figure):
         match panel:
@@ -44,7 +49,8 @@ def svg(figure: Figure) -> str:
         f'aria-label="{clean(plain(figure.caption))}" font-family="{FONTS}">'
     )
     paper = f'<rect class="paper" width="{shown(WIDTH)}" height="{shown(foot)}" fill="#ffffff"/>'
-    return "".join([head, f"<desc>{clean(plain(description(figure)))}</desc>", paper, *pieces, *key, "</svg>"])
+    text = "".join([head, f"<desc>{clean(plain(description(figure)))}</desc>", paper, *pieces, *key, "</svg>"])
+    return text, frames
 
 
 def description(figure: Figure) -> str:
@@ -98,7 +104,7 @@ def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
         need = long + 5 + GROWTH * width(plain(name)) + 12
         if x + need > WIDTH and x > frames[0].left:
             x, y = frames[0].left, y + KEY_ROW
-        at = f'<g transform="translate({shown(x)} {shown(y)})">'
+        at = f'<g data-name="{clean(plain(name))}" transform="translate({shown(x)} {shown(y)})">'
         made.append(f"{at}{sample}{words(long + 5, 3.7, name)}</g>")
         x += need
     return [*made, "</g>"], y + 9.0
