@@ -1,17 +1,17 @@
 """The page of the study of accuracy: figures, the best methods by tolerance, and the verdicts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from benchmarks.accuracy_methods import PEER
 from benchmarks.page_file import verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.compare.timing import TimedRow, fastest, unbeaten
+from torsion.output.drawing.svg import svg
 from torsion.output.figures.error_curves import error_over_time
-from torsion.output.figures.style import page, plots
+from torsion.output.figures.figure import Axis, Figure
 from torsion.output.run_time_study import cells, curves
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
@@ -70,16 +70,13 @@ def figure_name(study: Study) -> str:
 
 def figure(study: Study) -> str:
     """SVG: error over time of both quantities, one curve a method."""
-    return page(study.name, _curves, study=study)
-
-
-def _curves(sheet: Figure, study: Study) -> None:
-    upper, lower = plots(sheet, 6.6, 2, sharex=True)
-    for axes, rows, what in ((upper, study.modes, "ten frequencies"), (lower, study.torques, "torque at mid-shaft")):
-        error_over_time(axes, curves(rows))
-        axes.set_ylabel(f"{what}, largest error")
-    lower.set_xlabel("assembly and solution, ms (median)")
-    sheet.align_ylabels()
+    x = Axis("assembly and solution (median)", "ms", is_log=True)
+    both = ((study.modes, "ten frequencies"), (study.torques, "torque at mid-shaft"))
+    panels = tuple(error_over_time(x, f"{what}, largest error", curves(rows)) for rows, what in both)
+    times = [line.x for panel in panels for line in panel.lines]
+    ends = min(float(np.nanmin(one)) for one in times), max(float(np.nanmax(one)) for one in times)
+    x = Axis(x.quantity, x.unit, ends[0] / 1.5, ends[1] * 1.5, is_log=True)
+    return svg(Figure(study.name, study.name, tuple(replace(panel, x=x) for panel in panels)))
 
 
 def _reading(study: Study) -> str:

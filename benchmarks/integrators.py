@@ -10,7 +10,6 @@ from time import perf_counter, process_time
 
 import mpmath as mp
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
 from benchmarks.integrator_methods import METHODS, quality, stable_to
@@ -29,8 +28,9 @@ from torsion.components.disc import Disc
 from torsion.components.shaft import Shaft
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
 from torsion.kernels.transient.integrator_methods import marching
-from torsion.output.figures.error_curves import error_axis
-from torsion.output.figures.style import COLOURS, page, plots
+from torsion.output.drawing.svg import svg
+from torsion.output.figures.error_curves import SYMBOLS
+from torsion.output.figures.figure import Axis, Figure, Line, Panel
 from torsion.study import Study
 from torsion.train import train
 
@@ -96,7 +96,7 @@ def main() -> None:
         head = ("method", "step or tolerance", "time, s", "error")
         parts += [f"## {case.name}", about, f"![{case.name}]({_file(case)})", table(head, cells)]
     parts += ["## Size", _sizes(), "## What it was to show", _verdicts(found)]
-    figures = {_file(case): page(case.name, _drawn, measured=measured) for case, measured in found.items()}
+    figures = {_file(case): _drawn(case.name, measured) for case, measured in found.items()}
     report.publish("Integration over time: error against run time", parts, figures)
 
 
@@ -353,19 +353,16 @@ def _file(case: Case) -> str:
     return f"integrators_{case.name.lower().replace(' ', '_')}.svg"
 
 
-def _drawn(sheet: Figure, measured: Sequence[Row]) -> None:
-    (axes,) = plots(sheet, 4.6, 1)
-    marks = "osv^D<>pPX*hd"
-    for place, name in enumerate(dict.fromkeys(row.method for row in measured)):
-        own = [row for row in measured if row.method == name and row.error < 10.0]
-        pen = {"color": COLOURS[place % len(COLOURS)], "marker": marks[place % len(marks)], "markersize": 4}
-        axes.plot(
-            [row.seconds for row in own], [max(row.error, 1e-16) for row in own], label=name, linewidth=0.9, **pen
-        )
-    axes.set_xscale("log")
-    error_axis(axes, 1e-16, 10.0)
-    axes.set_xlabel("run time, s of one processor")
-    axes.set_ylabel("largest error of a torque, of its peak")
+def _drawn(name: str, measured: Sequence[Row]) -> str:
+    """SVG: error over run time, one curve a method."""
+    lines = []
+    for pen, method in enumerate(dict.fromkeys(row.method for row in measured)):
+        own = [row for row in measured if row.method == method and row.error < 10.0]
+        time, error = np.array([(row.seconds, max(row.error, 1e-16)) for row in own]).reshape(-1, 2).T
+        lines.append(Line(method, time, error, pen, symbol=SYMBOLS[pen % len(SYMBOLS)]))
+    x = Axis("run time", "s of one processor", is_log=True)
+    y = Axis("largest error of a torque, of its peak", "", 1e-16, 10.0, is_log=True, is_error=True)
+    return svg(Figure(name, name, (Panel(x, y, tuple(lines), height=340.0),)))
 
 
 if __name__ == "__main__":

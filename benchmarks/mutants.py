@@ -33,7 +33,7 @@ PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that sho
     "output/terminal.py": (FROZEN, "tests/output"),
     "output/chapters": (FROZEN, "tests/output"),
 }
-DRAWN = ("output/figures", "output/surface", "output/chapters/twisted_train")  # pictures
+DRAWN = ("output/drawing", "output/figures", "output/surface", "output/chapters/twisted_train")  # pictures
 OPERATORS: dict[type[ast.operator], tuple[str, str]] = {
     ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"),
 }  # fmt: skip

@@ -2,19 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from benchmarks.papers.writing import table
-from torsion.output.figures.error_curves import error_axis
-from torsion.output.figures.style import BAD, COLOURS, page, plots
+from torsion.output.drawing.svg import svg
+from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
 
 ROUNDING = 2.0**-53  # a smaller error is drawn here
 USEFUL = 1e-6  # the error beyond which a method has ended
-DECADES = 10  # on the axis of the parameter, at most
 HIGHEST = 1e3  # errors are drawn up to here
 
 
@@ -87,13 +83,12 @@ def _is_ours(method: str) -> bool:
     return method.startswith("torsion")
 
 
-def _pen(method: str) -> dict[str, Any]:
-    """A method keeps its colour from figure to figure."""
+def _pen(method: str) -> int:
+    """A method keeps its pen from figure to figure."""
     if _is_ours(method):
-        return {"color": COLOURS[4 if "plain" in method else 0], "linewidth": 1.6}
-    families = {"openTorsion": (1, "-"), "scipy": (3, "-."), "textbook": (6, "-")}
-    colour, dashes = next((pen for start, pen in families.items() if method.startswith(start)), (2, "--"))
-    return {"color": COLOURS[colour], "linestyle": dashes}
+        return 4 if "plain" in method else 0
+    families = {"openTorsion": 1, "scipy": 3, "textbook": 6}
+    return next((pen for start, pen in families.items() if method.startswith(start)), 2)
 
 
 def _size(error: float) -> str:
@@ -114,28 +109,21 @@ def ends_table(sweep: Sweep) -> str:
 
 def figure(sweep: Sweep) -> str:
     """SVG: error over the parameter, one curve a method; crosses at the top are answers that failed."""
-    return page(sweep.name, _curves, sweep=sweep)
-
-
-def _curves(sheet: Figure, sweep: Sweep) -> None:
-    (axes,) = plots(sheet, 3.5)
-    at = sorted({point.at for points in sweep.points.values() for point in points})
+    lines, marks = [], []
     for rank, (method, points) in enumerate(sweep.points.items()):
-        pen = _pen(method)
         known = [point for point in points if np.isfinite(point.error)]
         values = [min(max(point.error, ROUNDING), HIGHEST) for point in known]
-        axes.plot([point.at for point in known], values, marker=".", label=method, zorder=4 - 0.1 * rank, **pen)
-        failed = [point.at for point in points if not np.isfinite(point.error)]
-        axes.plot(failed, [HIGHEST / 2 ** (rank + 1)] * len(failed), "x", color=pen["color"], zorder=5)
+        at = np.array([point.at for point in known])
+        weight = 1.3 if _is_ours(method) else 1.0
+        lines.append(Line(method, at, np.array(values), _pen(method), symbol="dot", weight=weight))
+        failed = np.array([point.at for point in points if not np.isfinite(point.error)])
+        high = np.full(failed.size, HIGHEST / 2 ** (rank + 1))
+        marks.append(Marks("no answer", failed, high, "cross", _pen(method)))
     if sweep.limit:
-        axes.plot(*zip(*sweep.limit, strict=True), color=BAD, linewidth=1.4, linestyle=(0, (1, 2)),
-                  label="what the next double of the frequency changes")  # fmt: skip
-    axes.set_xscale("log")
-    error_axis(axes, ROUNDING / 3, HIGHEST * 2)
-    if sweep.points and next(iter(sweep.points.values()))[0].at > at[0]:
-        axes.invert_xaxis()
-    axes.xaxis.set_major_locator(LogLocator(numticks=DECADES))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlabel(sweep.along)
-    axes.set_ylabel("largest relative error")
+        at, error = np.array(sweep.limit).T
+        lines.append(Line("what the next double of the frequency changes", at, error, "limit"))
+    every = [point.at for points in sweep.points.values() for point in points]
+    back = bool(every) and next(iter(sweep.points.values()))[0].at > min(every)
+    x = Axis(sweep.along, "", min(every, default=1.0), max(every, default=10.0), is_log=True, is_reversed=back)
+    y = Axis("largest relative error", "", ROUNDING / 3, HIGHEST * 2, is_log=True, is_error=True)
+    return svg(Figure(sweep.name, sweep.title, (Panel(x, y, tuple(lines), marks=tuple(marks), height=260.0),)))

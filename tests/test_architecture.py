@@ -25,7 +25,7 @@ DOORS = {
     "pint": ("units.py",),
     "skfem": ("assembly/", "analyses/lateral/"),
     "meshio": ("assembly/section/section_mesh.py", "output/surface/vtu.py"),
-    "matplotlib": ("output/figures/",),
+    "matplotlib": (),
     "jinja2": ("output/",),
     "typst": ("output/",),
     "typer": ("cli.py",),

@@ -80,7 +80,8 @@ def test_matrices_of_a_train_without_speeds_tell_that_none_matters(tmp_path: Pat
 @pytest.mark.parametrize(
     "words",
     [
-        ("solve", "--pdf"), ("solve", "--vtu"), ("solve", "-o", "x"), ("solve", "--matrices", "m.npz"),
+        ("solve", "--pdf"), ("solve", "--vtu"), ("solve", "--csv"), ("solve", "-o", "x"),
+        ("solve", "--matrices", "m.npz"),
         ("joint", "-o", "x"), ("check", "-o", "x"), ("study", "-o", "x"),
     ],
 )  # fmt: skip

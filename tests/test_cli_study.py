@@ -43,7 +43,7 @@ def test_the_study_is_printed_and_written(scene: Path, tmp_path: Path) -> None:
     assert "For 0.1 % up to 300 Hz:" in done.output
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == FILES
     page = (tmp_path / "out" / "study.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 2
+    assert page.count("<figure") == 2
     stated = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
     rows = list(csv.DictReader((tmp_path / "out" / "study.csv").read_text(encoding="utf-8").splitlines()))
     assert len(rows) == sum(len(one["rows"]) for one in stated["quantities"])

@@ -133,9 +133,7 @@ def _angles() -> Picture:
         ("single, least", sizes.min(axis=1)),
         ("twin", tripod.constant_velocity_couple(np.radians(degrees), TORQUE)),
     ]
-    svg = curves(
-        "chang_li_tripod_fig_6", degrees, "joint angle g, degrees", [Panel("M1, N m", lines)], height=3, step=5
-    )
+    svg = curves("chang_li_tripod_fig_6", degrees, "joint angle g, degrees", [Panel("M1, N m", lines)], height=3)
     words = "Figure 6: couple over the joint angle; the twin bearing's is `Ti tan(g/2)`, a straight line but for 4 %."
     return Picture("chang_li_tripod_fig_6", words, svg)
 

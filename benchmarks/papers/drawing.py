@@ -4,15 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.output.figures.style import INK, page, pens, plots
+from torsion.output.drawing.svg import svg
+from torsion.output.figures import figure
+from torsion.output.figures.figure import Axis, Figure, Line, Marks
 
 Array = NDArray[np.float64]
-ROUNDING = 1e-9  # relative: a smaller range is a level line
 DRAWN = 8  # digits: the file is the same wherever it is drawn
+INCH = 96.0  # px
 
 
 @dataclass(frozen=True)
@@ -25,35 +25,20 @@ class Panel:
     dots: Sequence[tuple[str, ArrayLike, ArrayLike]] = field(default=())
 
 
-def curves(name: str, x: Array, along: str, panels: Sequence[Panel], *, height: float = 1.9, step: float = 45) -> str:
-    """SVG of lines over x, ticks of x every `step`; a line keeps its pen from panel to panel."""
-    return page(name, _curves, x=x, along=along, panels=panels, height=height, step=step)
-
-
-def _curves(sheet: Figure, *, x: Array, along: str, panels: Sequence[Panel], height: float, step: float) -> None:
+def curves(name: str, x: Array, along: str, panels: Sequence[Panel], *, height: float = 1.9) -> str:
+    """SVG of lines over x; a line keeps its pen from panel to panel. height: of a panel, inch."""
     labels = list(dict.fromkeys(label for panel in panels for label, _ in panel.lines))
-    drawn = dict(zip(labels, pens(len(labels)), strict=True))
-    every = plots(sheet, 0.7 + height * len(panels), len(panels), sharex=True)
-    for axes, panel in zip(every, panels, strict=True):
-        for label, values in panel.lines:
-            axes.plot(x, np.broadcast_to(np.round(values, DRAWN), x.shape), label=label, **drawn[label])
-        for place, value, words in panel.marks:
-            axes.plot(place, value, "o", color=INK, zorder=5)
-            above = all(value >= np.max(values) * (1.0 - ROUNDING) for _, values in panel.lines)
-            axes.annotate(words, (place, value), (9, 5 if above else -6), textcoords="offset points")
-        for label, places, values in panel.dots:
-            axes.plot(places, np.round(values, DRAWN), ".", color=INK, label=label, zorder=5)
-        _level(axes)
-        axes.set_ylabel(panel.axis)
-    last = every[-1]
-    last.set_xlim(float(x[0]), float(x[-1]))
-    last.set_xticks(np.arange(step * np.ceil(x[0] / step), float(x[-1]) + 1e-6 * step, step))
-    last.set_xlabel(along)
-    sheet.align_ylabels()
+    unit = "deg" if along.endswith(", degrees") else ""
+    axis = Axis(along.removesuffix(", degrees"), unit, float(x[0]), float(x[-1]))
+    return svg(Figure(name, name.replace("_", " "), tuple(_panel(panel, x, axis, labels, height) for panel in panels)))
 
 
-def _level(axes: Axes) -> None:
-    """Keep rounding from filling a plot whose values do not vary."""
-    low, high = axes.dataLim.intervaly
-    if high - low <= ROUNDING * max(abs(low), abs(high)):
-        axes.set_ylim(low - 0.05 * abs(low) - 1e-3, high + 0.05 * abs(high) + 1e-3)
+def _panel(panel: Panel, x: Array, axis: Axis, labels: list[str], height: float) -> figure.Panel:
+    lines = tuple(
+        Line(label, x, np.broadcast_to(np.round(np.asarray(values, dtype=float), DRAWN), x.shape), labels.index(label))
+        for label, values in panel.lines
+    )
+    marks = [Marks("", *(np.array([one]) for one in place), labels=(words,)) for *place, words in panel.marks]
+    for label, *places in panel.dots:
+        marks.append(Marks(label, *(np.round(np.asarray(one, dtype=float), DRAWN) for one in places), "dot"))
+    return figure.Panel(axis, Axis(panel.axis), lines, marks=tuple(marks), height=INCH * height - 30.0)

@@ -156,7 +156,7 @@ def _histories() -> Picture:
         Panel("front bearing y, µm", [(name, 1e6 * run(name)[8, :number]) for name in LINES]),
         Panel("front bearing z, µm", [(name, 1e6 * run(name)[9, :number]) for name in LINES]),
     ]
-    svg = curves("liu_2023_section_3_fig_9", times, "time, s", panels, height=1.5, step=0.1)
+    svg = curves("liu_2023_section_3_fig_9", times, "time, s", panels, height=1.5)
     words = (
         "Figure 9, in kind: the torque comes on at once, the shafts ring, the bearings settle on a motion at twice the "
         "speed about a displacement in y. The rear yoke (driving yoke of the rear joint) also turns unevenly by the "
@@ -173,7 +173,7 @@ def _spectra() -> Picture:
         scale = 1e6 if row >= 8 else 1.0
         found = {name: scale * spectrum(run(name)[row])[1][: HIGHEST + 1] for name in LINES}
         panels.append(Panel(f"log10 {axis}", [(name, np.log10(size)) for name, size in found.items()]))
-    svg = curves("liu_2023_section_3_fig_10", at, "frequency, Hz", panels, height=2.2, step=50)
+    svg = curves("liu_2023_section_3_fig_10", at, "frequency, Hz", panels, height=2.2)
     words = (
         f"Figure 10, in kind: amplitudes over {LAST:g} s, logarithms. The lines at {STIFF.speed / np.pi:.1f} Hz are "
         "the joints', twice the speed, and stay where they are; those of the shafts move down by √2 "

@@ -213,7 +213,7 @@ def _amplitudes() -> Picture:
             ("section torque, N m", "torque", 1, (1, 4)),
         )
     )
-    svg = curves("pump_lumped_amplitudes", frequencies, "frequency, Hz", [angles, torques], height=2.4, step=20)
+    svg = curves("pump_lumped_amplitudes", frequencies, "frequency, Hz", [angles, torques], height=2.4)
     words = "Amplitudes over frequency, half range: the program's curves and points of (15)."
     return Picture("pump_lumped_amplitudes", words, svg)
 

@@ -219,7 +219,7 @@ def _sweeps() -> Picture:
         exact = [("exact motion", [SPEED[gear]], [driveline(gear, f).exact["gearbox output"]]) for f in FRICTION]
         measured = [(float(SPEED[gear]), float(OUTPUT[friction][gear]), friction) for friction in FRICTION if gear < 6]
         panels.append(Panel(f"gear {gear}, rpm", lines, measured, exact))
-    svg = curves("shafting_truck", driveline(3, "before").speed, "engine speed, rpm", panels, step=200)
+    svg = curves("shafting_truck", driveline(3, "before").speed, "engine speed, rpm", panels)
     words = (
         "Gearbox output at order 2: curves by harmonic balance, dots by exact motion at the article's speed, labelled "
         "circles the article's figures before and after."

@@ -192,7 +192,7 @@ def _figures(*, damped: bool) -> Picture:
         Panel("alpha, rad, at 25.9 rad/s", [("alpha", fast[0])]),
         Panel("alpha, rad, at 26.2 rad/s", [("alpha", slow_at)]),
     ]
-    svg = curves(name, times, "time, s", panels, step=5)
+    svg = curves(name, times, "time, s", panels)
     words = (
         f"Figures {numbers[0]} and {numbers[1]}: motion from rest with C = {'1e-3 N s/m' if damped else '0'}. At 25.9 "
         "rad/s it grows until the exact equations, drawn here, hold it at some 0.3 rad (the linear ones leave every "
@@ -213,7 +213,7 @@ def _growth_over_speed() -> Picture:
         ("(8) without E2", growth(SHAFT, at, NO_CIRCULATION).rate),
     ]
     marks = [(one.worst, one.rate, one.kind) for one in every_zone()]
-    svg = curves("zhu_wang_growth", at, "speed, rad/s", [Panel("growth, 1/s", lines, marks)], height=2.6, step=5)
+    svg = curves("zhu_wang_growth", at, "speed, rad/s", [Panel("growth, 1/s", lines, marks)], height=2.6)
     words = (
         "Growth with C = 1e-3 N s/m. The constant part E2, which the first order drops, widens the sum zone and makes "
         "the difference zone."
@@ -227,7 +227,7 @@ def _response() -> Picture:
     size = np.abs(found.angle[:, :, 1])
     size[np.array(found.status) != "ok"] = np.nan
     panels = [Panel("log10 amplitude, rad", [("alpha", np.log10(size[:, 0])), ("beta", np.log10(size[:, 1]))])]
-    svg = curves("zhu_wang_response", at, "speed, rad/s", panels, height=2.6, step=5)
+    svg = curves("zhu_wang_response", at, "speed, rad/s", panels, height=2.6)
     halves = natural_frequencies(SHAFT).frequency[0] / 2.0
     words = (
         "Periodic answer of the linear equations to the couple at order 2, C = 1e-3 N s/m; no line where it is "

@@ -42,6 +42,7 @@ def solve(
     vtu: Annotated[
         bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
     ] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="Write the numbers of every figure as CSV too.")] = False,
     memory: Annotated[
         str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
     ] = None,
@@ -53,8 +54,8 @@ def solve(
     """
     from torsion import commands
 
-    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
-    also, solved = commands.outputs(pdf=pdf, vtu=vtu), partial(commands.solved, file, memory=memory)
+    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--matrices": matrices, "-o": out})
+    also, solved = commands.outputs(pdf=pdf, vtu=vtu, figures=csv), partial(commands.solved, file, memory=memory)
     _report("solve", file, out, solved, also, as_json=json, matrices=matrices)
 
 

@@ -16,8 +16,9 @@ import numpy as np
 from rich.console import Console
 
 from torsion.findings import Findings
-from torsion.output.blocks import Figure, Heading
+from torsion.output.blocks import Heading
 from torsion.output.document import Document, document
+from torsion.output.figures.figure import Figure
 from torsion.output.renderers import OUTPUTS
 from torsion.output.results_json import results
 
@@ -67,7 +68,7 @@ def of_pages(findings: Findings) -> dict[str, dict[str, str]]:
         if chapter.lower() not in LEFT_OUT:
             blocks = found.setdefault(chapter, {})
             name = getattr(block, "caption", "") or type(block).__name__
-            blocks[f"{len(blocks)} {name}"] = digest(block.values if isinstance(block, Figure) else asdict(block))
+            blocks[f"{len(blocks)} {name}"] = digest(block.panels if isinstance(block, Figure) else asdict(block))
     if findings.results.get("check") is None:
         found["terminal"] = {"all": digest(terminal(whole))}
     made = {key: one for key, one in results(findings).items() if key not in LEFT_OUT}

@@ -2,12 +2,17 @@
 
 import json
 from itertools import zip_longest
+from xml.etree import ElementTree
 
 import pytest
 from tests.contracts.frozen import FILE, PAGES, SCENES, of_scene, of_trains
 from tests.contracts.frozen_pages import of_pages
 
 import torsion
+from torsion.findings import Findings
+from torsion.output.document import document
+from torsion.output.drawing.svg import svg
+from torsion.output.figures.figure import Figure
 
 KNOWN, KNOWN_PAGES = (json.loads(file.read_text(encoding="utf-8")) for file in (FILE, PAGES))
 
@@ -36,6 +41,18 @@ def test_digits_and_pages_of_a_scene_are_the_frozen_ones(scene: str) -> None:
         if digest != before
     ]
     assert not changed, f"changed: {changed}; where that is meant, `python -m tests.contracts.frozen`"
+    _drawn(found)
+
+
+def _drawn(found: Findings) -> None:
+    """Every figure of a scene is an element with all its lines and a name that no other has."""
+    figures = [item.block for item in document(found).body if isinstance(item.block, Figure)]
+    assert len({figure.name for figure in figures}) == len(figures)
+    for figure in figures:
+        root = ElementTree.fromstring(svg(figure))
+        lines = [one for one in root.iter("{http://www.w3.org/2000/svg}g") if one.get("class") == "line"]
+        assert len(lines) == sum(len(plot.lines) for plot in figure.plots)
+        assert "nan" not in {word for one in root.iter() for value in one.attrib.values() for word in value.split()}
 
 
 def test_digits_of_random_trains_are_the_frozen_ones() -> None:

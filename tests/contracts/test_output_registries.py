@@ -5,7 +5,6 @@ from importlib import import_module
 import pytest
 
 from torsion.analyses import ANALYSES
-from torsion.output.figures.drawing import PLOTS
 from torsion.output.renderers import OUTPUTS
 from torsion.output.reports import REPORTS
 
@@ -16,7 +15,7 @@ CHAPTERS = [
 PLACES = [
     *(f"torsion.output.chapters.{name}" if ":" in name else f"torsion.output.chapters.{name}:chapter"
       for name in dict.fromkeys(CHAPTERS)),
-    *(output.render for output in OUTPUTS.values()), *PLOTS.values(),
+    *(output.render for output in OUTPUTS.values()),
 ]  # fmt: skip
 
 

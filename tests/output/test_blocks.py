@@ -7,7 +7,7 @@ import pkgutil
 import pytest
 
 from torsion import output
-from torsion.output import chapters
+from torsion.output import chapters, figures
 from torsion.output.blocks import Column, Figure, Heading, Paragraph, Points, Table, head, on_terminal
 from torsion.output.document import numbered
 
@@ -22,7 +22,7 @@ def test_numbers_follow_the_chapters_that_are_there() -> None:
         Heading("in it", 2),
         table,
         Heading("two"),
-        Figure("f", "c", "sketch"),
+        Figure("f", "c", ()),
         table,
     ]
     wanted = ["1", "Table 1.1", "", "1.1", "Table 1.2", "2", "Figure 2.1", "Table 2.1"]
@@ -55,7 +55,7 @@ def test_sentences_stand_on_the_terminal_only_where_it_is_said() -> None:
 
 def test_what_a_report_is_made_of_cannot_be_changed() -> None:
     """A block that one renderer changed would differ in the next."""
-    folders = {f"{folder.__name__}.": folder.__path__ for folder in (output, chapters)}
+    folders = {f"{folder.__name__}.": folder.__path__ for folder in (output, chapters, figures)}
     names = [one.name for prefix, path in folders.items() for one in pkgutil.iter_modules(path, prefix)]
     kinds = {kind for name in names for kind in vars(importlib.import_module(name)).values() if isinstance(kind, type)}
     own = {kind for kind in kinds if kind.__module__ in names and dataclasses.is_dataclass(kind)}

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rich.console import Console
+from tests.output.drawn import marks
 
 import torsion
 from torsion.analyses.lateral.couple_response import extent
@@ -21,7 +22,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Figure, Paragraph, Table
 from torsion.output.chapters.shaft_bending import chapter, sense
 from torsion.output.document import document
-from torsion.output.figures.drawing import svg
+from torsion.output.drawing.svg import svg
 from torsion.output.results_json import documented, results, text
 from torsion.output.terminal import screen
 from torsion.rules.stable_motion import bending_checks
@@ -77,8 +78,8 @@ def table(findings: Findings, words: str) -> Table:
     return next(b for b in chapter(findings) if isinstance(b, Table) and words in b.caption)
 
 
-def figure(findings: Findings, plot: str) -> Figure:
-    return next(b for b in chapter(findings) if isinstance(b, Figure) and b.plot == plot)
+def figure(findings: Findings, name: str) -> Figure:
+    return next(b for b in chapter(findings) if isinstance(b, Figure) and b.name.startswith(name))
 
 
 def paths(value: Any, at: str) -> set[str]:
@@ -99,7 +100,7 @@ def test_a_shaft_that_grows_by_itself_is_marked_in_table_text_map_and_terminal(f
     onset = float(grown[0][-1].split()[2])
     assert critical.speed * RPM < onset < critical.speed * RPM + 200.0  # the next speed of the range
     assert [block.kind for block in chapter(fast) if isinstance(block, Paragraph)][1] == "fail"
-    assert figure(fast, "whirl").values["unstable"].any()
+    assert marks(figure(fast, "whirl"), "UNSTABLE")
     assert "UNSTABLE" in svg(figure(fast, "whirl"))
     shown = Console(record=True, width=80, file=io.StringIO())
     for item in screen(document(fast)):
@@ -164,7 +165,7 @@ def test_ranges_in_which_the_tilt_grows_are_marked_in_table_verdict_and_figure(t
     first = shaft.tilting.zones[0]
     assert float(found.rows[0][1]) == pytest.approx(first.lower * 30.0 / np.pi, rel=1e-8)
     assert tilting.failed
-    drawn = svg(figure(tilting, "stability"))
+    drawn = svg(figure(tilting, "tilting"))
     assert "principal of 2" in drawn
     assert "unstable" in drawn
     shown = results(tilting)["lateral"]["shafts"][0]["tilting"]["unstable"]

@@ -89,11 +89,11 @@ def test_a_train_without_long_shafts_is_told_whole(long):
 
 def test_a_mode_of_a_long_shaft_is_drawn_in_stretches_and_the_caption_says_so(long):
     figure = next(block for block in chapter(long) if isinstance(block, Figure))
-    values = figure.values
-    assert len(values["x"]) == len(values["angle"]) <= MOST_SEGMENTS + 20
-    assert len(values["ends"]) == len(values["torque"]) <= MOST_SEGMENTS + 20
+    angles, torques = figure.plots
+    assert sum(line.x.size for line in angles.lines) <= MOST_SEGMENTS + 20
+    assert sum(line.x.size for line in torques.lines) <= 2 * (MOST_SEGMENTS + 20)
     assert "every 12th segment is drawn" in figure.caption
-    assert np.abs(values["angle"]).max() == pytest.approx(1.0, rel=1e-3)
+    assert max(np.nanmax(np.abs(line.y)) for line in angles.lines) == pytest.approx(1.0, rel=1e-3)
 
 
 def _value(cell: str) -> float:

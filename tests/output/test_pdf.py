@@ -54,7 +54,7 @@ def test_letters_of_other_languages_stay_as_they_are() -> None:
 
 
 def test_every_kind_of_block_is_set_by_its_number(source) -> None:
-    plot = Figure("one", "c_{d}", "sketch", {})
+    plot = Figure("one", "c_{d}", ())
     lines, _ = source(
         Heading("A"), Heading("B", 2), Paragraph("p", "note"), Points(("x", "y")), KeyValues((("k", "v"),)),
         Verbatim("v"),

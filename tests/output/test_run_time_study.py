@@ -13,11 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.output.drawn import levels, marks, plot
 
 from torsion.analyses.compare.timing import TimedQuantity, TimedRow, Timings
 from torsion.findings import Findings
 from torsion.output import run_time_study as study
 from torsion.output.blocks import Figure, Heading, KeyValues, Paragraph, Points, Table
+from torsion.output.drawing.pens import stroke
 
 
 def row(curve: str, size: int, error: float, start: float, step: float) -> TimedRow:
@@ -114,7 +116,7 @@ def test_where_no_method_keeps_the_tolerance_the_nearest_is_named() -> None:
     assert [line[-1] for line in made.rows] == [""] * 4
     assert set(made.marks) == {""}
     (figure,) = (one for one in study.blocks(strict) if isinstance(one, Figure))
-    assert figure.values["best"] is None
+    assert plot(figure).marks == ()
 
 
 def test_methods_whose_middle_half_begins_before_that_of_the_fastest_ends_are_as_fast() -> None:
@@ -156,20 +158,24 @@ def test_an_error_is_stated_as_people_read_it(error: float, text: str) -> None:
 
 def test_the_figure_draws_every_method_with_its_quartiles() -> None:
     (figure,) = (one for one in study.blocks(TIMINGS) if isinstance(one, Figure))
-    assert (figure.name, figure.plot) == ("study-frequencies", "study")
-    values = figure.values
-    assert (values["tolerance"], values["bound"]) == (1e-3, 2e-6)
-    assert values["best"] == pytest.approx((7.6, 5e-4))
-    wanted = [
-        ("lumped", "lumped", 0, [3.8, 7.6], [3.4, 6.8], [4.2, 8.4], [0.02, 5e-4]),
-        ("fem, degree 3, dense", "fem", 3, [9.0], [7.8], [10.2], [2e-5]),
-        ("modal, static corr.", "corrected", 0, [9.5], [7.9], [11.1], [6e-4]),
-        ("exact", "exact", 0, [13.0], [11.0], [15.0], [1e-9]),
-    ]
-    for (*head, median, low, high, error), drawn in zip(wanted, values["curves"], strict=True):
-        assert list(drawn[:3]) == head
-        for numbers, stated in zip((median, low, high, error), drawn[3:], strict=True):
-            np.testing.assert_allclose(stated, numbers, rtol=1e-12)
+    assert figure.name == "study-frequencies"
+    assert levels(figure) == {"tolerance": [1e-3]}
+    (doubt,) = plot(figure).bands
+    assert (doubt.axis, doubt.high) == ("y", 2e-6)
+    assert marks(figure, "recommended") == [pytest.approx((7.6, 5e-4))]
+    wanted = {
+        "lumped": ([3.8, 7.6], [3.4, 6.8], [4.2, 8.4], [0.02, 5e-4]),
+        "fem, degree 3, dense": ([9.0], [7.8], [10.2], [2e-5]),
+        "modal, static corr.": ([9.5], [7.9], [11.1], [6e-4]),
+        "exact": ([13.0], [11.0], [15.0], [1e-9]),
+    }
+    lines = plot(figure).lines
+    assert [line.name for line in lines] == [name for word in wanted for name in (word, "")]
+    for (median, low, high, error), drawn, spread in zip(wanted.values(), lines[::2], lines[1::2], strict=True):
+        np.testing.assert_allclose(drawn.x, median, rtol=1e-12)
+        np.testing.assert_allclose(drawn.y, error, rtol=1e-12)
+        np.testing.assert_allclose(spread.x.reshape(-1, 3)[:, :2], np.column_stack([low, high]), rtol=1e-12)
+        np.testing.assert_allclose(spread.y, np.repeat(error, 3), rtol=1e-12)
 
 
 def test_the_csv_has_seconds_to_the_last_digit() -> None:
@@ -235,3 +241,15 @@ def test_without_a_date_that_of_today_stands_on_the_cover(bare: Findings, tmp_pa
     before = date.today()
     made = study.write_study(bare, replace(TIMINGS, quantities=()), tmp_path)
     assert before.isoformat() <= dict(made.cover.facts)["Date"] <= date.today().isoformat()
+
+
+def test_methods_of_integration_differ_in_symbol_or_dashes_from_each_other_and_from_the_recommended_point() -> None:
+    rows = tuple(row(name, 8, 0.02, 1e-3, 1e-4) for name in study.INTEGRATIONS)
+    (figure,) = [
+        one
+        for one in study.blocks(Timings(1e-3, (replace(QUANTITY, rows=rows),), (), 7, ()))
+        if isinstance(one, Figure)
+    ]
+    looks = {(line.symbol, stroke(line.pen).dash) for line in plot(figure).lines if line.name}
+    assert len(looks) == len(study.INTEGRATIONS)
+    assert "ring" not in {symbol for symbol, _ in looks}

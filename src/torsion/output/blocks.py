@@ -3,11 +3,12 @@
 Texts may hold `_{x}` for a subscript; names and values of the scene stand in cells, where nothing is interpreted.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Literal
 
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import cell
 
 
@@ -67,16 +68,6 @@ class KeyValues:
     """Pairs of a label and its value."""
 
     pairs: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure, drawn when a renderer comes to it: the plot of that name, with these values."""
-
-    name: str  # distinguishes figures of one plot; a stable identifier
-    caption: str
-    plot: str  # a key of figures.PLOTS
-    values: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ from datetime import date
 
 import torsion
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Table
+from torsion.output.blocks import Block, Heading, Table
 from torsion.output.chapters import chapters
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import given_rpm
 from torsion.output.reported_values import reference
 from torsion.output.reports import REPORTS, Report

@@ -1,6 +1,8 @@
-"""The report as one self-contained HTML page: style and figures are in the page, which prints on A4."""
+"""The report as one self-contained HTML page: style, figures and their script are in the page, which prints on A4."""
 
-import re
+from base64 import b64encode
+from functools import partial
+from hashlib import sha256
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -8,10 +10,12 @@ from markupsafe import Markup, escape
 
 from torsion.output.blocks import Heading
 from torsion.output.document import Document, Numbered
-from torsion.output.figures.drawing import svg
+from torsion.output.drawing.live import Page
+from torsion.output.drawing.svg import framed
+from torsion.output.drawing.text import SUBSCRIPT
+from torsion.output.figures.figure import Figure
 
 LONG_WORD = 20  # characters
-SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")
 
 
 def html(document: Document) -> str:
@@ -21,12 +25,24 @@ def html(document: Document) -> str:
         trim_blocks=True,
     )  # fmt: skip
     environment.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word)
-    environment.filters.update(drawn=lambda figure: Markup(svg(figure)), kind=lambda block: type(block).__name__)
-    style = Markup((Path(__file__).parent / "templates" / "report.css").read_text(encoding="utf-8"))
+    live = Page()
+    environment.filters.update(drawn=partial(_figure, live), kind=lambda block: type(block).__name__)
+    style, script = (
+        Markup((Path(__file__).parent / "templates" / f"report.{kind}").read_text(encoding="utf-8").strip())
+        for kind in ("css", "js")
+    )
     chapters = [item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1]
     return environment.get_template("report.html").render(
-        cover=document.cover, body=document.body, chapters=chapters, style=style
-    )
+        cover=document.cover, body=document.body, chapters=chapters, style=style, script=script,
+        digest=b64encode(sha256(f"\n{script}\n".encode()).digest()).decode(),
+        coordinates=lambda: Markup(live.coordinates()),
+    )  # fmt: skip
+
+
+def _figure(live: Page, figure: Figure) -> Markup:
+    """A drawing, with the values of its lines for the script of the page."""
+    text, frames = framed(figure)
+    return Markup(f'{text}<script type="application/json">{live.figure(frames)}</script>')
 
 
 def words(text: str) -> Markup:

@@ -4,33 +4,36 @@ import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsion.analyses.transient.transient_motion import TransientMotion, Transients
-from torsion.analyses.transient.transient_settings import cases
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.csv_table import one_line
 from torsion.output.document import Document
 from torsion.output.selection import elements
 
+if TYPE_CHECKING:
+    from torsion.analyses.transient.transient_motion import TransientMotion
+
 
 def motion(document: Document) -> Callable[[Path], list[Path]] | None:
     """What writes the motions that the file exports; None where it exports none."""
-    found, forms = (
-        document.findings.get(Transients),
-        {one.name: one.export for one, _ in cases(document.findings.study)},
-    )
-    each = [] if found is None else [one for one in found.each if forms[one.name]]
+    found = document.findings.results.get("transient")
+    if found is None:
+        return None
+    from torsion.analyses.transient.transient_settings import cases
+
+    forms = {one.name: one.export for one, _ in cases(document.findings.study)}
+    each = [one for one in found.each if forms[one.name]]
     if not each or document.report.keys:
         return None
     return partial(_written, document.findings, each, forms)
 
 
 def _written(
-    findings: Findings, each: list[TransientMotion], forms: Mapping[str, str | None], target: Path
+    findings: Findings, each: "list[TransientMotion]", forms: Mapping[str, str | None], target: Path
 ) -> list[Path]:
     """The paths of the files; arrays of all motions stand in one."""
     made, arrays = list[Path](), dict[str, Any]()
@@ -52,7 +55,7 @@ def _written(
     return made
 
 
-def _columns(findings: Findings, found: TransientMotion) -> list[tuple[str, FloatArray]]:
+def _columns(findings: Findings, found: "TransientMotion") -> list[tuple[str, FloatArray]]:
     """Title and samples: the time, speeds of the points, torques of the elements, each where it is largest."""
     stations = findings.study.train.stations
     columns = [("time [s]", found.time)]

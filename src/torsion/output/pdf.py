@@ -4,10 +4,11 @@ import json
 import tempfile
 from pathlib import Path
 
-from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, Verbatim
+from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Table, Verbatim
 from torsion.output.document import Document, Numbered
-from torsion.output.figures.drawing import svg
-from torsion.output.html import SUBSCRIPT
+from torsion.output.drawing.svg import svg
+from torsion.output.drawing.text import SUBSCRIPT
+from torsion.output.figures.figure import Figure
 
 COLOURS = {"fail": "#b3261e", "pass": "#14693f", "not kept": "#b3261e", "outside": "#8a6500", "note": "#8a6500"}
 WIDE = 8  # columns from which a table is set smaller

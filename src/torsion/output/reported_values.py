@@ -14,7 +14,7 @@ from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.numbers import NONE, RPM, given, number
+from torsion.output.numbers import NONE, RPM, given, number, order
 from torsion.output.selection import Element
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
@@ -122,6 +122,12 @@ def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
         return np.zeros((0, 0))
     size = np.abs(response.torque[:, :, list(spans)]).max(axis=2)
     return np.where(response.status == Status.OK, size, np.nan)
+
+
+def harmonic_name(response: Response, index: int, word: str = "") -> str:
+    """Of a harmonic component: '2' of an order, behind a word where one is given, or '40 Hz'."""
+    line = response.lines[index]
+    return f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
 
 
 def worth_a_figure(findings: Findings, torque: Mapping[Element, float], most: int) -> list[Element]:

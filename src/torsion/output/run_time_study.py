@@ -17,8 +17,10 @@ from torsion.analyses.compare.timing import FULL, Spread, TimedQuantity, TimedRo
 from torsion.analyses.transient.transient_settings import SOLVED
 from torsion.findings import Findings
 from torsion.kernels.transient import integrator_methods
-from torsion.output.blocks import Block, Figure, Heading, KeyValues, Paragraph, Points, Table, head, on_terminal
+from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Table, head, on_terminal
 from torsion.output.document import Document, document
+from torsion.output.figures import error_curves
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import given, number
 from torsion.output.plain import finite
 from torsion.output.reports import REPORTS
@@ -111,9 +113,11 @@ def best(quantity: TimedQuantity, tolerance: float) -> Table:
 def _figure(quantity: TimedQuantity, tolerance: float) -> Figure:
     best = fastest(quantity.rows, tolerance)
     point = None if best is None else (1e3 * best.total.median, best.error)
-    values = {"curves": curves(quantity.rows), "tolerance": tolerance, "bound": quantity.bound, "best": point}
     caption = f"{quantity.title}: largest relative error against run time, one curve a method, finer ones below"
-    return Figure(f"study-{quantity.key}", caption, "study", values)
+    return error_curves.run_times(
+        f"study-{quantity.key}", caption, curves=curves(quantity.rows), tolerance=tolerance, bound=quantity.bound,
+        best=point,
+    )  # fmt: skip
 
 
 def curves(rows: Sequence[TimedRow]) -> list[tuple[Any, ...]]:

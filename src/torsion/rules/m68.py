@@ -122,9 +122,17 @@ def _settings_faults(settings: M68Settings, shafts: Mapping[str, ShaftRecord], w
 
 def limits(evidence: Results, shaft: str) -> Limits:
     """Stress and limits of one shaft over speed, with the study's own settings. Raises KeyError for another name."""
+    return _limits(evidence, _shaft(evidence, shaft))
+
+
+def section(evidence: Results, shaft: str) -> tuple[IntArray, FloatArray]:
+    """Spans of one shaft and the moduli (m3) by which the rule takes its stress. Raises KeyError for another name."""
+    return m68_shafts.stress_modulus(evidence.system, _shaft(evidence, shaft))
+
+
+def _shaft(evidence: Results, shaft: str) -> ClassedShaft:
     settings = next((given for _, given in evidence.study.rules if isinstance(given, M68Settings)), M68Settings())
-    shafts = {classed.name: classed for classed in m68_shafts.classed_shafts(evidence.study, settings)}
-    return _limits(evidence, shafts[shaft])
+    return {classed.name: classed for classed in m68_shafts.classed_shafts(evidence.study, settings)}[shaft]
 
 
 def _limits(evidence: Results, shaft: ClassedShaft) -> Limits:

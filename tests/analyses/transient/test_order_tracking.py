@@ -13,7 +13,6 @@ from torsion.errors import InputError
 from torsion.kernels.transient.order_spectrum import hann
 from torsion.output.blocks import Figure, Paragraph, Table
 from torsion.output.chapters.motion_over_time import chapter
-from torsion.output.figures.drawing import svg
 
 
 class Given:
@@ -126,8 +125,12 @@ def test_what_is_requested_is_tracked_and_reported() -> None:
     assert (tracking.reference, tracking.order.tolist(), tracking.each[0].waterfall.shape[1]) == ("screw", [1, 2], 33)
     blocks = list(chapter(found))
     drawn = {one.name: one for one in blocks if isinstance(one, Figure)}
-    assert svg(drawn["orders rubber"])
-    assert svg(drawn["waterfall rubber"])
+    lines, (map_,) = drawn["orders rubber"].lines, drawn["waterfall rubber"].plots
+    assert list(lines) == ["order 1", "order 2"]
+    assert [line.y.max() for line in lines.values()] == pytest.approx(tracking.each[0].largest, rel=1e-15)
+    assert map_.cells is not None
+    assert (map_.cells.x[0], map_.cells.x[-1], map_.cells.values.shape) == (0.25, 4.0, (len(tracking.time), 31))
+    assert map_.cells.largest == pytest.approx(tracking.each[0].waterfall[:, 2:].max(), rel=1e-15)
     (largest,) = [one for one in blocks if isinstance(one, Table) and one.caption.startswith("Orders")]
     assert [row[:2] for row in largest.rows] == [("rubber", "1.0000"), ("rubber", "2.0000")]
 

@@ -9,7 +9,7 @@ from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.transient.transient_settings import Fatigue
 from torsion.errors import InputError
 from torsion.output.blocks import Figure, Heading, Paragraph
-from torsion.output.chapters.motion_over_time import COLUMNS, chapter, envelope
+from torsion.output.chapters.motion_over_time import chapter
 from torsion.output.results_json import results
 from torsion.output.write import write
 from torsion.rules.verdict_line import Checks
@@ -142,24 +142,15 @@ def test_all_samples_are_written_where_the_file_exports_them(tmp_path) -> None:
         np.testing.assert_array_equal(arrays["hit: speed of drive [rad/s]"], second.speed[0])
 
 
-def test_a_figure_shows_a_single_sample_that_stands_out() -> None:
-    time, curve = np.linspace(0.0, 1.0, 1_000_001), np.zeros(1_000_001)
-    curve[123_457], curve[765_433] = 5.0, -3.0
-    drawn = envelope(time, [("a", curve)])
-    ((_, low, high),) = drawn["lines"]
-    assert len(drawn["time"]) == COLUMNS
-    assert (high.max(), low.min()) == (5.0, -3.0)
-
-
 def test_a_figure_shows_the_peaks_between_its_samples() -> None:
     found = torsion.run(torsion.parse(SCENE + HIT.replace("1 s,", "1 s, samples: 1000,", 1)))
     (one,) = found.need(Transients).each
     (drawn,) = [block for block in chapter(found) if isinstance(block, Figure) and block.name == "motion hit rubber"]
-    ((_, low, high),) = drawn.values["lines"]
+    (line,) = drawn.lines.values()
     unit = 1e-3  # kN m
-    assert (high.max(), low.min()) == pytest.approx((one.greatest[0] * unit, one.least[0] * unit), rel=1e-15)
+    assert (line.y.max(), line.y.min()) == pytest.approx((one.greatest[0] * unit, one.least[0] * unit), rel=1e-15)
     assert one.torque[0].max() < one.greatest[0]
-    assert (np.diff(drawn.values["time"]) >= 0.0).all()
+    assert (np.diff(line.x) >= 0.0).all()
 
 
 def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None:

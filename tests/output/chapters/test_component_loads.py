@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.output.drawn import bands, levels, plot, unit
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
@@ -109,12 +110,14 @@ def test_stress_of_shafts_is_torque_over_the_modulus_of_their_section() -> None:
     for name, position in (("mid", 5), ("plain", 7)):
         figure = drawn[f"Vibratory shear stress of {name}"]
         assert figure.name == f"stress-{position}"
-        np.testing.assert_allclose(figure.values["synthesis"], STRESS[name], rtol=1e-13)
-        np.testing.assert_allclose(figure.values["speed"], SPEED * RPM, rtol=1e-13)
-        assert figure.values["rated"] == pytest.approx(45.0 * RPM)
-        assert figure.values["bad"].tolist() == [False] * 5
-        assert figure.values["continuous"] is None
-        assert figure.values["barred"] == ()
+        line = figure.lines["stress (synthesis)"]
+        np.testing.assert_allclose(line.y, STRESS[name], rtol=1e-13)
+        np.testing.assert_allclose(line.x, SPEED * RPM, rtol=1e-13)
+        (order,) = (one for one in figure.lines.values() if one.name.startswith("order"))  # the only one, of that size
+        np.testing.assert_allclose(order.y, STRESS[name], rtol=1e-13)
+        assert levels(figure) == {"rated speed": [pytest.approx(45.0 * RPM)]}
+        assert plot(figure).bands == ()
+        assert not any("limit" in name for name in figure.lines)
 
 
 def test_limits_of_the_rule_stand_beside_the_stress_where_they_hold() -> None:
@@ -134,10 +137,10 @@ def test_limits_of_the_rule_stand_beside_the_stress_where_they_hold() -> None:
     )  # fmt: skip
     assert made.rows[1] == ("plain", "–", number(STRESS["plain"][0]), "95.493", "–", "–", "–", "–")
     assert "IACS UR M68" in texts(blocks)[0]
-    values = figures(blocks)["Vibratory shear stress of mid"].values
-    np.testing.assert_array_equal(values["continuous"], continuous)
-    np.testing.assert_array_equal(values["transient"], transient)
-    assert values["barred"] == (pytest.approx((11.0 * RPM, 13.0 * RPM)),)
+    drawn = figures(blocks)["Vibratory shear stress of mid"]
+    np.testing.assert_array_equal(drawn.lines["limit τ_{C}, continuous"].y, continuous)
+    np.testing.assert_array_equal(drawn.lines["limit τ_{T}, passing rapidly"].y, transient)
+    assert bands(drawn, "barred") == [pytest.approx((11.0 * RPM, 13.0 * RPM))]
     falling = table(component_loads.shafts(written(TRAIN + M68, {"mid": 2000 * RISE[::-1]}))).rows[0]
     assert falling[4:6] == (number(continuous[0]), number(transient[0]))
     unknown = table(component_loads.shafts(written(TRAIN + M68, SHAFTS, bad=[1]))).rows
@@ -198,7 +201,7 @@ def test_mesh_without_a_mean_torque_or_without_a_value() -> None:
     blocks = list(component_loads.gears(written(TRAIN, MESHES)))
     assert [row[3:] for row in table(blocks).rows] == [("–", "–", "–", "not known")] * 2
     assert texts(blocks)[0].startswith("The mean torque is not known")
-    assert all(figure.values["mean"] is None for figure in figures(blocks).values())
+    assert not any("mean torque" in figure.lines for figure in figures(blocks).values())
     blocks = list(component_loads.gears(written(TRAIN, MESHES, MEANS, bad=[4])))
     assert {row[1:] for row in table(blocks).rows} == {(NO_VALUE, "–", "–", "–", "–", "not known")}
 
@@ -213,21 +216,21 @@ def test_curves_of_a_mesh_have_the_limit_of_its_check() -> None:
             ("gear-hammer", "stage", 1234.0, "N m"),
         )
     ]  # fmt: skip
-    values = figures(component_loads.gears(found.having(checks=Checks(tuple(lines)))))[
+    drawn = figures(component_loads.gears(found.having(checks=Checks(tuple(lines)))))[
         "Vibratory and mean torque in stage"
     ]
     stage = spans(found, "stage")[0]
-    assert values.name == f"gear-{found.system.spans[stage].part}-{stage}"
-    drawn = values.values
-    assert drawn["unit"] == "kN m"
-    assert drawn["limit"] == pytest.approx(1.234)
-    np.testing.assert_allclose(drawn["vibratory"], 0.8 * RISE)
-    np.testing.assert_allclose(drawn["mean"], 3.0 * RISE)
-    np.testing.assert_allclose(drawn["speed"], SPEED * RPM)
-    assert drawn["barred"] == (pytest.approx((11.0 * RPM, 13.0 * RPM)),)
-    assert drawn["rated"] == pytest.approx(45.0 * RPM)
-    bare = figures(component_loads.gears(found.having(checks=Checks(()))))["Vibratory and mean torque in stage"].values
-    assert bare["limit"] is None
+    assert drawn.name == f"gear-{found.system.spans[stage].part}-{stage}"
+    assert unit(drawn) == "kN m"
+    np.testing.assert_allclose(drawn.lines["vibratory torque (synthesis)"].y, 0.8 * RISE)
+    np.testing.assert_allclose(drawn.lines["mean torque"].y, 3.0 * RISE)
+    np.testing.assert_allclose(drawn.lines["mean torque"].x, SPEED * RPM)
+    assert bands(drawn, "barred") == [pytest.approx((11.0 * RPM, 13.0 * RPM))]
+    assert levels(drawn) == {
+        "limit of the vibratory torque": [pytest.approx(1.234)], "rated speed": [pytest.approx(45.0 * RPM)],
+    }  # fmt: skip
+    bare = figures(component_loads.gears(found.having(checks=Checks(()))))["Vibratory and mean torque in stage"]
+    assert list(levels(bare)) == ["rated speed"]
 
 
 def test_torque_and_heat_of_couplings() -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
+from tests.output.drawn import bands, levels, marks, plot
 
 import torsion
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
@@ -94,7 +95,7 @@ def test_without_a_rated_speed_there_is_no_distance() -> None:
     bare = torsion.run(torsion.parse(TEXT.replace(", rated: {speed: 12 rad/s}", "")))
     (row,) = tables(bare)[1].rows
     assert row == ("95.493", "1", "1", f"{10 / (2 * math.pi):.4f}", "1 × far")
-    assert figure(bare).values["rated"] is None
+    assert "rated speed" not in levels(figure(bare))
 
 
 @pytest.mark.parametrize(("number", "rest"), [(60, ""), (61, " (the lowest 60 of 61)")])
@@ -109,14 +110,24 @@ def test_campbell_diagram(found: Findings) -> None:
     """Of more than twelve orders those that meet a mode in the range come first, then the lowest."""
     line = Check("r", "c", "w", "w", 1.0, 2.0, "N m", "pass", "setting", barred=(BarredRange(6.0, 7.0, 6.5, "s"),))
     made = having(found, *(crossing(found, k, 1, 10.0 + k, k in (14, 9)) for k in range(1, 15)))
-    values = figure(made.having(checks=Checks((line,)))).values
+    drawn = figure(made.having(checks=Checks((line,))))
     shown = [*range(1, 12), 14]
-    assert values["orders"] == [(float(k), f"order {k}") for k in shown]
-    assert values["crossings"] == [(pytest.approx((10.0 + k) * RPM), 40.0 - k, k in (14, 9)) for k in shown]
-    assert values["frequencies"] == made.need(Modes).frequency.tolist()
-    assert values["speeds"] == pytest.approx((5.0 * RPM, 15.0 * RPM))
-    assert values["rated"] == pytest.approx(12.0 * RPM)
-    assert values["barred"] == (pytest.approx((6.0 * RPM, 7.0 * RPM)),)
+    assert list(drawn.lines) == [f"order {k}" for k in shown]
+    for k in shown:  # a line of n times the speed in rpm / 60
+        assert drawn.lines[f"order {k}"].y == pytest.approx(k * drawn.lines[f"order {k}"].x / 60.0)
+    right, top = plot(drawn).x.high, plot(drawn).y.high
+    for inside, name in ((True, "critical speed in the range"), (False, "critical speed outside the range")):
+        places = [((10.0 + k) * RPM, 40.0 - k) for k in shown if (k in (14, 9)) == inside]
+        met = [place for place in places if place[0] <= right and place[1] <= top]
+        assert marks(drawn, name) == [pytest.approx(place) for place in met]
+    said = next(one.words for one in plot(drawn).marks if one.name.endswith("outside the range"))
+    assert said[0] == "152.79 rpm: order 6 meets mode 1 at 34.000 Hz"  # 16 rad/s, 50 - 16 Hz
+    for place, frequency in enumerate(made.need(Modes).frequency.tolist(), start=1):
+        if frequency <= top:
+            assert levels(drawn)[f"mode {place}: {frequency:.4f} Hz"] == [frequency]
+    assert bands(drawn, "range") == [pytest.approx((5.0 * RPM, 15.0 * RPM))]
+    assert levels(drawn)["rated speed"] == [pytest.approx(12.0 * RPM)]
+    assert bands(drawn, "barred") == [pytest.approx((6.0 * RPM, 7.0 * RPM))]
 
 
 def test_nothing_without_crossings_or_a_range(found: Findings) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.output.drawn import bands, levels, marks, unit
 
 import torsion
 from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
@@ -299,21 +300,24 @@ def test_curves_at_the_orders_of_the_joints_and_twice_them(train: Findings) -> N
         "Torque in first", "Torque in tube", "Torque in last"
     ]  # fmt: skip
     assert (first.name, tube.name) == ("periodic-1-0", f"periodic-3-{len(train.system.spans) - 2}")
-    values = dict(first.values)
-    names, before, exactly = zip(*values["lines"], strict=True)
-    assert names == ("order 2/3 ≈ 0.6667", "order 4/3 ≈ 1.3333", "order 2")
-    assert before[0] == pytest.approx(np.array(FIRST["first"])[:, 1] / 1e3)
-    assert before[1] is None
-    assert before[2] == pytest.approx(np.array(FIRST["first"])[:, 2] / 1e3)
+    names = ("order 2/3 ≈ 0.6667", "order 4/3 ≈ 1.3333", "order 2")
+    lines = [f"{name}, {how}" for name in names for how in ("exact", "first order")]
+    lines.remove("order 4/3 ≈ 1.3333, first order")  # there is none
+    assert list(first.lines) == lines
+    for k, column in ((0, 1), (2, 2)):
+        before = first.lines[f"{names[k]}, first order"]
+        assert before.y == pytest.approx(np.array(FIRST["first"])[:, column] / 1e3)
+        assert before.x == pytest.approx(FIRST_SPEED * RPM)
     for k in range(3):
-        assert exactly[k] == pytest.approx(np.array(EXACT["first"])[:, k] / 1e3)
-    assert values["first_speed"] == pytest.approx(FIRST_SPEED * RPM)
-    assert values["speed"] == pytest.approx(SPEED * RPM)
-    assert values["rated"] == pytest.approx(750.0)
-    assert (values["unit"], tube.values["unit"]) == ("kN m", "N m")
-    marked = [values[key].tolist() for key in ("none", "grows", "coarse")]
-    assert marked == [[k == one for k in range(3)] for one in range(3)]
-    assert tube.values["lines"][0][2] == pytest.approx([100.0, 40.0, 50.0])
+        exactly = first.lines[f"{names[k]}, exact"]
+        assert exactly.y == pytest.approx(np.array(EXACT["first"])[:, k] / 1e3)
+        assert exactly.x == pytest.approx(SPEED * RPM)
+    assert levels(first)["rated speed"] == [pytest.approx(750.0)]
+    assert (unit(first), unit(tube)) == ("kN m", "N m")
+    assert bands(first, "no answer") == [pytest.approx((SPEED[0] * RPM, SPEED[1] * RPM))]
+    for name, k in (("unstable motion", 1), ("not resolved", 2)):
+        assert [x for x, _ in marks(first, name)] == pytest.approx([SPEED[k] * RPM] * 3)
+    assert next(iter(tube.lines.values())).y == pytest.approx([100.0, 40.0, 50.0])
 
 
 def test_of_many_elements_sixty_rows_are_listed_and_the_six_largest_drawn() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.output.drawn import bands, levels, plot, titles, unit
 
 import torsion
 from torsion.analyses.damped_modes import DampedModes
@@ -266,23 +267,27 @@ def test_largest_angle_of_every_station_but_the_ground(train: Findings) -> None:
 
 def test_curves_of_an_element_with_its_permissible_torque(train: Findings) -> None:
     first, _, third = figures(list(chapter(answered(train))))
-    values = dict(third.values)
-    names, curves = zip(*values["lines"], strict=True)
-    assert names == ("order 0.5", "order 2", "3.5000 Hz")
+    total, *curves = third.lines.values()
+    assert [line.name for line in curves] == ["order 0.5", "order 2", "3.5000 Hz"]
+    assert [line.label for line in curves] == ["0.5", "2", "3.5000 Hz"]
     for k in range(3):
-        assert curves[k] == pytest.approx(SIZE[:, k, STIFF] / 1e3)
-    assert values["synthesis"] == pytest.approx(HALF[:, STIFF] / 1e3)
-    assert values["speed"] == pytest.approx(SPEED * RPM)
-    assert values["rated"] == pytest.approx(30.0 * RPM)
-    assert (values["unit"], values["bad"].tolist()) == ("kN m", [False] * 6)
-    assert values["limits"] == [("permissible vibratory torque (maker)", 2.5)]
-    assert (first.values["unit"], first.values["limits"]) == ("N m", [])
+        assert curves[k].y == pytest.approx(SIZE[:, k, STIFF] / 1e3)
+    heavy = int(np.argmax([line.weight for line in curves]))
+    assert heavy == int(np.argmax(SIZE[:, :, STIFF].max(axis=0)))
+    assert total.name == "synthesis (half range)"
+    assert total.y == pytest.approx(HALF[:, STIFF] / 1e3)
+    assert total.x == pytest.approx(SPEED * RPM)
+    assert levels(third) == {
+        "permissible vibratory torque (maker)": [2.5], "rated speed": [pytest.approx(30.0 * RPM)]
+    }  # fmt: skip
+    assert (unit(third), plot(third).bands) == ("kN m", ())
+    assert (unit(first), list(levels(first))) == ("N m", ["rated speed"])
     axes = ("frequency", "angle", "torque", "residual", "status", "joint_error")
     for lines in (1, 2):
         few = {key: RESPONSE[key][:, :lines] for key in axes}
-        drawn = figures(list(chapter(answered(train, lines=LINES[:lines], **few))))[0].values["synthesis"]
-        assert (drawn is None) == (lines == 1)
-    assert figures(list(chapter(answered(train, made=None))))[0].values["synthesis"] is None
+        drawn = figures(list(chapter(answered(train, lines=LINES[:lines], **few))))[0]
+        assert ("synthesis (half range)" not in drawn.lines) == (lines == 1)
+    assert "synthesis (half range)" not in figures(list(chapter(answered(train, made=None))))[0].lines
 
 
 def test_of_many_orders_the_eight_strongest_are_drawn(train: Findings) -> None:
@@ -291,7 +296,7 @@ def test_of_many_orders_the_eight_strongest_are_drawn(train: Findings) -> None:
     wide["torque"] = wide["torque"] * np.arange(1.0, 11.0)[:, None]
     wide["mean"] = MEAN
     (first, *_) = figures(list(chapter(answered(train, lines=lines, **wide))))
-    assert [name for name, _ in first.values["lines"]] == [f"order {n}" for n in range(3, 11)]
+    assert [name for name in first.lines if name.startswith("order")] == [f"order {n}" for n in range(3, 11)]
     assert first.caption.endswith("coupling (the 8 strongest of 10 harmonic components)")
 
 
@@ -330,21 +335,21 @@ def test_over_frequency_the_largest_torque_and_angle_with_their_curves(train: Fi
         ("flywheel", "0.0050000", "0.28648", "2.0000"), ("soft end", "0.010000", "0.57296", "2.0000"),
         ("stage end", "0.015000", "0.85944", "2.0000"), ("screw", "0.020000", "1.1459", "2.0000"),
     )  # fmt: skip
-    torque, angle = (dict(block.values) for block in figures(blocks))
-    assert [name for name, _ in torque["lines"]] == ["soft", "stage", "stiff"]
-    assert torque["lines"][2][1] == pytest.approx([4.0, 8.0, 28.0, 12.0])
-    assert [name for name, _ in angle["lines"]] == ["flywheel", "soft end", "stage end", "screw"]
-    assert angle["lines"][3][1] == pytest.approx(np.degrees([4e-3, 20e-3, 8e-3, 12e-3]))
-    assert (torque["quantity"], angle["quantity"]) == ("torque amplitude, kN m", "angular amplitude, deg")
-    for values in (torque, angle):
-        assert values["natural"] == [1.5, 2.5]
-        assert values["frequency"].tolist() == [1.0, 2.0, 3.0, 4.0]
-        assert values["bad"].tolist() == [False] * 4
+    torque, angle = figures(blocks)
+    assert list(torque.lines) == ["soft", "stage", "stiff"]
+    assert torque.lines["stiff"].y == pytest.approx([4.0, 8.0, 28.0, 12.0])
+    assert list(angle.lines) == ["flywheel", "soft end", "stage end", "screw"]
+    assert angle.lines["screw"].y == pytest.approx(np.degrees([4e-3, 20e-3, 8e-3, 12e-3]))
+    assert titles(torque) + titles(angle) == ["torque amplitude, kN m", "angular amplitude, deg"]
+    for drawn in (torque, angle):
+        assert levels(drawn) == {"natural frequencies": [1.5, 2.5]}
+        assert all(line.x.tolist() == [1.0, 2.0, 3.0, 4.0] for line in drawn.lines.values())
+        assert plot(drawn).bands == ()
     assert [block.caption for block in figures(blocks)] == [
         "Torque amplitude over the frequency", "Angular amplitude over the frequency"
     ]  # fmt: skip
     bare = list(over_frequency(train.having(sweep=SWEEP, modes=None)))
-    assert figures(bare)[0].values["natural"] == []
+    assert levels(figures(bare)[0]) == {}
     assert list(over_frequency(train)) == []
 
 
@@ -356,15 +361,16 @@ def test_over_frequency_an_undamped_resonance_has_no_value_and_is_named_once(tra
     assert texts(blocks)[1].startswith("At 2.3457 Hz the response has no reliable finite value")
     assert table(blocks, "torque").rows[0] == ("soft", "no reliable value", "–")
     assert table(blocks, "angular").rows[0] == ("flywheel", "no reliable value", "–", "–")
-    assert figures(blocks)[0].values["bad"].tolist() == [False, True, True, False]
+    assert bands(figures(blocks)[0], "no answer") == [(1.0, 4.0)]
+    assert np.isnan(figures(blocks)[0].lines["soft"].y[1:3]).all()
 
 
 def test_over_frequency_ten_curves_are_drawn_and_a_single_body_has_no_torque() -> None:
     chain = "".join(f", coupling: {{stiffness: 1e3}}, disc: {{name: d{k}, inertia: 1}}" for k in range(1, 13))
     made = torsion.run(torsion.parse(f"name: long\ntrain: [disc: {{name: d0, inertia: 1}}{chain}]\n"))
     sweep = replace(SWEEP, torque=np.ones((4, 12)), angle=np.outer(np.ones(4), np.arange(1.0, 14.0)))
-    drawn = figures(list(over_frequency(made.having(sweep=sweep))))[1].values["lines"]
-    assert [name for name, _ in drawn] == [f"d{k}" for k in range(3, 13)]
+    drawn = figures(list(over_frequency(made.having(sweep=sweep))))[1].lines
+    assert list(drawn) == [f"d{k}" for k in range(3, 13)]
     alone = torsion.run(torsion.parse("name: one\ntrain: [disc: {name: d0, inertia: 1}]\n"))
     sweep = replace(SWEEP, torque=np.ones((4, 0)), angle=np.ones((4, 1)))
     assert [type(block) for block in over_frequency(alone.having(sweep=sweep))] == [Heading, Paragraph, Table, Figure]

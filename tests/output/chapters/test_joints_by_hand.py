@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.output.drawn import named, plot, titles
 
 import torsion
 from torsion.analyses.joints.joint_results import CoupleFound, Extreme, JointFound, Joints, LineFound, OptimumFound
@@ -250,20 +251,19 @@ def test_what_is_not_known_has_no_heading(bare: Findings) -> None:
 def test_motion_with_and_without_a_speed(bare: Findings) -> None:
     made = figures(blocks(bare, JOINTS))
     moving, still = (made[f"joint-motion-{k}"] for k in (1, 2))
-    np.testing.assert_allclose(moving.values["angle"], [0.0, 100.0, 250.0, 360.0], rtol=1e-14)
+    line = moving.lines["behind inner"]
+    np.testing.assert_allclose(line.x, [0.0, 100.0, 250.0, 360.0], rtol=1e-14)
     curves = (0.02 * WAVE / DEG, 1 + 0.1 * WAVE, 0.17 * WAVE, 1 - 0.1 * WAVE)
-    for figure, sizes, titles in (
-        (moving, (1 / DEG, 30 * RPM, 900.0, 1.0), ["angle error, deg", "speed, rpm", "acceleration,\nrad/s²"]),
-        (still, (1 / DEG, 1.0, 1.0, 1.0), ["angle error, deg", "speed ratio", "acceleration /\nspeed², 1/rad"]),
+    for figure, sizes, axes in (
+        (moving, (1 / DEG, 30 * RPM, 900.0, 1.0), ["angle error, deg", "speed, rpm", "acceleration, rad/s²"]),
+        (still, (1 / DEG, 1.0, 1.0, 1.0), ["angle error, deg", "speed ratio", "acceleration / speed², 1/rad"]),
     ):
-        panels = figure.values["panels"]
-        assert [panel[0] for panel in panels] == [*titles, "torque behind /\nbefore the joint"]
-        assert [panel[1] for panel in panels] == pytest.approx(sizes, rel=1e-14)
-        for values, size, panel in zip(curves, (1.0, *sizes[1:]), panels, strict=True):
-            for _, drawn in panel[2]:
-                np.testing.assert_allclose(drawn, values * size, rtol=1e-14)
-    assert [label for label, _ in moving.values["panels"][0][2]] == ["behind inner", "behind straight"]
-    assert moving.values["quantity"] == "angle of the shaft before inner, deg"
+        assert titles(figure) == [*axes, "torque behind / before the joint"]
+        for values, size, panel in zip(curves, (1.0, *sizes[1:]), figure.plots, strict=True):
+            for drawn in panel.lines:
+                np.testing.assert_allclose(drawn.y, values * size, rtol=1e-14)
+    assert [line.name for line in moving.plots[0].lines] == ["behind inner", "behind straight"]
+    assert plot(moving).x.title == "angle of the shaft before inner, deg"
     assert moving.caption.endswith("of the first shaft, which turns evenly at 286.479 rpm")
     assert still.caption == "Motion behind pot, cv over the angle of the first shaft, which turns evenly"
 
@@ -271,28 +271,15 @@ def test_motion_with_and_without_a_speed(bare: Findings) -> None:
 def test_couples_are_drawn_over_the_first_shaft_of_their_line(bare: Findings) -> None:
     made = figures(blocks(bare, JOINTS))
     inner, pot = (made[f"joint-couples-{k}"] for k in (1, 3))
-    assert inner.values["quantity"] == "angle of the shaft before inner, deg"
-    assert pot.values["quantity"] == "angle of the shaft before pot, deg"
-    driving, driven = inner.values["panels"]
-    assert (driving[0], driven[0]) == ("on the driving\nshaft, kN m", "on the driven\nshaft, kN m")
-    assert driving[1] == driven[1] == pytest.approx(7.654, rel=1e-14)
+    assert plot(inner).x.title == "angle of the shaft before inner, deg"
+    assert plot(pot).x.title == "angle of the shaft before pot, deg"
+    assert titles(inner) == ["on the driving shaft, kN m", "on the driven shaft, kN m"]
+    driving, driven = inner.plots
     sizes = {"about the normal": 0.3, "in the plane": 0.4, "resultant": 0.5, "in the turning yoke": 0.5}
-    for label, values in driven[2]:
-        wanted = sizes[label] * (np.abs(WAVE) if label == "resultant" else WAVE)
-        np.testing.assert_allclose(values, wanted, rtol=1e-14)
-    assert [label for label, _ in driving[2]] == list(sizes)[:3]
-    strong = joint("a", torque=-9000.0, couples=(couple("driving"),))
-    drawn = figures(blocks(bare, together((strong,), (line(0),))))["joint-couples-1"]
-    assert drawn.values["panels"][0][1] == pytest.approx(9.0, rel=1e-14)
-
-
-def test_no_more_angles_are_drawn_than_can_be_seen(bare: Findings) -> None:
-    angle = np.linspace(0.0, 4.0 * math.pi, 7001)
-    many = joint("a", error=angle, speed_ratio=angle, acceleration=angle, torque_ratio=angle)
-    drawn = figures(blocks(bare, replace(together((many,), (line(0),)), angle=angle)))["joint-motion-1"].values
-    assert drawn["angle"].size == drawn["panels"][0][2][0][1].size == 3000
-    assert (drawn["angle"][0], drawn["angle"][-1]) == (0.0, pytest.approx(720.0, rel=1e-14))
-    assert np.diff(drawn["angle"]).max() <= 720.0 / 2999 + 720.0 / 7000
+    for name, line in named(driven).items():
+        wanted = sizes[name] * (np.abs(WAVE) if name == "resultant" else WAVE)
+        np.testing.assert_allclose(line.y, wanted, rtol=1e-14)
+    assert list(named(driving)) == list(sizes)[:3]
 
 
 @pytest.mark.parametrize(
@@ -307,11 +294,13 @@ def test_points_of_the_index_stand_in_the_range_that_is_drawn(
 ) -> None:
     sought = optimum(variable=variable, before=(before * DEG,), best=(best * DEG,))
     made = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=sought),))))["joint-index-1"]
-    assert made.values["present"] == pytest.approx((points[0], 25.0), rel=1e-12)
-    assert made.values["best"] == pytest.approx((points[1], 5.0), rel=1e-12)
-    assert made.values["values"] == pytest.approx([-170.0, 0.0, 45.0, 190.0])
-    assert made.values["index"] == pytest.approx([40.0, 20.0, 30.0, 10.0])
-    assert made.values["quantity"] == f"{variable} of outer, deg"
+    present, best_ = plot(made).marks
+    assert (present.x[0], present.y[0]) == pytest.approx((points[0], 25.0), rel=1e-12)
+    assert (best_.x[0], best_.y[0]) == pytest.approx((points[1], 5.0), rel=1e-12)
+    line_ = made.lines["index of fluctuation"]
+    assert line_.x == pytest.approx([-170.0, 0.0, 45.0, 190.0])
+    assert line_.y == pytest.approx([40.0, 20.0, 30.0, 10.0])
+    assert plot(made).x.title == f"{variable} of outer, deg"
     assert made.caption == f"Index of fluctuation of inner, cv over the {variable} of outer"
 
 
@@ -319,7 +308,7 @@ def test_the_index_of_three_joints_and_of_two_that_are_free(bare: Findings) -> N
     even = optimum(index_best=1e-13, index_before=ROUNDING)
     three = figures(blocks(bare, together((FIRST, EVEN, EVEN), (line(0, 1, 2, optimum=even),))))["joint-index-1"]
     assert three.caption.endswith("of outer, the other joints as they are")
-    assert three.values["best"][1] == three.values["present"][1] == 0.0
+    assert [marks.y[0] for marks in plot(three).marks] == [0.0, 0.0]
     free = optimum(names=("outer", "cv"), before=(0.1, 0.2), best=(0.3, 0.4), sensitivity=(0.1, 0.2))
     two = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=free),))))["joint-index-1"]
     assert two.caption.endswith("of outer; the best point moves all free joints")

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.output.drawn import levels, unit
 
 import torsion
 from torsion.analyses.steady import Steady
@@ -67,29 +68,29 @@ def test_without_a_rated_speed_the_highest_counts() -> None:
     found = written((1.0, 2.0, 5.0, 5.0), text)
     assert [row[2] for row in table(found).rows] == ["3.0000", "6.0000", "15.000"]
     assert table(found).caption.startswith("Mean torque at 381.97 rpm")
-    assert figure(found).values["rated"] is None
+    assert "rated speed" not in levels(figure(found))
 
 
 def test_neighbours_with_the_same_torque_are_one_curve() -> None:
     drawn = figure(written((1e5, 1e5 * (1 + 0.9e-9), -2000.0, 500.0)))
-    assert [name for name, _ in drawn.values["lines"]] == ["c to g", "tail"]
-    np.testing.assert_allclose(drawn.values["lines"][0][1], 100.0 * RISE, rtol=1e-8)
-    np.testing.assert_allclose(drawn.values["lines"][1][1], -2.0 * RISE, rtol=1e-14)
-    np.testing.assert_allclose(drawn.values["speed"], SPEED * RPM, rtol=1e-14)
-    assert drawn.values["unit"] == "kN m"
-    assert drawn.values["rated"] == pytest.approx(28.0 * RPM)
+    assert list(drawn.lines) == ["c to g", "tail"]
+    np.testing.assert_allclose(drawn.lines["c to g"].y, 100.0 * RISE, rtol=1e-8)
+    np.testing.assert_allclose(drawn.lines["tail"].y, -2.0 * RISE, rtol=1e-14)
+    np.testing.assert_allclose(drawn.lines["tail"].x, SPEED * RPM, rtol=1e-14)
+    assert unit(drawn) == "kN m"
+    assert levels(drawn)["rated speed"] == [pytest.approx(28.0 * RPM)]
     assert drawn.caption == "Mean torque over the speed"
     drawn = figure(written((100.0, 100.0 * (1 + 1.3e-9), 200.0, 0.0)))
-    assert [name for name, _ in drawn.values["lines"]] == ["c", "g", "tail"]
+    assert list(drawn.lines) == ["c", "g", "tail"]
     drawn = figure(written((200.0, 200.0, 200.0, 0.0)))
-    assert [name for name, _ in drawn.values["lines"]] == ["c to tail"]
+    assert list(drawn.lines) == ["c to tail"]
     drawn = figure(written((0.0, 0.0, 200.0, 0.0)))
-    assert [name for name, _ in drawn.values["lines"]] == ["c to g", "tail"]
+    assert list(drawn.lines) == ["c to g", "tail"]
     found = written((100.0, 100.0, 100.0, 100.0))
     bent = found.need(Steady).torque.copy()
     bent[[span.name for span in found.system.spans].index("g"), 2] += 1.0
     drawn = figure(found.having(mean=replace(found.need(Steady), torque=bent)))
-    assert [name for name, _ in drawn.values["lines"]] == ["c", "g", "tail"]
+    assert list(drawn.lines) == ["c", "g", "tail"]
 
 
 def test_nothing_without_a_mean_torque_and_no_curve_of_one_speed(bare: Findings) -> None:
@@ -115,7 +116,5 @@ def test_ten_curves_are_drawn(number: int, rest: str) -> None:
     torque = np.outer(size, RISE)
     torque[size.index(1.0)] = 4.0  # the least of its largest, but not of its smallest
     drawn = figure(found.having(mean=replace(found.need(Steady), speed=SPEED, torque=torque)))
-    assert [name for name, _ in drawn.values["lines"]] == [
-        f"c{k}" for k in range(number) if size[k] > 1 or number == 10
-    ]
+    assert list(drawn.lines) == [f"c{k}" for k in range(number) if size[k] > 1 or number == 10]
     assert drawn.caption == f"Mean torque over the speed{rest}"

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.output.drawn import levels, named
 
 from torsion.analyses.compare.side_by_side import Compared, ModelCompared, TorquesCompared
 from torsion.findings import Findings
@@ -149,16 +150,19 @@ def test_where_the_torques_are_farthest_off(bare: Findings) -> None:
         "fem: 0.300 % at 190.99 rpm, order 1.5, largest in tube",
     ]
     assert next(block.brief for block in made if isinstance(block, Points) and "at 190.99" in block.items[-1])
-    modes, curves = (block.values for block in made if isinstance(block, Figure))
-    np.testing.assert_allclose(curves["speed"], [95.49296586, 190.9859317, 286.4788976], rtol=1e-9)
-    assert [(name, values.tolist()) for name, values in curves["lines"]] == [
-        ("lumped", pytest.approx([6e-4, 6e-3, 3e-3])), ("fem", pytest.approx([3e-4, 3e-3, 1.5e-3])),
-    ]  # fmt: skip
-    assert curves["tolerance"] == modes["tolerance"] == 1e-2
-    assert [(name, values.tolist()) for name, values in modes["frequency"]] == [
-        ("lumped", pytest.approx([2e-3, 4e-3, 3e-3])), ("fem", pytest.approx([1e-3, 2e-3, 1.5e-3])),
-    ]  # fmt: skip
-    assert modes["shape"][1][1] == pytest.approx([1e-4, 2e-4, 5e-4])
+    modes, curves = (block for block in made if isinstance(block, Figure))
+    wanted = {"lumped": [6e-4, 6e-3, 3e-3], "fem": [3e-4, 3e-3, 1.5e-3]}
+    assert {name: line.y.tolist() for name, line in curves.lines.items()} == {
+        name: pytest.approx(values) for name, values in wanted.items()
+    }
+    np.testing.assert_allclose(curves.lines["fem"].x, [95.49296586, 190.9859317, 286.4788976], rtol=1e-9)
+    assert levels(curves) == levels(modes) == {"tolerance": [1e-2]}
+    frequency, shape = modes.plots
+    wanted = {"lumped": [2e-3, 4e-3, 3e-3], "fem": [1e-3, 2e-3, 1.5e-3]}
+    assert {name: line.y.tolist() for name, line in named(frequency).items()} == {
+        name: pytest.approx(values) for name, values in wanted.items()
+    }
+    assert named(shape)["fem"].y == pytest.approx([1e-4, 2e-4, 5e-4])
 
 
 def test_torques_that_are_not_compared_or_not_known(bare: Findings) -> None:

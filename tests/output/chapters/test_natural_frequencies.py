@@ -3,11 +3,11 @@
 import math
 import re
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.output.drawn import named, plot
 
 import torsion
 from torsion.analyses.damped_modes import DampedModes
@@ -15,6 +15,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.natural_frequencies import chapter, holzer_tables
+from torsion.output.station_layout import layout
 
 RPM = 30.0 / math.pi
 GEARED = """
@@ -290,23 +291,41 @@ def test_plot_of_a_mode_is_referred_and_relative_to_its_largest(geared: Findings
     modes, system = geared.need(Modes), geared.system
     names = [station.name for station in system.stations]
     drawn = next(block for block in chapter(geared) if isinstance(block, Figure))
-    values = dict(drawn.values)
+    place = layout(system)
+    at = dict(zip(names, zip(place.x.tolist(), place.row.tolist(), strict=True), strict=True))
     angle = modes.shape[:, 0] / np.array([SPEED.get(name, 1.0) for name in names])
-    assert values["angle"] == pytest.approx(angle / angle[np.abs(angle).argmax()])
+    angle = dict(zip(names, (angle / angle[np.abs(angle).argmax()]).tolist(), strict=True))
     inside = {"soft": 0.4, "screw to ground": 0.4, "side": 0.5}
     torque = modes.torque[:, 0] * np.array([inside.get(span.name, 1.0) for span in system.spans])
-    assert values["torque"] == pytest.approx(torque / np.abs(torque).max())
-    assert values["marked"].tolist() == [name in names[:7] for name in names]
-    ends = [[names[k] for k in pair] for pair in values["ends"].tolist()]
-    assert ends[0] == ["stage wheel 2", "pump"]
+    upper, lower = drawn.plots
     line = ["wheel", *(f"line {k}/5" for k in (1, 2, 3, 4)), "line end"]
-    assert ends[-5:] == [[a, b] for a, b in pairwise(line)]
-    place = dict(zip(names, values["x"].tolist(), strict=True))
+    main = named(upper)["main line"]
+    pairs = list(zip(main.x.tolist(), main.y.tolist(), strict=True))
+    start = pairs.index(pytest.approx((at["wheel"][0], angle["wheel"])))
+    assert pairs[start : start + 6] == [pytest.approx((at[name][0], angle[name])) for name in line]
+    branch = named(upper)["branch 1"]
+    turned = ["stage wheel 2", "pump", "", "line end", "stage wheel 2"]
+    assert branch.y.tolist() == pytest.approx([angle.get(name, math.nan) for name in turned], nan_ok=True)
+    assert at["pump"][1] == 1.0
+    (stations,) = upper.marks
+    wanted = sorted((at[name][0], angle[name]) for name in names[:7])
+    np.testing.assert_allclose(sorted(zip(stations.x, stations.y, strict=True)), wanted, rtol=1e-12)
+    size = np.abs(torque).max()
+    steps = dict(zip((span.name for span in system.spans), torque / size, strict=True))
+    shown = {name: one.y[np.isfinite(one.y)] for name, one in named(lower).items()}
+    assert {round(one, 9) for one in shown["branch 1"].tolist()} == {
+        round(one, 9) for name, one in steps.items() if name in ("side", "stage wheel 2")
+    }
+    assert {round(one, 9) for one in shown["main line"].tolist()} == {
+        round(steps[span.name], 9)
+        for span in system.spans
+        if span.name not in ("side", "screw to ground") and at[system.stations[span.driven].name][1] == 0.0
+        and at[system.stations[span.driving].name][0] != at[system.stations[span.driven].name][0]
+    }  # fmt: skip
     links = {"line": ("wheel", "line end"), "stage": ("line end", "stage end"), "soft": ("stage end", "screw")}
-    middle = {name: (place[a] + place[b]) / 2.0 for name, (a, b) in links.items()}
-    wanted = {"wheel": place["wheel"], **middle, "screw": place["screw"]}
-    assert {name: x for x, name in values["ticks"]} == pytest.approx(wanted)
-    assert dict(zip(names, values["row"].tolist(), strict=True))["pump"] == 1.0
+    middle = {name: (at[a][0] + at[b][0]) / 2.0 for name, (a, b) in links.items()}
+    wanted = {"wheel": at["wheel"][0], **middle, "screw": at["screw"][0]}
+    assert {name: x for x, name in upper.x.places} == pytest.approx(wanted)
     assert drawn.caption.endswith("angle and torque referred to the reference speed, relative to their largest value")
 
 
@@ -315,7 +334,7 @@ def test_links_are_named_in_a_plot_of_at_most_fourteen_components(couplings: int
     """A disc on the last one makes fourteen components, or sixteen."""
     more = chain(couplings, 1, ", disc: {name: end, inertia: 1}")
     drawn = next(block for block in chapter(more) if isinstance(block, Figure))
-    assert len(drawn.values["ticks"]) == named
+    assert len(plot(drawn).x.places) == named
 
 
 def test_of_a_shaft_of_502_segments_every_second_is_drawn() -> None:
@@ -328,6 +347,7 @@ def test_of_a_shaft_of_502_segments_every_second_is_drawn() -> None:
     ):
         found = torsion.run(torsion.parse(text.replace("N", str(segments)) + "analyses: {modes: {count: 1}}\n"))
         drawn = next(block for block in chapter(found) if isinstance(block, Figure))
-        assert len(drawn.values["torque"]) == spans
-        assert len(drawn.values["x"]) == len(drawn.values["angle"]) == len(drawn.values["row"]) == spans + 1
+        angles, torques = (panel.lines[0] for panel in drawn.plots)
+        assert len(torques.x) == 2 * spans
+        assert len(angles.x) == len(angles.y) == spans + 1
         assert drawn.caption.endswith(words)

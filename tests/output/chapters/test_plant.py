@@ -1,7 +1,6 @@
 """The sketch of the plant and the list of its components, against the file and the places of the stations."""
 
 import math
-from typing import Any
 
 import pytest
 
@@ -9,6 +8,7 @@ import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.chapters.plant import chapter
+from torsion.output.figures.figure import Disc, Link
 from torsion.output.station_layout import layout
 
 TEXT = """
@@ -53,11 +53,11 @@ def found() -> Findings:
     return torsion.run(torsion.parse(TEXT))
 
 
-def sketch(findings: Findings) -> tuple[dict[str, dict[str, Any]], list[dict[str, Any]]]:
+def sketch(findings: Findings) -> tuple[dict[str, Disc], tuple[Link, ...]]:
     """Points by the name of their component, and links."""
-    values = next(block.values for block in chapter(findings) if isinstance(block, Figure))
+    (drawn,) = next(block.panels for block in chapter(findings) if isinstance(block, Figure))
     parts = [part.name for part in findings.study.train.parts]
-    return {parts[int(point["label"].split()[0]) - 1]: point for point in values["points"]}, values["links"]
+    return {parts[int(disc.label.split()[0]) - 1]: disc for disc in drawn.discs}, drawn.links
 
 
 def places(findings: Findings) -> dict[str, tuple[float, float]]:
@@ -91,20 +91,18 @@ def test_heights_of_discs_are_by_the_logarithm_of_their_inertia(found: Findings)
     points, _ = sketch(found)
     own = dict(zip((station.name for station in found.system.stations), found.system.inertia.tolist(), strict=True))
     for name in ("big", "mid", "pto", "brake", "tail", "weak"):
-        assert points[name]["size"] == pytest.approx((math.log10(own[name]) + 1.0) / 3.0, abs=1e-12), name
-    assert points["dmp"]["ring"] == pytest.approx(2.5 / 3.0, rel=1e-12)
-    assert points["weak"]["ring"] == 0.1
-    assert points["wall"]["size"] == points["pump"]["size"] == 0.0
-    assert {name: point["ring"] for name, point in points.items() if point["ring"]} == {
+        assert points[name].size == pytest.approx((math.log10(own[name]) + 1.0) / 3.0, abs=1e-12), name
+    assert points["dmp"].ring == pytest.approx(2.5 / 3.0, rel=1e-12)
+    assert points["weak"].ring == 0.1
+    assert points["wall"].size == points["pump"].size == 0.0
+    assert {name: point.ring for name, point in points.items() if point.ring} == {
         "dmp": pytest.approx(2.5 / 3.0), "weak": 0.1,
     }  # fmt: skip
-    assert [name for name, point in points.items() if point["is_held"]] == ["wall"]
-    assert [name for name, point in points.items() if point["is_grounded"]] == ["brake"]
+    assert [name for name, point in points.items() if point.is_held] == ["wall"]
+    assert [name for name, point in points.items() if point.is_grounded] == ["brake"]
     place = places(found)
-    assert {name: (point["x"], point["row"]) for name, point in points.items()} == {
-        name: place[name] for name in points
-    }
-    assert {point["kind"] for point in points.values()} == {"disc", "damper"}
+    assert {name: (point.x, point.row) for name, point in points.items()} == {name: place[name] for name in points}
+    assert {point.kind for point in points.values()} == {"disc", "damper"}
 
 
 @pytest.mark.parametrize(
@@ -119,15 +117,15 @@ def test_sizes_of_two_discs(inertias: tuple[float, float], sizes: tuple[float, f
         "name: x\ntrain: [disc: {{name: a, inertia: {}}}, coupling: {{stiffness: 5}}, disc: {{name: b, inertia: {}}}]"
     )
     points, _ = sketch(torsion.run(torsion.parse(text.format(*inertias))))
-    assert tuple(point["size"] for point in points.values()) == pytest.approx(sizes, abs=1e-15)
+    assert tuple(point.size for point in points.values()) == pytest.approx(sizes, abs=1e-15)
 
 
 def test_links_between_their_stations(found: Findings) -> None:
     """Ties lead down to the row of a branch and up to a link beside the train; a gear crosses rows by itself."""
     _, links = sketch(found)
     place, name = places(found), {str(k): part.name for k, part in enumerate(found.study.train.parts, 1)}
-    drawn = {name.get(one["label"].split()[0], ""): one for one in links if "label" in one}
-    assert {one: drawn[one]["kind"] for one in drawn} == {
+    drawn = {name.get(one.label.split()[0], ""): one for one in links if one.label}
+    assert {one: drawn[one].kind for one in drawn} == {
         "soft": "coupling", "cone": "shaft", "stage": "gear", "lift": "gear", "side": "coupling", "stub": "shaft",
         "hooke": "joint", "wall spring": "coupling", "bypass": "coupling",
     }  # fmt: skip
@@ -135,31 +133,31 @@ def test_links_between_their_stations(found: Findings) -> None:
         "soft": ("big", "mid"), "cone": ("mid", "cone end"), "stage": ("cone end", "dmp"), "lift": ("dmp", "lift end"),
         "side": ("lift end", "weak"), "hooke": ("dmp", "brake"), "wall spring": ("tail", "wall"),
     }  # fmt: skip
-    assert {one: (drawn[one]["start"], drawn[one]["end"]) for one in ends} == {
+    assert {one: (drawn[one].start, drawn[one].end) for one in ends} == {
         one: (place[first], place[last]) for one, (first, last) in ends.items()
     }
     (x, row), (last, level) = place["dmp"], place["pto"]
     assert row != level
-    assert (drawn["stub"]["start"], drawn["stub"]["end"]) == ((x, level), (last, level))
+    assert (drawn["stub"].start, drawn["stub"].end) == ((x, level), (last, level))
     from_side, to_tail = place["pto"], place["tail"]
     above = max(from_side[1], to_tail[1]) + 0.5
-    assert (drawn["bypass"]["start"], drawn["bypass"]["end"]) == ((from_side[0], above), (to_tail[0], above))
-    ties = [(one["start"], one["end"]) for one in links if one["kind"] == "tie"]
+    assert (drawn["bypass"].start, drawn["bypass"].end) == ((from_side[0], above), (to_tail[0], above))
+    ties = [(one.start, one.end) for one in links if one.kind == "tie"]
     assert ties == [
         (place["dmp"], (x, level)), (from_side, (from_side[0], above)), (to_tail, (to_tail[0], above)),
     ]  # fmt: skip
-    rigid = [(one["start"], one["end"]) for one in links if one["kind"] == "rigid"]
+    rigid = [(one.start, one.end) for one in links if one.kind == "rigid"]
     assert rigid == [(place["brake"], place["tail"])]
-    assert drawn["hooke"]["label"].endswith(" (5.13°)")
-    (wheel,) = [one for one in links if one["kind"] == "gear" and "label" not in one]
-    assert (wheel["start"], wheel["end"]) == (place["cone end"], place["pump"])
-    assert (wheel["ratio"], drawn["stage"]["ratio"], drawn["lift"]["ratio"]) == pytest.approx((0.8, 2 / 3, 0.5))
-    assert drawn["cone"]["bore"] == pytest.approx(0.25)
-    assert drawn["cone"]["taper"] == pytest.approx((0.8, 1.0))
-    assert (drawn["stub"]["bore"], drawn["stub"]["taper"]) == (0.0, (1.0, 1.0))
+    assert drawn["hooke"].label.endswith(" (5.13°)")
+    (wheel,) = [one for one in links if one.kind == "gear" and not one.label]
+    assert (wheel.start, wheel.end) == (place["cone end"], place["pump"])
+    assert (wheel.ratio, drawn["stage"].ratio, drawn["lift"].ratio) == pytest.approx((0.8, 2 / 3, 0.5))
+    assert drawn["cone"].bore == pytest.approx(0.25)
+    assert drawn["cone"].taper == pytest.approx((0.8, 1.0))
+    assert (drawn["stub"].bore, drawn["stub"].taper) == (0.0, (1.0, 1.0))
 
 
 def test_a_sketch_of_few_components_bears_their_names() -> None:
     points, links = sketch(torsion.run(torsion.parse(FEW)))
-    assert [point["label"] for point in points.values()] == ["1 a", "2 b", "4 d"]
-    assert [link.get("label") for link in links] == [None, "3 c"]
+    assert [point.label for point in points.values()] == ["1 a", "2 b", "4 d"]
+    assert [link.label for link in links] == ["", "3 c"]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.output.drawn import bands, levels, marks, named, plot, titles
 
 import torsion
 from torsion.analyses.lateral.couple_response import Answer
@@ -18,6 +19,7 @@ from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
 from torsion.output.chapters.shaft_bending import AXES, chapter, sense
+from torsion.output.figures.curves_over_speed import STANDING
 from torsion.rules.verdict_line import Checks
 from torsion.study import SpeedRange
 
@@ -90,7 +92,7 @@ def table(found: list[Block], words: str) -> Table:
 
 
 def figures(found: list[Block], plot: str) -> list[Figure]:
-    return [block for block in found if isinstance(block, Figure) and block.plot == plot]
+    return [block for block in found if isinstance(block, Figure) and block.name.startswith(plot)]
 
 
 def texts(found: list[Block]) -> list[str]:
@@ -197,20 +199,32 @@ def test_whirl_by_frequency_with_its_least_decrement(operated: Findings) -> None
 def test_map_of_the_whirl_with_the_lines_of_every_order(operated: Findings) -> None:
     """At 90 rad/s of the reference the shaft turns 45/(2 pi) times a second."""
     (drawn,) = figures(blocks(operated, shaft("tube", critical=CRITICAL[1:2] + CRITICAL[3:4])), "whirl")
-    values = dict(drawn.values)
     turns = 45.0 / (2.0 * math.pi)
-    assert values.pop("orders") == [(pytest.approx(n * turns), f"order {n}") for n in (1, 2, 4)]
-    assert values.pop("crossings") == [
-        (pytest.approx(30.0 * RPM), 3.75, True), (pytest.approx(91.0 * RPM), 11.375, False)
-    ]  # fmt: skip
-    assert values.pop("speed") == pytest.approx(SPEED * RPM)
-    assert values.pop("rated") == pytest.approx(750.0)
-    assert values["frequency"] is WHIRL.frequency
-    assert values["direction"] is WHIRL.direction
-    column = [[False] * 3, [False, True, True], [False] * 3, [False] * 3]
-    assert values["unstable"].T.tolist() == column
+    orders = {line.label: line for line in plot(drawn).lines if line.label}
+    for n, name in ((1, "order 1"), (2, "order 2"), (4, "order 4")):
+        line = orders.pop(name)
+        assert line.y[-1] / line.x[-1] == pytest.approx(n * turns / SPEED[-1] / RPM)
+    assert not orders
+    assert marks(drawn, "critical speed in the range") == [pytest.approx((30.0 * RPM, 3.75))]
+    assert marks(drawn, "critical speed outside the range") == [pytest.approx((91.0 * RPM, 11.375))]
+    assert levels(drawn) == {"rated speed": [pytest.approx(750.0)]}
+    found = {}
+    for line in plot(drawn).lines:
+        if not line.label:
+            assert line.x == pytest.approx(SPEED * RPM)
+            found.setdefault(line.name, []).append(line.y)
+    for name, low, high in (("forward", 0.1, 2.0), ("nearly in a plane", -0.1, 0.1), ("backward", -2.0, -0.1)):
+        here = (WHIRL.direction >= low) & (WHIRL.direction < high)
+        columns = [WHIRL.frequency[:, k] for k in range(4) if here[:, k].any()]
+        for shown, whole in zip(found.get(name, []), columns, strict=True):
+            known = np.isfinite(shown)
+            assert shown[known] == pytest.approx(whole[known])
+    grown = [(SPEED[k] * RPM, WHIRL.frequency[k, 1]) for k in (1, 2)]
+    assert marks(drawn, "UNSTABLE") == [pytest.approx(place) for place in grown]
     (drawn,) = figures(blocks(operated, shaft("tube")), "whirl")
-    assert len(drawn.values["crossings"]) == 6
+    shown = [place for one in plot(drawn).marks if one.words for place in one.words]
+    top, right = plot(drawn).y.high, plot(drawn).x.high
+    assert len(shown) == sum(c.frequency <= top and c.speed * RPM <= right for c in CRITICAL) > 3
 
 
 def test_largest_displacement_and_moment_of_every_order_with_place_and_speed(operated: Findings) -> None:
@@ -248,27 +262,26 @@ def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
     bad = answer(2, 200.0, 2000.0, Status.NEAR_SINGULAR, Status.OK, Status.SINGULAR)
     still = shaft("still", answers=())
     (drawn,) = figures(blocks(operated, still, shaft("tube", answers=(answer(0, 20.0, 2.0), bad))), "bending")
-    values, worst = dict(drawn.values), np.array([3.0, 9.0, 7.0])
-    for one, wanted in zip(values["speed"], (SPEED, SPEED + 2.0), strict=True):
-        assert one == pytest.approx(wanted * RPM)
-    assert values["orders"] == ["order 0, at rest", "order 2"]
-    (shift, by_shift), (moment, by_moment), (force, by_force) = values["panels"]
-    assert (shift, moment, force) == (
-        "displacement,\nµm", "bending moment,\nkN m", "force on a joint\nor support, kN"
-    )  # fmt: skip
-    for k in (0, 1):
-        assert by_shift[k] == pytest.approx(worst)
-        assert by_moment[k] == pytest.approx((0.02, 0.2)[k] * worst)
-        assert by_force[k] == pytest.approx((0.002, 2.0)[k] * np.array([2.0, 8.0, 7.0]))
-    assert [one.tolist() for one in values["near"]] == [[False] * 3, [True, False, False]]
-    assert [one.tolist() for one in values["singular"]] == [[False] * 3, [False, False, True]]
-    assert values["crossings"] == pytest.approx([30.0 * RPM])
-    assert values["rated"] == pytest.approx(750.0)
+    worst = np.array([3.0, 9.0, 7.0])
+    assert titles(drawn) == ["displacement, µm", "bending moment, kN m", "force on a joint or support, kN"]
+    sizes = (np.ones(2), np.array([0.02, 0.2]), np.array([0.002, 2.0]))
+    shapes = (worst, worst, np.array([2.0, 8.0, 7.0]))
+    for panel, size, shape in zip(drawn.plots, sizes, shapes, strict=True):
+        still_, moving = (named(panel)[name] for name in ("order 0, at rest", "order 2"))
+        assert still_.x == pytest.approx(SPEED * RPM)
+        assert moving.x == pytest.approx((SPEED + 2.0) * RPM)
+        assert still_.y == pytest.approx(size[0] * shape)
+        assert moving.y == pytest.approx([math.nan, size[1] * shape[1], math.nan], nan_ok=True)
+    assert marks(drawn, STANDING) == [pytest.approx(((SPEED[0] + 2.0) * RPM, worst[0]))]
+    assert bands(drawn, "no answer") == [pytest.approx(((SPEED[1] + 2.0) * RPM, (SPEED[2] + 2.0) * RPM))]
+    assert levels(drawn) == {
+        "critical speeds of these orders": [pytest.approx(30.0 * RPM)], "rated speed": [pytest.approx(750.0)],
+    }  # fmt: skip
     assert (drawn.name, drawn.caption[:26]) == ("bending-2", "tube: largest displacement")
     (drawn,) = figures(
         blocks(operated, shaft("tube", answers=(replace(bad, status=bad.status[[0, 2, 0]]),))), "bending"
     )
-    assert [words.split("\n")[1] for words, _ in drawn.values["panels"]][1:] == ["N m", "or support, N"]
+    assert [panel.y.unit for panel in drawn.plots][1:] == ["N m", "N"]
 
 
 @pytest.mark.parametrize(

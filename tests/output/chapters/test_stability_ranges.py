@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.output.drawn import levels, plot
 
 import torsion
 from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
@@ -79,10 +80,13 @@ def tables(blocks: list[Block]) -> list[Table]:
     return [block for block in blocks if isinstance(block, Table)]
 
 
-def curves(block: Block) -> dict[str, Any]:
-    """What a figure draws, arrays as lists."""
+def grown(block: Block) -> dict[str, Any]:
+    """What a figure of growth rates draws."""
     assert isinstance(block, Figure)
-    return {name: one.tolist() if isinstance(one, np.ndarray) else one for name, one in block.values.items()}
+    line = block.lines["growth rate"]
+    unstable = [(band.low, band.high, band.label) for band in plot(block).bands if band.kind == "unstable"]
+    return {"speed": line.x.tolist(), "growth": line.y.tolist(), "rated": levels(block)["rated speed"][0],
+            "unstable": unstable}  # fmt: skip
 
 
 def test_without_stability_there_is_no_chapter(operated: Findings) -> None:
@@ -189,7 +193,7 @@ def test_speeds_without_an_answer_and_the_curve_of_growth(operated: Findings) ->
     assert found.marks == ("fail",) * 30
     (found,) = tables(list(chapter(with_stability(operated, ranges=(), unsolved=speed[:2]))))
     assert (found.caption, len(found.rows)) == ("Speeds without an answer", 2)
-    assert curves(list(chapter(with_stability(operated)))[-1]) == {
+    assert grown(list(chapter(with_stability(operated)))[-1]) == {
         "speed": pytest.approx([300.0, 340.0, 420.0, 450.0, 480.0, 600.0, 900.0]),
         "growth": STABILITY.growth.tolist(), "rated": pytest.approx(750.0),
         "unstable": [(pytest.approx(420.0), pytest.approx(480.0), KIND)],
@@ -260,12 +264,12 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
         ("Growth over speed and joint angle, on 4 of 9 elastic modes. At 5 points the whole train was computed too: "
         "largest difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are hatched."), "note"
     )]  # fmt: skip
-    values = curves(blocks[-1])
-    np.testing.assert_array_equal(values.pop("growth"), GROWN)
-    assert values == {
-        "speed": pytest.approx([300.0, 500.0, 700.0]), "value": pytest.approx([10.0, 20.0, 30.0, 40.0]),
-        "quantity": "joint angle, deg", "rated": pytest.approx(750.0),
-    }  # fmt: skip
+    cells = plot(blocks[-1]).cells
+    np.testing.assert_array_equal(cells.values, GROWN.T)
+    assert cells.x == pytest.approx([300.0, 500.0, 700.0])
+    assert cells.y == pytest.approx([10.0, 20.0, 30.0, 40.0])
+    assert plot(blocks[-1]).y.title == "joint angle, deg"
+    assert levels(blocks[-1]) == {"rated speed": [pytest.approx(750.0)]}
 
 
 def test_value_of_a_map_that_is_unknown_at_one_speed_is_stable_at_the_others(operated: Findings) -> None:
@@ -284,8 +288,8 @@ def test_map_over_a_factor_has_no_unit_and_says_where_it_found_another_motion(op
         ("Growth over speed and factor on the mean torque, on 4 of 9 elastic modes. At 1 point the whole train was "
         "computed too: largest difference 0.0012 1/s. At 1 point it settled in another periodic motion."), "plain"
     )]  # fmt: skip
-    values = curves(blocks[-1])
-    assert (values["quantity"], values["value"]) == ("factor on the mean torque", [0.5, 2.0])
+    assert plot(blocks[-1]).y.title == "factor on the mean torque"
+    assert plot(blocks[-1]).cells.y.tolist() == [0.5, 2.0]
     assert tables(blocks)[0].columns[0].unit == ""
 
 
@@ -350,7 +354,7 @@ def test_tilting_shafts_by_title_and_their_verdicts(operated: Findings) -> None:
         ("stub is unstable: its tilt grows by up to 0.2500 1/s at 450.00 rpm (short).", "fail"),
     ]
     assert [block.name for block in blocks if isinstance(block, Figure)] == ["tilting-1", "tilting-2"]
-    assert curves(blocks[-1]) == {
+    assert grown(blocks[-1]) == {
         "speed": pytest.approx([300.0, 900.0]), "growth": [-0.5, 0.6], "rated": pytest.approx(750.0), "unstable": [],
     }  # fmt: skip
     assert list(tilt_section(found, (still,))) == []
@@ -372,6 +376,6 @@ def test_ranges_of_the_tilt_within_and_outside_the_operation(operated: Findings,
         ("tail", "901.000000", "910.000000", "principal of 2", "0.12500", "905.00", "outside"),
     )  # fmt: skip
     assert found.marks == ("note", "fail", "fail", "note")
-    assert curves(blocks[-1])["unstable"][0] == (pytest.approx(250.0), pytest.approx(299.0), "several")
+    assert grown(blocks[-1])["unstable"][0] == (pytest.approx(250.0), pytest.approx(299.0), "several")
     blocks = list(tilt_section(bare.having(checks=Checks(())), shafts))
     assert {row[-1] for row in tables(blocks)[1].rows} == {"UNSTABLE"}

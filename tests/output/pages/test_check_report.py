@@ -15,9 +15,8 @@ from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.chapters.model_comparison import chapter
 from torsion.output.document import document
-from torsion.output.figures.drawing import svg
+from torsion.output.drawing.svg import svg
 from torsion.output.figures.error_curves import modes, torques
-from torsion.output.figures.style import page
 from torsion.output.html import html
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import documented, results, text
@@ -153,14 +152,14 @@ def test_both_files_are_written_or_none(good: Findings, tmp_path: Path) -> None:
     write(good, tmp_path, "check")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["check.html", "check.json"]
     page = (tmp_path / "check.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 2
+    assert page.count("<figure") == 2
     assert "mathdefault" not in page
 
 
 def test_figures_take_errors_of_zero_of_nothing_and_without_bounds() -> None:
     errors = [("lumped", np.array([0.0, np.inf, 1e-3])), ("fem", np.array([1e-19, 1e-9, np.nan]))]
-    drawn = page("a", modes, frequency=errors, shape=errors, tolerance=1e-3)
-    assert "1e−15" in drawn or "1e−16" in drawn
+    drawn = svg(modes("a", "", frequency=errors, shape=errors, tolerance=1e-3))
+    assert "10⁻¹⁵" in drawn or "10⁻¹⁶" in drawn
     nothing = [("lumped", np.full(3, np.nan))]
-    assert "tolerance" in page("b", torques, speed=np.arange(3.0), lines=nothing, tolerance=1e-3)
-    assert "<svg" in page("c", modes, frequency=nothing, shape=nothing, tolerance=1e-3)
+    assert "tolerance" in svg(torques("b", "", speed=np.arange(3.0), lines=nothing, tolerance=1e-3))
+    assert "<svg" in svg(modes("c", "", frequency=nothing, shape=nothing, tolerance=1e-3))

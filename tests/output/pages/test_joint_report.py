@@ -9,6 +9,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from rich.console import Console
+from tests.output.drawn import plot
+from tests.output.drawn import titles as titles_of
 
 import torsion
 from torsion.analyses.joints.joint_results import Joints
@@ -126,7 +128,7 @@ def test_without_speed_and_torque_there_are_ratios_and_no_couples_and_it_is_said
     found = solve("bare")
     assert "Secondary couples" not in titles(found)
     assert [block for block in chapter(found) if isinstance(block, Table) and "acceleration" in block.caption] == []
-    axes = [panel[0] for panel in figures(found)["joint-motion-1"].values["panels"]]
+    axes = titles_of(figures(found)["joint-motion-1"])
     assert "speed ratio" in axes
     assert not any("rpm" in says or "rad/s" in says for says in axes)
     said = " ".join(item for block in chapter(found) if isinstance(block, Points) for item in block.items)
@@ -138,10 +140,10 @@ def test_without_speed_and_torque_there_are_ratios_and_no_couples_and_it_is_said
 def test_with_a_speed_the_curves_have_its_units(solve: Solve) -> None:
     """The greatest speed behind one joint is speed / cos(angle)."""
     found = solve("full")
-    panels = {panel[0].replace("\n", " "): panel[2] for panel in figures(found)["joint-motion-1"].values["panels"]}
-    label, speed = panels["speed, rpm"][0]
-    assert label == "behind " + NAME.strip('"')
-    assert speed.max() == pytest.approx(60.0 / math.cos(math.radians(15.0)) * 30.0 / math.pi, rel=1e-12)
+    panels = {panel.y.title: panel.lines for panel in figures(found)["joint-motion-1"].plots}
+    line = panels["speed, rpm"][0]
+    assert line.name == "behind " + NAME.strip('"')
+    assert line.y.max() == pytest.approx(60.0 / math.cos(math.radians(15.0)) * 30.0 / math.pi, rel=1e-12)
     assert set(panels) == {"angle error, deg", "speed, rpm", "acceleration, rad/s²", "torque behind / before the joint"}
 
 
@@ -166,12 +168,13 @@ def test_the_best_choice_is_told_with_its_gain_and_drawn_with_both_points(solve:
     found = solve("full")
     best = found.need(Joints).lines[0].optimum
     assert [row[0] for row in table(found, "Best phase").rows] == ["joint-2", "joint-3"]
-    drawn = figures(found)["joint-index-1"].values
-    assert drawn["best"][1] == pytest.approx(100 * best.index_best, rel=1e-12, abs=1e-12)
-    at, size = drawn["present"]
-    assert np.interp(at, drawn["values"], drawn["index"]) == pytest.approx(size, rel=1e-4)
-    assert drawn["present"] == (pytest.approx(100.0), pytest.approx(100 * best.index_before))
-    assert drawn["values"][0] <= drawn["best"][0] <= drawn["values"][-1]
+    drawn = figures(found)["joint-index-1"]
+    line = drawn.lines["index of fluctuation"]
+    (at, size), shown = ((one.x[0], one.y[0]) for one in plot(drawn).marks)
+    assert shown[1] == pytest.approx(100 * best.index_best, rel=1e-12, abs=1e-12)
+    assert np.interp(at, line.x, line.y) == pytest.approx(size, rel=1e-4)
+    assert (at, size) == (pytest.approx(100.0), pytest.approx(100 * best.index_before))
+    assert line.x[0] <= shown[0] <= line.x[-1]
     assert "is saved" in terminal(found, 200)
 
 
@@ -179,7 +182,7 @@ def test_a_line_that_turns_evenly_shows_no_rounding(solve: Solve) -> None:
     row = table(solve("even"), "as one cross joint").rows[0]
     assert (row[1], row[3], row[5], row[7], row[8]) == ("0", "–", "–", "–", "0")
     assert "nothing to gain" in terminal(solve("even"))
-    assert figures(solve("even"))["joint-index-1"].values["best"] == (0.0, 0.0)
+    assert [(one.x[0], one.y[0]) for one in plot(figures(solve("even"))["joint-index-1"]).marks][1] == (0.0, 0.0)
     assert table(solve("even"), "Speed and acceleration").rows[1][4] == "0"
 
 
@@ -226,7 +229,7 @@ def test_the_page_of_the_joints_has_the_summary_first_and_its_names_escaped(scen
     assert heads == ["Summary", "Universal joints", "What was computed", "Appendix: the input as read"]
     page = html(made)
     assert "a <b>" not in page
-    assert page.count("<svg") == sum(isinstance(item.block, Figure) for item in made.body)
+    assert page.count("<figure") == sum(isinstance(item.block, Figure) for item in made.body)
 
 
 @pytest.mark.parametrize("scene", SCENES)

@@ -7,15 +7,18 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures import curves_over_speed
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
     barred_rpm,
+    harmonic_name,
     mode_near,
     orders_together,
     rated_rpm,
@@ -30,7 +33,7 @@ from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12  # of shafts
-MOST_ORDERS = 8  # of a shaft, in the table of stress by order
+MOST_ORDERS = 8  # of a shaft, in its figure and in the table of stress by order
 SMALLEST = 0.01  # of the shaft's largest stress of one order; less is not listed
 LIMITS = "| τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]"
 
@@ -41,6 +44,7 @@ class Curves:
 
     speed: FloatArray  # (speeds,) rad/s
     stress: FloatArray  # (speeds,) NaN where the response has no reliable value
+    orders: FloatArray  # (speeds, lines) the same of single orders
     continuous: FloatArray | None = None  # (speeds,)
     transient: FloatArray | None = None
 
@@ -57,36 +61,48 @@ def shafts(findings: Findings) -> Iterator[Block]:
     yield Heading("Stress of the shafts")
     yield Paragraph(text)
     yield _stresses(findings, curves)
-    yield _orders(findings)
+    yield _by_order(findings, curves)
     drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
     for name, curve in curves.items():
         if name in drawn:
-            values = {
-                "speed": curve.speed * RPM, "synthesis": curve.stress, "bad": unreliable(findings),
-                "continuous": curve.continuous, "transient": curve.transient, "rated": rated_rpm(findings),
-                "barred": tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
-            }  # fmt: skip
             position = findings.study.train.parts.index(findings.study.train.part(name))
-            yield Figure(f"stress-{position}", f"Vibratory shear stress of {name}", "stress", values)
+            yield curves_over_speed.stress(
+                f"stress-{position}", f"Vibratory shear stress of {name}", speed=curve.speed * RPM,
+                synthesis=curve.stress, bad=unreliable(findings), continuous=curve.continuous,
+                lines=[
+                    (harmonic_name(findings.need(Response), k, "order "), curve.orders[:, k])
+                    for k in strongest(curve.orders, MOST_ORDERS)
+                ],
+                transient=curve.transient, rated=rated_rpm(findings),
+                barred=tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
+            )  # fmt: skip
     if len(drawn) < len(curves):
         yield Paragraph(f"The {len(drawn)} most stressed of {len(curves)} shafts have a figure.")
 
 
 def _curves(findings: Findings, bar: Bar) -> Curves:
     """With the rule's own limits, where the rule is named and the shaft has a role."""
-    bad = unreliable(findings)
+    response, bad = findings.need(Response), unreliable(findings)
+    spans, modulus, limited = _section(findings, bar)
+    stress = (findings.need(Synthesis).half_range[:, spans] / modulus).max(axis=1) * PA
+    orders = (np.abs(response.torque[:, :, spans]) / modulus).max(axis=2) * PA
+    orders = np.where(response.status == Status.OK, orders, np.nan)
+    return Curves(response.speed, np.where(bad, np.nan, stress), orders, *limited)
+
+
+def _section(findings: Findings, bar: Bar) -> tuple[IntArray, FloatArray, tuple[FloatArray, ...]]:
+    """Spans of a shaft, W_p of each (m3) and limits: those of the rule that judges it, else the smallest W_p."""
     if any(rule == "iacs-m68" for rule, _ in findings.study.rules):
-        from torsion.rules.m68 import limits
+        from torsion.rules.m68 import limits, section
 
         try:
-            speed, continuous, transient, stress = limits(findings, bar.name)
-            return Curves(speed, np.where(bad, np.nan, stress), continuous, transient)
+            _, continuous, transient, _ = limits(findings, bar.name)
+            return *section(findings, bar.name), (continuous, transient)
         except KeyError:
             pass
     spans = np.flatnonzero(findings.system.span_part == bar.part)
-    half = findings.need(Synthesis).half_range[:, spans]
-    stress = (half / _moduli(findings, bar, len(spans))).max(axis=1) * PA
-    return Curves(findings.need(Response).speed, np.where(bad, np.nan, stress))
+    own = next(one for one in findings.system.train.bars if one.part == bar.part)
+    return spans, np.full(len(spans), stress_modulus(own)), ()
 
 
 def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
@@ -106,46 +122,24 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
     return table(columns, rows, "Largest stress amplitude of every shaft over the speed range")
 
 
-def _orders(findings: Findings) -> Table:
+def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
     """Of every shaft the largest stress of each harmonic component by itself, the strongest of them."""
     response, rows = findings.need(Response), []
-    for bar in findings.study.train.bars:
-        spans = np.flatnonzero(findings.system.span_part == bar.part).tolist()
-        stress = _of_orders(findings, bar, spans)
-        top = highest(stress)
-        for line in strongest(stress, MOST_ORDERS):
-            at = largest(stress[:, line])
-            frequency = None if at is None else float(response.frequency[at, line])
-            if at is None or stress[at, line] >= SMALLEST * top:
-                own = worst(stress[:, line], response.speed)
-                mode = NONE if frequency is None else mode_near(findings, frequency)
-                rows.append((bar.name, response.lines[line].named(reference(findings)), *own, frequency, mode))
+    for name, curve in curves.items():
+        top = highest(curve.orders)
+        for line in strongest(curve.orders, MOST_ORDERS):
+            stress = curve.orders[:, line]
+            at = largest(stress)
+            if at is not None and stress[at] >= SMALLEST * top:
+                frequency = float(response.frequency[at, line])
+                component = response.lines[line].named(reference(findings))
+                rows.append((name, component, *worst(stress, curve.speed), frequency, mode_near(findings, frequency)))
     return table(
         "< Shaft | < Harmonic component | Largest stress [N/mm²] | At speed [rpm] | Frequency [Hz] | Mode",
         rows,
         f"Largest stress amplitude of every order by itself (the {MOST_ORDERS} strongest of a shaft, down to "
         f"{100 * SMALLEST:g} % of its largest)",
     )
-
-
-def _of_orders(findings: Findings, bar: Bar, spans: list[int]) -> FloatArray:
-    """(speeds, lines) N/mm2; NaN where a line has no reliable value."""
-    response = findings.need(Response)
-    size = np.abs(response.torque[:, :, spans]) / _moduli(findings, bar, len(spans)) * PA
-    return np.where(response.status == Status.OK, size.max(axis=2), np.nan)
-
-
-def _moduli(findings: Findings, bar: Bar, spans: int) -> FloatArray:
-    """(spans,) m3: W_p of every piece as the class rule takes it where it judges the shaft, else the smallest."""
-    from torsion.rules.m68_shafts import M68Settings, classed_shafts
-    from torsion.rules.m68_shafts import stress_modulus as ruled
-
-    for settings in (given for _, given in findings.study.rules if isinstance(given, M68Settings)):
-        for shaft in classed_shafts(findings.study, settings):
-            if shaft.part == bar.part:
-                return ruled(findings.system, shaft)[1]
-    own = next(one for one in findings.system.train.bars if one.part == bar.part)
-    return np.full(spans, stress_modulus(own))
 
 
 def gears(findings: Findings) -> Iterator[Block]:
@@ -199,13 +193,12 @@ def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArra
         for check in findings.need(Checks).lines
         if (check.where, check.rule, check.unit) == (mesh.name, "gear-hammer", "N m") and np.isfinite(check.limit)
     ]
-    drawn = {
-        "speed": findings.need(Response).speed * RPM, "vibratory": values * unit.factor,
-        "mean": None if mean is None else mean * unit.factor, "bad": unreliable(findings), "unit": unit.unit,
-        "limit": limits[0] * unit.factor if limits else None, "rated": rated_rpm(findings),
-        "barred": barred_rpm(findings),
-    }  # fmt: skip
-    return Figure(f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}", "gear", drawn)
+    return curves_over_speed.gear(
+        f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}",
+        speed=findings.need(Response).speed * RPM, vibratory=values * unit.factor,
+        mean=None if mean is None else mean * unit.factor, bad=unreliable(findings), unit=unit.unit,
+        limit=limits[0] * unit.factor if limits else None, rated=rated_rpm(findings), barred=barred_rpm(findings),
+    )  # fmt: skip
 
 
 def couplings(findings: Findings) -> Iterator[Block]:

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures import frequencies_over_speed
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
 
@@ -30,14 +31,16 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield _list(found, rated(findings), reference(findings))
     met = {c.order for c in found if c.is_inside}
     shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])
-    values = {
-        "frequencies": findings.need(Modes).frequency.tolist(),
-        "orders": [(float(one), f"order {order(one)}") for one in shown],
-        "crossings": [(c.speed * RPM, c.frequency, c.is_inside) for c in found if c.order in shown],
-        "speeds": (speeds.first * RPM, speeds.last * RPM), "rated": rated_rpm(findings),
-        "barred": barred_rpm(findings),
-    }  # fmt: skip
-    yield Figure("campbell", "Campbell diagram", "campbell", values)
+    crossings = [
+        (c.speed * RPM, c.frequency, c.is_inside,
+         f"{rpm(c.speed)} rpm: order {order(c.order)} meets mode {c.mode} at {number(c.frequency)} Hz")
+        for c in found if c.order in shown
+    ]  # fmt: skip
+    yield frequencies_over_speed.campbell(
+        "campbell", "Campbell diagram", frequencies=findings.need(Modes).frequency.tolist(),
+        orders=[(float(one), f"order {order(one)}") for one in shown], crossings=crossings,
+        speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
+    )  # fmt: skip
 
 
 def _inside(inside: int, total: int) -> str:

@@ -12,7 +12,9 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import common_cycle, extremes
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures import curves_over_speed
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, Scale, counted, distinct_texts, number, order, rpm, scale
 from torsion.output.reported_values import (
     amplitude,
@@ -183,13 +185,13 @@ def _figure(findings: Findings, element: Element) -> Figure:
         for n in sorted({n * order for order in joints for n in (1, 2)})[:MOST_ORDERS]
         if n in found.orders
     ]
-    values = {
-        "first_speed": response.speed * RPM, "speed": found.speed * RPM, "lines": pairs, "unit": unit.unit,
-        "none": found.status == Found.NONE, "coarse": found.status == Found.COARSE, "grows": found.is_unstable,
-        "unstable": unstable_rpm(findings), "rated": rated_rpm(findings),
-    }  # fmt: skip
-    name = f"periodic-{element.part}-{element.spans[0]}"
-    return Figure(name, f"Torque in {element.name} by both methods, orders of the joints", "periodic", values)
+    return curves_over_speed.periodic(
+        f"periodic-{element.part}-{element.spans[0]}",
+        f"Torque in {element.name} by both methods, orders of the joints", first_speed=response.speed * RPM,
+        speed=found.speed * RPM, lines=pairs, unit=unit.unit, none=found.status == Found.NONE,
+        coarse=found.status == Found.COARSE, grows=found.is_unstable, unstable=unstable_rpm(findings),
+        rated=rated_rpm(findings),
+    )  # fmt: skip
 
 
 def exact_amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:

@@ -11,12 +11,15 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
-from torsion.output.numbers import LESS, NONE, RPM, Scale, counted, degrees, exact, number, order, rpm, settled
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures import curves_over_speed
+from torsion.output.figures.figure import Figure
+from torsion.output.numbers import LESS, NONE, RPM, Scale, counted, degrees, exact, number, rpm, settled
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
     barred_rpm,
+    harmonic_name,
     joint_model,
     mode_near,
     orders_together,
@@ -145,12 +148,6 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     )
 
 
-def _line(response: Response, index: int, word: str = "") -> str:
-    """'2' of an order, behind a word where one is given, or '40 Hz'."""
-    line = response.lines[index]
-    return f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
-
-
 def _name(findings: Findings, index: int) -> str:
     """A harmonic component by its sources."""
     return findings.need(Response).lines[index].named(reference(findings))
@@ -234,18 +231,17 @@ def _figure(findings: Findings, element: Element) -> Figure:
     ratings = findings.study.train.parts[element.part].ratings
     limit = None if ratings is None else ratings.vibratory_torque
     unit = torques([parts])
-    lines = [(_line(response, k, "order "), parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]
-    values = {
-        "speed": response.speed * RPM, "lines": lines, "bad": unreliable(findings), "unit": unit.unit,
-        "synthesis": half * unit.factor if len(response.lines) > 1 and len(half) else None,
-        "limits": [] if limit is None else [("permissible vibratory torque (maker)", limit * unit.factor)],
-        "rated": rated_rpm(findings), "barred": barred_rpm(findings), "unstable": unstable_rpm(findings),
-    }  # fmt: skip
+    lines = [(harmonic_name(response, k, "order "), parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]
     rest = (
         f" (the {len(lines)} strongest of {parts.shape[1]} harmonic components)" if len(lines) < parts.shape[1] else ""
     )
-    name = f"torque-{element.part}-{element.spans[0]}"
-    return Figure(name, f"Vibratory torque in {element.name}, {element.kind}{rest}", "torque", values)
+    return curves_over_speed.torque(
+        f"torque-{element.part}-{element.spans[0]}", f"Vibratory torque in {element.name}, {element.kind}{rest}",
+        speed=response.speed * RPM, lines=lines, bad=unreliable(findings), unit=unit.unit,
+        synthesis=half * unit.factor if len(response.lines) > 1 and len(half) else None,
+        limits=[] if limit is None else [("permissible vibratory torque (maker)", limit * unit.factor)],
+        rated=rated_rpm(findings), barred=barred_rpm(findings), unstable=unstable_rpm(findings),
+    )  # fmt: skip
 
 
 def over_frequency(findings: Findings) -> Iterator[Block]:
@@ -291,9 +287,8 @@ def _largest(
 def _curves(findings: Findings, name: str, what: str, curves: dict[str, FloatArray], unit: Scale) -> Figure:
     sweep, modes = findings.need(FrequencyResponse), findings.get(Modes)
     values, names = np.array(list(curves.values())), list(curves)
-    drawn = {
-        "frequency": sweep.frequency, "bad": sweep.status != Status.OK,
-        "natural": [] if modes is None else modes.frequency.tolist(), "quantity": f"{what}, {unit.unit}",
-        "lines": [(names[k], values[k] * unit.factor) for k in strongest(values.T, MOST_CURVES)],
-    }  # fmt: skip
-    return Figure(name, f"{what.capitalize()} over the frequency", "frequency", drawn)
+    return curves_over_speed.frequency(
+        name, f"{what.capitalize()} over the frequency", frequency=sweep.frequency, bad=sweep.status != Status.OK,
+        lines=[(names[k], values[k] * unit.factor) for k in strongest(values.T, MOST_CURVES)],
+        quantity=what, unit=unit.unit, natural=[] if modes is None else modes.frequency.tolist(),
+    )  # fmt: skip

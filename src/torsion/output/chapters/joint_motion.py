@@ -4,23 +4,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound, OptimumFound
 from torsion.analyses.response.amplitudes import Response
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import joint_tables, verdict
 from torsion.output.chapters.joint_tables import STILL, names
+from torsion.output.figures import joint_curves
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, number, order, scale
 from torsion.output.reported_values import amplitude, joint_model
 from torsion.output.selection import largest, worst
 from torsion.rules.verdict_line import Checks
 
-MOST_POINTS = 3000  # of a curve that is drawn
 RAD = 180.0 / np.pi
-Curves = list[tuple[str, FloatArray]]  # label; (angles drawn,)
+Curves = list[tuple[str, FloatArray]]  # label; (angles,)
 AXES = (
     "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "
     "normal n of the joint's plane, and about the axis in that plane that is square to the shaft."
@@ -107,17 +107,19 @@ def _response(findings: Findings, found: Joints) -> Iterator[Block]:
 def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
     """Angle error, speed, acceleration and torque ratio behind every joint of one line."""
     found = [joints.joints[k] for k in line.joints]
-    speed, pick = found[0].speed, _every(joints.angle)
+    speed = found[0].speed
     rate, square = (1.0, 1.0) if speed is None else (speed * RPM, speed**2)
     curves = [
-        ("angle error, deg", RAD, "error"),
-        ("speed ratio" if speed is None else "speed, rpm", rate, "speed_ratio"),
-        ("acceleration /\nspeed², 1/rad" if speed is None else "acceleration,\nrad/s²", square, "acceleration"),
-        ("torque behind /\nbefore the joint", 1.0, "torque_ratio"),
+        ("angle error", "deg", RAD, "error"),
+        ("speed ratio" if speed is None else "speed", "" if speed is None else "rpm", rate, "speed_ratio"),
+        ("acceleration / speed²", "1/rad", square, "acceleration")
+        if speed is None
+        else ("acceleration", "rad/s²", square, "acceleration"),
+        ("torque behind / before the joint", "", 1.0, "torque_ratio"),
     ]
     panels = [
-        (title, size, [(f"behind {joint.name}", getattr(joint, values)[pick] * size) for joint in found])
-        for title, size, values in curves
+        (title, unit, size, [(f"behind {joint.name}", getattr(joint, values) * size) for joint in found])
+        for title, unit, size, values in curves
     ]
     turning = "which turns evenly" if speed is None else f"which turns evenly at {speed * RPM:.6g} rpm"
     caption = f"Motion behind {names(joints, line)} over the angle of the first shaft, {turning}"
@@ -126,13 +128,13 @@ def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
 
 def _couples(joints: Joints, place: int) -> Figure:
     """Secondary couples on both shafts of one joint."""
-    joint, pick = joints.joints[place], _every(joints.angle)
+    joint = joints.joints[place]
     sizes = [couple.largest for couple in joint.couples]
     unit = scale("N m", sizes)
     size = unit.factor * max(sizes if joint.torque is None else [abs(joint.torque), *sizes])
     panels = [
-        (f"on the {couple.shaft}\nshaft, {unit.unit}", size,
-         [(label, unit.factor * values[pick]) for label, values in _couple_curves(couple)])
+        (f"on the {couple.shaft} shaft", unit.unit, size,
+         [(label, unit.factor * values) for label, values in _couple_curves(couple)])
         for couple in joint.couples
     ]  # fmt: skip
     first = next(joints.joints[line.joints[0]] for line in joints.lines if place in line.joints)
@@ -149,17 +151,11 @@ def _couple_curves(couple: CoupleFound) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _turn(
-    name: str, caption: str, joints: Joints, first: JointFound, panels: list[tuple[str, float, Curves]]
+    name: str, caption: str, joints: Joints, first: JointFound, panels: list[tuple[str, str, float, Curves]]
 ) -> Figure:
     """Curves over the angle of the shaft before the first joint of a line."""
-    quantity = f"angle of the shaft before {first.name}, deg"
-    values = {"angle": joints.angle[_every(joints.angle)] * RAD, "panels": panels, "quantity": quantity}
-    return Figure(name, caption, "joint turn", values)
-
-
-def _every(angle: FloatArray) -> NDArray[np.int64]:
-    """Positions of as many of the angles as can be seen, the first and the last among them."""
-    return np.round(np.linspace(0, angle.size - 1, min(angle.size, MOST_POINTS))).astype(np.int64)
+    quantity, angle = f"angle of the shaft before {first.name}", joints.angle * RAD
+    return joint_curves.joint_turn(name, caption, angle=angle, panels=panels, quantity=quantity)
 
 
 def _index(joints: Joints, place: int, line: LineFound, found: OptimumFound) -> Figure:
@@ -171,15 +167,13 @@ def _index(joints: Joints, place: int, line: LineFound, found: OptimumFound) -> 
         is_drawn = found.variable == "angle" or first <= at <= last
         return RAD * (at if is_drawn else first + (at - first) % (2.0 * np.pi)), 100.0 * index if index > STILL else 0.0
 
-    values = {
-        "values": found.over * RAD, "index": 100.0 * found.index_over,
-        "quantity": f"{found.variable} of {found.names[0]}, deg",
-        "present": point(float(found.before[0]), found.index_before),
-        "best": point(float(found.best[0]), found.index_best),
-    }  # fmt: skip
     rest = ", the other joints as they are" if len(line.joints) > 2 else ""
     moved = "; the best point moves all free joints" if len(found.names) > 1 else ""
     caption = (
         f"Index of fluctuation of {names(joints, line)} over the {found.variable} of {found.names[0]}{rest}{moved}"
     )
-    return Figure(f"joint-index-{place + 1}", caption, "joint index", values)
+    return joint_curves.joint_index(
+        f"joint-index-{place + 1}", caption, values=found.over * RAD, index=100.0 * found.index_over,
+        quantity=f"{found.variable} of {found.names[0]}", present=point(float(found.before[0]), found.index_before),
+        best=point(float(found.best[0]), found.index_best),
+    )  # fmt: skip

@@ -7,7 +7,8 @@ import numpy as np
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.figures import curves_over_speed
 from torsion.output.numbers import RPM, number, rpm, scale
 from torsion.output.reported_values import rated, rated_rpm
 from torsion.output.selection import elements
@@ -40,9 +41,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
         together = _together([(element.name, steady.torque[element.spans[0]] * unit.factor) for element, _ in found])
         ranked = sorted(range(len(together)), key=lambda k: -float(np.abs(together[k][1]).max()))[:MOST_LINES]
         lines = [together[k] for k in sorted(ranked)]
-        drawn = {"speed": steady.speed * RPM, "lines": lines, "unit": unit.unit, "rated": rated_rpm(findings)}
         rest = "" if len(together) <= MOST_LINES else f" (the {MOST_LINES} largest of {len(together)})"
-        yield Figure("steady", f"Mean torque over the speed{rest}", "steady", drawn)
+        yield curves_over_speed.steady(
+            "steady", f"Mean torque over the speed{rest}", speed=steady.speed * RPM, lines=lines, unit=unit.unit,
+            rated=rated_rpm(findings),
+        )  # fmt: skip
 
 
 def _together(found: list[tuple[str, FloatArray]]) -> list[tuple[str, FloatArray]]:

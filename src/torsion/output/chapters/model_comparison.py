@@ -6,7 +6,8 @@ import numpy as np
 
 from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, on_terminal, table
+from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, on_terminal, table
+from torsion.output.figures import error_curves
 from torsion.output.numbers import NONE, RPM, counted, given, number, order, rpm
 
 MOST_MODES = 40  # of which a table is printed
@@ -33,13 +34,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield from on_terminal([_counts(found)])
     yield Heading("Frequencies and shapes", 2)
     yield _modes(found)
-    values = {
-        "frequency": [(model.model, np.abs(model.frequency_error)) for model in found.models],
-        "shape": [(model.model, model.shape_error) for model in found.models],
-        "tolerance": found.tolerance,
-    }
     caption = "Relative errors against the exact model, mode by mode; what is below 10⁻¹⁶ is drawn there"
-    yield Figure("check-modes", caption, "check modes", values)
+    yield error_curves.modes(
+        "check-modes", caption, tolerance=found.tolerance,
+        frequency=[(model.model, np.abs(model.frequency_error)) for model in found.models],
+        shape=[(model.model, model.shape_error) for model in found.models],
+    )  # fmt: skip
     if len(found.exact.frequency) > MOST_MODES:
         left_out = f"{MOST_MODES + 1} to {len(found.exact.frequency)}"
         yield Paragraph(f"Modes {left_out} are left out of the table; see the JSON file.")
@@ -147,10 +147,10 @@ def _torques(found: Compared) -> Iterator[Block]:
     compared = [(model.model, model.torques) for model in found.models if model.torques is not None]
     if places := tuple(text for model in found.models if (text := _worst(model, found))):
         lines = [(name, torques.error) for name, torques in compared]
-        values = {"speed": found.speed * RPM, "lines": lines, "tolerance": found.tolerance}
         caption = "Relative error of the torques over the speed, the largest of all orders and components"
         yield Points(places, brief=True)
-        yield Figure("check-torques", caption, "check torques", values)
+        speed = found.speed * RPM
+        yield error_curves.torques("check-torques", caption, speed=speed, lines=lines, tolerance=found.tolerance)
     left_out = max(torques.left_out for _, torques in compared)
     if left_out:
         words = f"{counted(left_out, 'answer')} that cannot be trusted (exactly in resonance without damping)."

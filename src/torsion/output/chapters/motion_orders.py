@@ -5,10 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.transient.order_tracking import TURNS, OrderTracking, TrackedTorque
-from torsion.output.blocks import Block, Figure, Paragraph, table
-from torsion.output.numbers import RPM, counted, degrees, number, rpm, scale
+from torsion.output.blocks import Block, Paragraph, table
+from torsion.output.figures import orders_over_speed
+from torsion.output.figures.figure import Axis
+from torsion.output.numbers import RPM, counted, degrees, given, number, rpm, scale
 
 MOST_ORDERS = 6  # curves of a figure
+MEAN = 2  # orders from 0 on in which, by the Hann window, the mean torque stands
 
 
 def orders(found: OrderTracking | None, name: str) -> Iterator[Block]:
@@ -49,26 +52,24 @@ def _largest(found: OrderTracking, one: TrackedTorque) -> Iterator[tuple[str, st
 
 def _figures(found: OrderTracking, one: TrackedTorque, name: str) -> Iterator[Block]:
     """Amplitudes over the speed, or over the time where the speed does not go one way."""
-    speed, over = found.speed * RPM, f"speed of {found.reference}, rpm"
-    if (np.diff(speed) > 0.0).all() or (np.diff(speed) < 0.0).all():
-        axis = speed
-    else:
-        axis, over = found.time, "time, s"
-    unit = scale("N m", one.waterfall[:, 1:].max(axis=1))
+    if len(found.time) < 2:
+        return
+    at, over = found.speed * RPM, Axis(f"speed of {found.reference}", "rpm")
+    if not ((np.diff(at) > 0.0).all() or (np.diff(at) < 0.0).all()):
+        at, over = found.time, Axis("time", "s")
+    sort = np.argsort(at)
+    amplitude = one.waterfall[sort, MEAN:]
+    unit = scale("N m", amplitude.max(axis=1))
     mark, of = f"{name} {one.element}".lstrip(), f"{one.element}" + (f", {name}" if name else "")
     strong = np.sort(np.argsort(-one.largest, kind="stable")[:MOST_ORDERS])
-    lines = [(f"order {number(float(found.order[k]))}", np.abs(one.torque[:, k]) * unit.factor) for k in strong]
-    sort = np.argsort(axis)
-    shared = {"x": axis[sort], "quantity": over, "unit": unit.unit}
-    if lines and len(axis) > 1:
-        values = {**shared, "lines": [(label, values[sort]) for label, values in lines]}
-        yield Figure(f"orders {mark}", f"Orders of the torque in {of}", "orders", values)
-    if len(axis) > 1:
-        order = np.arange(one.waterfall.shape[1]) * found.resolution
-        values = {
-            **shared,
-            "order": order,
-            "amplitude": one.waterfall[sort] * unit.factor,
-            "reference": found.reference,
-        }
-        yield Figure(f"waterfall {mark}", f"Waterfall of the torque in {of}", "waterfall", values)
+    sizes = np.abs(one.torque[sort]) * unit.factor
+    lines = [(f"order {given(float(found.order[k]))}", sizes[:, k]) for k in strong]
+    if lines:
+        yield orders_over_speed.orders(
+            f"orders {mark}", f"Orders of the torque in {of}", over=over, x=at[sort], lines=lines, unit=unit.unit
+        )
+    order = np.arange(float(MEAN), one.waterfall.shape[1]) * found.resolution
+    yield orders_over_speed.waterfall(
+        f"waterfall {mark}", f"Waterfall of the torque in {of}, without its mean: the darker the larger", over=over,
+        y=at[sort], order=order, amplitude=amplitude * unit.factor, reference=found.reference, unit=unit.unit,
+    )  # fmt: skip

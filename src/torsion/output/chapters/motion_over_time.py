@@ -11,15 +11,15 @@ from torsion.analyses.transient.milling_ice import Ice
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
+from torsion.output.figures.curves_over_time import over_time
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
 from torsion.output.selection import Element, elements
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 MOST_PASSAGES = 20  # lines of a table
 MOST_ORDERS = 4  # named of those that excite it
-COLUMNS = 2000  # of the figures: each shows the least and the greatest value of its samples
 METHOD = (
     "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
     "modes. Losses of material act as modal damping, by their share of the energy."
@@ -267,16 +267,18 @@ def _figures(findings: Findings, found: TransientMotion, settings: TransientSett
     for one in drawn:
         span = max(one.spans, key=lambda span: found.peak[span])
         time, torque = _with_peaks(found, span)
-        values = envelope(time, [(one.name, torque * unit.factor)])
+        curves = [(one.name, torque * unit.factor)]
         caption = f"Torque in {one.name} over time" + (f", {found.name}" if found.name else "")
-        yield Figure(f"motion {mark}{one.name}", caption, "over time", {**values, "quantity": f"torque, {unit.unit}"})
+        yield over_time(f"motion {mark}{one.name}", caption, time=time, lines=curves, quantity="torque", unit=unit.unit)
     stations = [(k, s.name) for k, s in enumerate(train.stations) if not s.is_ground]
     ends = [stations[0], stations[-1]] if len(stations) > 1 else stations
     ends = [one for one in stations if train.parts[train.stations[one[0]].part].name in plot] if plot else ends
     if ends:
-        values = envelope(found.time, [(name, found.speed[k] * RPM) for k, name in ends])
+        curves = [(name, found.speed[k] * RPM) for k, name in ends]
         caption = "Speed over time" + (f", {found.name}" if found.name else "")
-        yield Figure(f"motion {mark}speeds", caption, "over time", {**values, "quantity": "own speed, rpm"})
+        yield over_time(
+            f"motion {mark}speeds", caption, time=found.time, lines=curves, quantity="own speed", unit="rpm"
+        )
 
 
 def _with_peaks(found: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarray]:
@@ -286,15 +288,3 @@ def _with_peaks(found: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarr
     order = np.argsort(at, kind="stable")
     chosen = place[order], np.array(at)[order], np.array(value)[order]
     return np.insert(found.time, chosen[0], chosen[1]), np.insert(found.torque[span], chosen[0], chosen[2])
-
-
-def envelope(time: np.ndarray, curves: list[tuple[str, np.ndarray]]) -> dict[str, object]:
-    """The least and the greatest of the samples of each of COLUMNS equal parts of the time, for every curve."""
-    if len(time) <= 2 * COLUMNS:
-        return {"time": time, "lines": [(name, values, values) for name, values in curves]}
-    edges = np.linspace(0, len(time) - 1, COLUMNS + 1).astype(int)[:-1]
-    lines = [
-        (name, *(np.asarray(function.reduceat(values, edges)) for function in (np.minimum, np.maximum)))
-        for name, values in curves
-    ]
-    return {"time": time[edges], "lines": lines}

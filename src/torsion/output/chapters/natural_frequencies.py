@@ -10,7 +10,9 @@ from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures import mode_shape
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import LESS, NONE, ROUNDING, counted, number, rpm
 from torsion.output.selection import elements
 from torsion.output.station_layout import MOST_NAMES, layout
@@ -186,12 +188,6 @@ def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:
     torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]
     parts = [part for part in system.train.parts if part.stations and place.row[part.stations[-1]] == 0]
     links = len(parts) <= MOST_NAMES  # on the main line: more are not named
-    values = {
-        "x": place.x[drawn.stations], "row": place.row[drawn.stations], "ends": drawn.ends,
-        "marked": drawn.stations < len(system.train.stations), "angle": angle / angle[np.argmax(np.abs(angle))],
-        "torque": torque / np.abs(torque).max(initial=np.finfo(float).tiny),
-        "ticks": [(float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links],
-    }  # fmt: skip
     f = number(float(modes.frequency[mode]))
     caption = (
         f"Mode {mode + 1}, {f} Hz: angle and torque referred to the reference speed, relative to their largest value"
@@ -199,4 +195,9 @@ def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:
     if not drawn.is_whole:
         longest = drawn.longest * (1 if system.groups is None else system.groups.longest)
         caption += f"; of long shafts every {longest}th segment is drawn"
-    return Figure(f"mode-{mode + 1}", caption, "mode", values)
+    return mode_shape.mode(
+        f"mode-{mode + 1}", caption, x=place.x[drawn.stations], row=place.row[drawn.stations], ends=drawn.ends,
+        marked=drawn.stations < len(system.train.stations), angle=angle / angle[np.argmax(np.abs(angle))],
+        torque=torque / np.abs(torque).max(initial=np.finfo(float).tiny),
+        ticks=[(float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links],
+    )  # fmt: skip

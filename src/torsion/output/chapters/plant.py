@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.components.lowering import Part
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, table
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.figures.figure import Disc, Figure, Link, Sketch
 from torsion.output.numbers import below_right, degrees, given_rpm
 from torsion.output.reported_values import NOT_STATED, rated, reference
 from torsion.output.station_layout import Layout, label, layout
@@ -28,14 +30,14 @@ def chapter(findings: Findings) -> Iterator[Block]:
         "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)"
     )
     yield Heading("The plant")
-    yield Figure("plant", caption, "sketch", {"points": _points(findings), "links": _links(findings)})
+    yield Figure("plant", caption, (Sketch(tuple(_points(findings)), tuple(_links(findings))),))
     yield Paragraph(f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel.")
     speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
     titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the figures{notes}"
     yield table(titles, rows, "Components")
 
 
-def _points(findings: Findings) -> list[dict[str, Any]]:
+def _points(findings: Findings) -> list[Disc]:
     """Everything that the sketch draws as a disc."""
     system, place = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
@@ -49,12 +51,12 @@ def _points(findings: Findings) -> list[dict[str, Any]]:
         here = part.stations[0]
         inertia = float(system.inertia[here])
         ring = rings.get((position, here))
-        found.append({
-            "x": float(place.x[here]), "row": float(place.row[here]), "size": _size(inertia, finite),
-            "label": label(system.train.parts, position), "kind": part.kind,
-            "is_held": math.isinf(inertia), "is_grounded": here in grounds,
-            "ring": 0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),
-        })  # fmt: skip
+        found.append(Disc(
+            x=float(place.x[here]), row=float(place.row[here]), size=_size(inertia, finite),
+            label=label(system.train.parts, position), kind=part.kind,
+            is_held=math.isinf(inertia), is_grounded=here in grounds,
+            ring=0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),
+        ))  # fmt: skip
     return found
 
 
@@ -67,7 +69,7 @@ def _size(inertia: float, finite: FloatArray) -> float:
     return 0.5 if top == low else max((math.log10(inertia) - low) / (top - low), 0.0)
 
 
-def _links(findings: Findings) -> list[dict[str, Any]]:
+def _links(findings: Findings) -> list[Link]:
     """Everything that the sketch draws between two places."""
     system, place = findings.system, layout(findings.system)
     found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
@@ -81,7 +83,7 @@ def _links(findings: Findings) -> list[dict[str, Any]]:
     return found
 
 
-def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[dict[str, Any]]:
+def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[Link]:
     """A link, with the lines down to its row where it begins a branch or closes a loop."""
     kind, more = _drawing(findings, position, part)
     name = label(findings.system.train.parts, position)
@@ -89,13 +91,13 @@ def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[
         name += f" ({degrees(part.joint.angle, below_right(part.joint.angle, 3))}°)"
     driving, driven = part.stations
     drawn = _between(place, driving, driven, kind, label=name, **more)
-    (x0, row0), (x1, row1) = drawn["start"], drawn["end"]
+    (x0, row0), (x1, row1) = drawn.start, drawn.end
     if part.path[0] == "links":
         level = max(row0, row1) + 0.5
-        ties = [{"kind": "tie", "start": (x, row), "end": (x, level)} for x, row in ((x0, row0), (x1, row1))]
-        return [*ties, {**drawn, "start": (x0, level), "end": (x1, level)}]
+        ties = [Link("tie", (x, row), (x, level)) for x, row in ((x0, row0), (x1, row1))]
+        return [*ties, replace(drawn, start=(x0, level), end=(x1, level))]
     if row0 != row1 and kind != "gear":
-        return [{"kind": "tie", "start": (x0, row0), "end": (x0, row1)}, {**drawn, "start": (x0, row1)}]
+        return [Link("tie", (x0, row0), (x0, row1)), replace(drawn, start=(x0, row1))]
     return [drawn]
 
 
@@ -113,6 +115,6 @@ def _drawing(findings: Findings, position: int, part: Part) -> tuple[str, dict[s
     return ("gear", {"ratio": float(meshes[0].ratio)}) if meshes else ("coupling", {})
 
 
-def _between(place: Layout, driving: int, driven: int, kind: str, **more: Any) -> dict[str, Any]:
-    ends = [(float(place.x[s]), float(place.row[s])) for s in (driving, driven)]
-    return {"kind": kind, "start": ends[0], "end": ends[1], **more}
+def _between(place: Layout, driving: int, driven: int, kind: str, **more: Any) -> Link:
+    start, end = ((float(place.x[s]), float(place.row[s])) for s in (driving, driven))
+    return Link(kind, start, end, **more)

@@ -10,7 +10,9 @@ from torsion.analyses.lateral.whirl import Critical, Whirl
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
+from torsion.output.figures import curves_over_speed, frequencies_over_speed
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, number, rpm, scale
 from torsion.output.reported_values import rated_rpm, reference
 from torsion.output.selection import NO_VALUE, highest, largest
@@ -142,16 +144,17 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
             continue
         orders = sorted({1, *(one.order for one in shaft.critical)})
         last = float(over.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
-        values = {
-            "speed": over.speed * RPM, "frequency": over.frequency, "direction": over.direction,
-            "unstable": unstable(over.log_decrement), "rated": rated_rpm(findings),
-            "orders": [(order * last, f"order {order}") for order in orders],
-            "crossings": [
-                (one.speed * RPM, one.frequency, _inside(one, speeds))
-                for one in _near(shaft, speeds)
-            ],
-        }  # fmt: skip
-        yield Figure(f"whirl-{count}", f"Whirl of {shaft.name}: frequency over speed", "whirl", values)
+        crossings = [
+            (one.speed * RPM, one.frequency, _inside(one, speeds),
+             f"{rpm(one.speed)} rpm: order {one.order} meets {number(one.frequency)} Hz")
+            for one in _near(shaft, speeds)
+        ]  # fmt: skip
+        yield frequencies_over_speed.whirl(
+            f"whirl-{count}", f"Whirl of {shaft.name}: frequency over speed", speed=over.speed * RPM,
+            frequency=over.frequency, direction=over.direction, unstable=unstable(over.log_decrement),
+            orders=[(order * last, f"order {order}") for order in orders], crossings=crossings,
+            rated=rated_rpm(findings),
+        )  # fmt: skip
 
 
 def _whirl_rows(shaft: ShaftFound, over: Whirl) -> Iterator[tuple[str, ...]]:
@@ -231,22 +234,18 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
 
     moment = scale("N m", [highest(_sound(one, extent(one.moment))) for one in shaft.answers])
     force = scale("N", [highest(_sound(one, extent(one.force))) for one in shaft.answers])
-    values = {
-        "speed": [one.speed * RPM for one in shaft.answers],
-        "orders": [f"order {one.order}" + ("" if one.order else ", at rest") for one in shaft.answers],
-        "panels": [
-            ("displacement,\nµm", over(lambda one: MICRO * one.orbit)),
-            (f"bending moment,\n{moment.unit}", over(lambda one: moment.factor * extent(one.moment))),
-            (f"force on a joint\nor support, {force.unit}", over(lambda one: force.factor * extent(one.force))),
+    orders = {answer.order for answer in shaft.answers}
+    return curves_over_speed.bending(
+        name, f"{shaft.name}: largest displacement, bending moment and force by the secondary couples, half ranges",
+        speed=[one.speed * RPM for one in shaft.answers],
+        orders=[f"order {one.order}" + ("" if one.order else ", at rest") for one in shaft.answers],
+        panels=[
+            ("displacement", "µm", over(lambda one: MICRO * one.orbit)),
+            ("bending moment", moment.unit, over(lambda one: moment.factor * extent(one.moment))),
+            ("force on a joint or support", force.unit, over(lambda one: force.factor * extent(one.force))),
         ],
-        "near": [one.status == Status.NEAR_SINGULAR for one in shaft.answers],
-        "singular": [one.status == Status.SINGULAR for one in shaft.answers],
-        "crossings": [
-            one.speed * RPM
-            for one in shaft.critical
-            if one.order in {answer.order for answer in shaft.answers} and _inside(one, speeds)
-        ],
-        "rated": rated_rpm(findings),
-    }
-    caption = f"{shaft.name}: largest displacement, bending moment and force by the secondary couples, half ranges"
-    return Figure(name, caption, "bending", values)
+        near=[one.status == Status.NEAR_SINGULAR for one in shaft.answers],
+        singular=[one.status == Status.SINGULAR for one in shaft.answers],
+        crossings=[one.speed * RPM for one in shaft.critical if one.order in orders and _inside(one, speeds)],
+        rated=rated_rpm(findings),
+    )  # fmt: skip

@@ -10,7 +10,8 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures import curves_over_speed
 from torsion.output.numbers import NONE, RPM, counted, distinct_texts, given_rpm, number, rpm
 from torsion.output.reported_values import rated_rpm, reference, widened
 from torsion.rules.verdict_line import Checks
@@ -56,11 +57,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
             yield _ranges(findings, found)
         if found.unsolved.size:
             yield _unsolved(found)
-        values = {
-            "speed": found.speed * RPM, "growth": found.growth, "rated": rated_rpm(findings),
-            "unstable": [(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
-        }  # fmt: skip
-        yield Figure("stability-growth", "Growth rate of small deviations over the speed", "stability", values)
+        yield curves_over_speed.stability(
+            "stability-growth", "Growth rate of small deviations over the speed", speed=found.speed * RPM,
+            growth=found.growth, rated=rated_rpm(findings),
+            unstable=[(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
+        )  # fmt: skip
     if mapped is not None:
         yield from _map(findings, mapped)
 
@@ -197,14 +198,13 @@ def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     if missing:
         text += f" At {missing} of {found.growth.size} points no periodic motion was found; they are hatched."
     value = np.degrees(found.value) if found.over == "angle" else found.value
-    drawn = {
-        "speed": found.speed * RPM, "value": value, "growth": found.growth,
-        "quantity": f"{what}, {unit}" if unit else what, "rated": rated_rpm(findings),
-    }  # fmt: skip
     yield Heading(f"Map over speed and {what}", 2)
     yield Paragraph(text, "note" if missing else "plain")
     yield _values(found, f"{what.capitalize()} [{unit}]", value)
-    yield Figure("stability-map", f"Growth rate over speed and {what}; the line: growth 0", "stability map", drawn)
+    yield curves_over_speed.stability_map(
+        "stability-map", f"Growth rate over speed and {what}; the line: growth 0", speed=found.speed * RPM,
+        value=value, growth=found.growth, quantity=what, unit=unit, rated=rated_rpm(findings),
+    )  # fmt: skip
 
 
 def _missed(findings: Findings, found: StabilityMap) -> str:
@@ -273,11 +273,11 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
         yield _tilt_zones(findings, stated)
     for count, (name, tilting) in enumerate(stated, start=1):
         caption = f"{name}: growth rate of its tilt by the couple of {tilting.joint}"
-        values = {
-            "speed": tilting.speed * RPM, "growth": np.asarray(tilting.growth), "rated": rated_rpm(findings),
-            "unstable": [(zone.lower * RPM, zone.upper * RPM, zone.kind) for zone in tilting.zones],
-        }  # fmt: skip
-        yield Figure(f"tilting-{count}", caption, "stability", values)
+        yield curves_over_speed.stability(
+            f"tilting-{count}", caption, speed=tilting.speed * RPM, growth=np.asarray(tilting.growth),
+            rated=rated_rpm(findings),
+            unstable=[(zone.lower * RPM, zone.upper * RPM, zone.kind) for zone in tilting.zones],
+        )  # fmt: skip
 
 
 def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Table:

@@ -6,7 +6,8 @@ import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Heading, Paragraph
+from torsion.output.blocks import Block, Heading, Paragraph
+from torsion.output.figures.figure import Figure, Twisted
 from torsion.output.numbers import number
 from torsion.output.station_layout import label
 from torsion.output.surface.axes import Axis, axes
@@ -67,16 +68,15 @@ def _larger(found: Rings) -> float:
 def _figure(findings: Findings, modes: Modes, mode: int, drawn: tuple[Rings, list[Axis], float]) -> Figure:
     found, placed, larger = drawn
     angle = angles(found, modes, mode)
-    values = {
-        "x": found.x, "radius": larger * found.radius, "place": larger * found.place,
-        "turn": ENLARGED * turned(found, angle), "angle": angle / np.abs(angle).max(),
-        "strip": found.strip, "body": found.body, "labels": _labels(findings, placed, larger),
-        "ties": _ties(placed, larger),
-    }  # fmt: skip
+    surface = Twisted(
+        x=found.x, radius=larger * found.radius, place=larger * found.place, turn=ENLARGED * turned(found, angle),
+        angle=angle / np.abs(angle).max(), strip=found.strip, body=found.body,
+        labels=_labels(findings, placed, larger), ties=_ties(placed, larger),
+    )  # fmt: skip
     f = number(float(modes.frequency[mode]))
     enlarged = f", diameters × {larger:g}" if larger > 1 else ""
     scale = f"shafts to scale{enlarged}; discs, couplings, gears not" if found.to_scale.any() else "not to scale"
-    return Figure(f"twisted-{mode + 1}", f"Mode {mode + 1}, {f} Hz, twisted ({scale})", "twisted shaft", values)
+    return Figure(f"twisted-{mode + 1}", f"Mode {mode + 1}, {f} Hz, twisted ({scale})", (surface,))
 
 
 def _labels(findings: Findings, placed: list[Axis], larger: float) -> list[tuple[tuple[float, ...], float, str]]:

@@ -7,12 +7,10 @@ from functools import partial
 
 import numpy as np
 
-from torsion.analyses.compare.side_by_side import Compared
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, on_terminal, table
-from torsion.output.chapters.model_comparison import conclusion as compared_models
 from torsion.output.numbers import NONE, RPM, counted, given, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -204,8 +202,10 @@ def conclusion(findings: Findings) -> Iterator[Block]:
     yield _overall(findings)
     for one in findings.plan.unanswered:
         yield Paragraph(f"No answer: {one.what}, because {one.words}.", "fail")
-    compared = findings.get(Compared)
+    compared = findings.results.get("check")
     if compared is not None:
+        from torsion.output.chapters.model_comparison import conclusion as compared_models
+
         yield compared_models(compared)
     if findings.results.get("periodic") is not None:
         from torsion.output.chapters.exact_response import first_order_judged

@@ -1,1 +1,1 @@
-"""Figures: one function each, from plain values to an SVG element."""
+"""Figures as data: what one holds, and one function for each kind, from plain values to the figure."""

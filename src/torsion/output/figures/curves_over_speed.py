@@ -1,228 +1,224 @@
 """Torques, stresses, bending and growth rates as curves over the speed, or over the frequency."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from torsion.arrays import BoolArray, FloatArray
-from torsion.output.figures.style import (
-    BAD,
-    COLOURS,
-    GREY,
-    INK,
+from torsion.output.figures.figure import Axis, Band, Cells, Figure, Level, Line, Marks, Panel, Role
+from torsion.output.figures.ranges import (
     MOST_LINES,
-    amplitude_axis,
-    hatch,
-    pens,
-    plots,
-    ranges,
-    rated_line,
+    SPEED,
+    Bands,
+    Lines,
+    amplitudes,
+    barred_bands,
+    orders,
+    rated_level,
+    span,
+    unanswered,
 )
 
-Bands = tuple[tuple[float, float], ...]
-Lines = Sequence[tuple[str, FloatArray]]
-SPEED = "speed of the reference component, rpm"
-FIRST = ("--", ":", "-.")  # dashes of the first order
-LIMIT: dict[str, Any] = {"color": BAD, "linewidth": 1.0, "linestyle": (0, (5, 2))}
 STANDING = "nearly singular: next to a resonance that nothing damps"
 NO_ANSWER = "singular: no answer"
 NO_MOTION = "no periodic motion found"
-GROWTH_COLOURS = "RdBu_r"
-HEAD = 0.25  # of the height: room above the growth rate for the names of the ranges
 SHARE = 0.98  # of the points lie within the colours of a map; the others have the last one
-
-
-@contextmanager
-def over(
-    sheet: Figure, height: float, x: FloatArray, y: str, *, quantity: str = SPEED, rated: float | None = None,
-    barred: Bands = (), unstable: Bands = (),
-) -> Iterator[Axes]:  # fmt: skip
-    """One plot over x, with ranges of speed behind its curves."""
-    (axes,) = plots(sheet, height)
-    ranges(axes, barred)
-    ranges(axes, unstable, "unstable range")
-    yield axes
-    rated_line(axes, rated)
-    axes.set_xlim(float(x.min()), float(x.max()))
-    axes.set_xlabel(quantity)
-    axes.set_ylabel(y)
+HEAD = 0.25  # of the height: room above a growth rate for the names of the ranges
+SMALL = 0.1  # of the limit: a smaller stress has a plot of its own, as it would lie on the axis
+STRESS = ("shear stress amplitude", "N/mm²")
+NEAR = 4.0  # times the largest value: a limit up to there is on the axis
 
 
 def torque(
-    sheet: Figure, *, speed: FloatArray, lines: Lines, synthesis: FloatArray | None, bad: BoolArray, unit: str,
-    limits: Sequence[tuple[str, float]] = (), rated: float | None = None, barred: Bands = (), unstable: Bands = (),
-) -> None:  # fmt: skip
-    """speed, bad: (speeds,) rpm; lines: (label, (speeds,)) and synthesis in `unit`, NaN where there is no answer."""
-    y = f"torque amplitude, {unit}"
-    with over(sheet, 2.75, speed, y, rated=rated, barred=barred, unstable=unstable) as axes:
-        hidden = hatch(axes, speed, bad)
-        drawn = [np.where(hidden, np.nan, values) for _, values in lines]
-        for (label, _), values, pen in zip(lines, drawn, pens(len(lines)), strict=True):
-            axes.plot(speed, values, label=label, linewidth=1.0, **pen)
-        if synthesis is not None:
-            drawn = [np.where(hidden, np.nan, synthesis)]
-            axes.plot(speed, drawn[0], color=INK, linewidth=1.7, label="synthesis (half range)")
-        for label, limit in limits:
-            if limit <= 4.0 * axes.get_ylim()[1]:
-                axes.axhline(limit, label=label, **LIMIT)
-        amplitude_axis(axes, drawn)
+    name: str, caption: str, *, speed: FloatArray, lines: Lines, synthesis: FloatArray | None, bad: BoolArray,
+    unit: str, limits: Sequence[tuple[str, float]] = (), rated: float | None = None, barred: Bands = (),
+    unstable: Bands = (),
+) -> Figure:  # fmt: skip
+    """speed, bad: (speeds,) rpm; lines: (name, (speeds,)) and synthesis in `unit`, NaN where there is no answer."""
+    hidden, bands = unanswered(speed, bad)
+    drawn = orders(speed, lines, hidden)
+    values = [line.y for line in drawn]
+    if synthesis is not None:
+        values = [np.where(hidden, np.nan, synthesis)]
+        drawn = (Line("synthesis (half range)", speed, values[0], "synthesis"), *drawn)
+    top = max((float(np.max(one, where=np.isfinite(one), initial=0.0)) for one in values), default=0.0)
+    near = [limit for _, limit in limits if limit <= NEAR * top]
+    y = amplitudes("torque amplitude", unit, values, near)
+    levels = tuple(Level(words, limit, is_reached=limit in near) for words, limit in limits)
+    return Figure(name, caption, (
+        Panel(span(SPEED, speed), y, drawn, levels + rated_level(rated), barred_bands(barred, unstable) + bands),
+    ))  # fmt: skip
 
 
 def stress(
-    sheet: Figure, *, speed: FloatArray, synthesis: FloatArray, bad: BoolArray, continuous: FloatArray | None = None,
-    transient: FloatArray | None = None, rated: float | None = None, barred: Bands = (),
-) -> None:  # fmt: skip
-    """Shear stress of one shaft; speed: (speeds,) rpm; stresses (speeds,) N/mm2, NaN where there is no limit."""
-    with over(sheet, 2.75, speed, "shear stress amplitude, N/mm²", rated=rated, barred=barred) as axes:
-        good = np.where(hatch(axes, speed, bad), np.nan, synthesis)
-        axes.plot(speed, good, color=INK, linewidth=1.6, label="stress (synthesis)")
-        if continuous is not None:
-            axes.plot(speed, continuous, color=BAD, label="limit τ_C, continuous")
-        if transient is not None and np.any(np.isfinite(transient)):
-            axes.plot(speed, transient, color=COLOURS[1], linestyle="--", label="limit τ_T, passing rapidly")
-        amplitude_axis(axes, [good])
+    name: str, caption: str, *, speed: FloatArray, synthesis: FloatArray, bad: BoolArray, lines: Lines = (),
+    continuous: FloatArray | None = None, transient: FloatArray | None = None, rated: float | None = None,
+    barred: Bands = (),
+) -> Figure:  # fmt: skip
+    """Shear stress of one shaft; speed: (speeds,) rpm; stresses (speeds,) N/mm2, NaN where there is no limit.
+
+    lines: (name, (speeds,)) of single orders. A stress far below its limit has a plot of its own below the other.
+    """
+    hidden, bands = unanswered(speed, bad)
+    total = Line("stress (synthesis)", speed, np.where(hidden, np.nan, synthesis), "synthesis")
+    stresses = (total, *orders(speed, lines, hidden))
+    given: tuple[tuple[str, FloatArray | None, Role], ...] = (
+        ("limit τ_{C}, continuous", continuous, "limit"), ("limit τ_{T}, passing rapidly", transient, "second limit"),
+    )  # fmt: skip
+    limits = tuple(
+        Line(words, speed, values, pen)
+        for words, values, pen in given
+        if values is not None and np.any(np.isfinite(values))
+    )
+    x, behind, rated_at = span(SPEED, speed), barred_bands(barred) + bands, rated_level(rated)
+    largest = float(np.max(total.y, where=np.isfinite(total.y), initial=0.0))
+    least = min((float(np.nanmin(line.y)) for line in limits), default=0.0)
+    if not largest < SMALL * least:
+        y = amplitudes(*STRESS, [total.y], [float(np.nanmax(line.y)) for line in limits])
+        return Figure(name, caption, (Panel(x, y, stresses + limits, rated_at, behind),))
+    y = amplitudes(*STRESS, [total.y])
+    both = Panel(x, Axis("stress and limits", "N/mm²", low=0.0), (total, *limits), rated_at, behind, height=95.0)
+    return Figure(name, caption, (both, Panel(x, y, stresses, rated_at, behind, height=150.0)))
 
 
 def gear(
-    sheet: Figure, *, speed: FloatArray, vibratory: FloatArray, mean: FloatArray | None, bad: BoolArray, unit: str,
-    limit: float | None = None, rated: float | None = None, barred: Bands = (),
-) -> None:  # fmt: skip
+    name: str, caption: str, *, speed: FloatArray, vibratory: FloatArray, mean: FloatArray | None, bad: BoolArray,
+    unit: str, limit: float | None = None, rated: float | None = None, barred: Bands = (),
+) -> Figure:  # fmt: skip
     """Vibratory against mean torque in one gear mesh; speed: (speeds,) rpm; torques (speeds,) in `unit`."""
-    with over(sheet, 2.75, speed, f"mesh torque, {unit}", rated=rated, barred=barred) as axes:
-        good = np.where(hatch(axes, speed, bad), np.nan, vibratory)
-        axes.plot(speed, good, color=INK, linewidth=1.6, label="vibratory torque (synthesis)")
-        if mean is not None:
-            axes.plot(speed, mean, color=COLOURS[0], label="mean torque")
-            reverses: dict[str, Any] = {"color": BAD, "alpha": 0.25, "linewidth": 0, "label": "torque reverses"}
-            axes.fill_between(speed, mean, good, where=good > mean, **reverses)
-        if limit is not None:
-            axes.axhline(limit, label="limit of the vibratory torque", **LIMIT)
-        amplitude_axis(axes, [good])
+    hidden, bands = unanswered(speed, bad)
+    good = np.where(hidden, np.nan, vibratory)
+    lines = [Line("vibratory torque (synthesis)", speed, good, "synthesis")]
+    if mean is not None:
+        lines.append(Line("mean torque", speed, mean, 0))
+        over = np.where(good > mean, good, np.nan)
+        if np.isfinite(over).any():
+            lines.append(Line("torque reverses", speed, over, "limit", weight=0.0, base=mean))
+    levels = [Level("limit of the vibratory torque", limit, is_reached=True)] if limit is not None else []
+    y = amplitudes("mesh torque", unit, [good], [] if limit is None else [limit])
+    return Figure(name, caption, (
+        Panel(span(SPEED, speed), y, tuple(lines), (*levels, *rated_level(rated)), barred_bands(barred) + bands),
+    ))  # fmt: skip
 
 
-def steady(sheet: Figure, *, speed: FloatArray, lines: Lines, unit: str, rated: float | None = None) -> None:
-    """Mean torque of the elements; speed: (speeds,) rpm; lines: (label, (speeds,)) in `unit`."""
-    with over(sheet, 2.6, speed, f"mean torque, {unit}", rated=rated) as axes:
-        for (label, values), pen in zip(lines[:MOST_LINES], pens(MOST_LINES), strict=False):
-            axes.plot(speed, values, label=label, **pen)
+def steady(
+    name: str, caption: str, *, speed: FloatArray, lines: Lines, unit: str, rated: float | None = None
+) -> Figure:
+    """Mean torque of the elements; speed: (speeds,) rpm; lines: (name, (speeds,)) in `unit`."""
+    drawn = tuple(Line(words, speed, values, pen) for pen, (words, values) in enumerate(lines[:MOST_LINES]))
+    return Figure(name, caption, (Panel(span(SPEED, speed), Axis("mean torque", unit), drawn, rated_level(rated)),))
 
 
 def frequency(
-    sheet: Figure, *, frequency: FloatArray, lines: Lines, bad: BoolArray, quantity: str, natural: Sequence[float] = ()
-) -> None:
-    """frequency: (frequencies,) Hz; lines: (label, (frequencies,)); quantity: what the axis says, with its unit."""
-    with over(sheet, 3.0, frequency, quantity, quantity="frequency, Hz") as axes:
-        hidden = hatch(axes, frequency, bad)
-        for at in natural:
-            if frequency[0] <= at <= frequency[-1]:
-                axes.axvline(at, color=GREY, linewidth=0.5, linestyle=":", label="natural frequencies")
-        drawn = [np.where(hidden, np.nan, values) for _, values in lines]
-        for (label, _), values, pen in zip(lines[:MOST_LINES], drawn, pens(MOST_LINES), strict=False):
-            axes.plot(frequency, np.where(values <= 0, np.nan, values), label=label, linewidth=1.0, **pen)
-        amplitude_axis(axes, drawn)
+    name: str, caption: str, *, frequency: FloatArray, lines: Lines, bad: BoolArray, quantity: str, unit: str,
+    natural: Sequence[float] = (),
+) -> Figure:  # fmt: skip
+    """frequency: (frequencies,) Hz; lines: (name, (frequencies,)) in `unit`; natural: Hz."""
+    hidden, bands = unanswered(frequency, bad)
+    drawn = [np.where(hidden | (values <= 0), np.nan, values) for _, values in lines[:MOST_LINES]]
+    curves = tuple(
+        Line(words, frequency, values, pen) for pen, ((words, _), values) in enumerate(zip(lines, drawn, strict=False))
+    )
+    levels = tuple(
+        Level("natural frequencies", at, "natural", "x") for at in natural if frequency[0] <= at <= frequency[-1]
+    )
+    x = span(Axis("frequency", "Hz"), frequency)
+    return Figure(name, caption, (Panel(x, amplitudes(quantity, unit, drawn), curves, levels, bands, height=210.0),))
 
 
 def periodic(
-    sheet: Figure, *, first_speed: FloatArray, speed: FloatArray,
+    name: str, caption: str, *, first_speed: FloatArray, speed: FloatArray,
     lines: Sequence[tuple[str, FloatArray | None, FloatArray]], unit: str, none: BoolArray, coarse: BoolArray,
     grows: BoolArray, unstable: Bands = (), rated: float | None = None,
-) -> None:  # fmt: skip
-    """Speeds in rpm; lines: (label, (first speeds,) or None, (speeds,)) in `unit`, NaN where there is no answer.
+) -> Figure:  # fmt: skip
+    """Speeds in rpm; lines: (name, (first speeds,) or None, (speeds,)) in `unit`, NaN where there is no answer.
 
     none, coarse, grows: (speeds,) no periodic motion, not resolved, unstable.
     """
-    both = np.append(first_speed, speed)
-    with over(sheet, 2.9, both, f"torque amplitude, {unit}", rated=rated, unstable=unstable) as axes:
-        if np.any(none):
-            hatch(axes, speed, none, NO_MOTION)
-        for k, ((label, first, exact), pen) in enumerate(zip(lines, pens(len(lines)), strict=True)):
-            axes.plot(speed, exact, color=pen["color"], linewidth=2.2, alpha=0.45, label=f"{label}, exact")
-            axes.plot(speed, exact, ".", color=pen["color"], markersize=3, label="speeds solved")
-            if first is not None:
-                axes.plot(first_speed, first, color=INK, linewidth=0.9, linestyle=FIRST[k % len(FIRST)],
-                          label=f"{label}, first order", zorder=4)  # fmt: skip
-            for flags, marker, words in ((grows, "x", "unstable motion"), (coarse, "s", "not resolved")):
-                if np.any(flags):
-                    flag: dict[str, Any] = {"fillstyle": "none", "linestyle": "none", "label": words, "zorder": 5}
-                    axes.plot(speed[flags], exact[flags], marker, color=BAD, **flag)
-        amplitude_axis(axes, [value for _, first, exact in lines for value in (first, exact) if value is not None])
+    _, bands = unanswered(speed, none, NO_MOTION)
+    drawn, marks = list[Line](), list[Marks]()
+    for k, (words, first, exact) in enumerate(lines):
+        drawn.append(
+            Line(f"{words}, exact", speed, exact, 2 * k, words.removeprefix("order "), weight=1.7, symbol="dot")
+        )
+        if first is not None:
+            drawn.append(Line(f"{words}, first order", first_speed, first, 2 * k + 1))
+        marks.append(Marks("unstable motion", speed[grows], exact[grows], "cross", "unstable"))
+        marks.append(Marks("not resolved", speed[coarse], exact[coarse], "box", "unstable"))
+    y = amplitudes("torque amplitude", unit, [line.y for line in drawn])
+    x = span(SPEED, np.append(first_speed, speed))
+    panel = Panel(
+        x, y, tuple(drawn), rated_level(rated), barred_bands((), unstable) + bands, tuple(marks), height=200.0
+    )
+    return Figure(name, caption, (panel,))
 
 
 def bending(
-    sheet: Figure, *, speed: Sequence[FloatArray], orders: Sequence[str],
-    panels: Sequence[tuple[str, Sequence[FloatArray]]], near: Sequence[BoolArray], singular: Sequence[BoolArray],
-    rated: float | None, crossings: Sequence[float],
-) -> None:  # fmt: skip
-    """Curves of every order over its own speeds, rpm; panels: (quantity with its unit, a curve for each order).
+    name: str, caption: str, *, speed: Sequence[FloatArray], orders: Sequence[str],
+    panels: Sequence[tuple[str, str, Sequence[FloatArray]]], near: Sequence[BoolArray],
+    singular: Sequence[BoolArray], rated: float | None, crossings: Sequence[float],
+) -> Figure:  # fmt: skip
+    """Curves of every order over its own speeds, rpm; panels: (quantity, unit, a curve for each order).
 
-    near, singular: of every order (speeds,), its lines that are not to be trusted. crossings: rpm of critical speeds.
+    near, singular: of every order (speeds,), its speeds that are not to be trusted. crossings: rpm of critical speeds.
     """
-    every = plots(sheet, 1.2 + 1.45 * len(panels), len(panels), sharex=True)
-    for axes, (quantity, curves) in zip(every, panels, strict=True):
-        for at in crossings:
-            axes.axvline(at, color=GREY, linewidth=0.5, linestyle=":", label="critical speeds of these orders")
-        for k, (label, pen) in enumerate(zip(orders, pens(len(orders)), strict=True)):
-            sound = ~(near[k] | singular[k])
-            axes.plot(speed[k], np.where(sound, curves[k], np.nan), label=label, **pen)
-            axes.plot(speed[k][near[k]], curves[k][near[k]], "x", color=BAD, linestyle="none",
-                      label=STANDING if near[k].any() else "_")  # fmt: skip
-            if singular[k].any():
-                axes.plot(speed[k][singular[k]], np.ones(int(singular[k].sum())), "v", color=BAD, linestyle="none",
-                          transform=axes.get_xaxis_transform(), clip_on=False, label=NO_ANSWER)  # fmt: skip
-        rated_line(axes, rated)
-        amplitude_axis(axes, curves)
-        if axes.get_yscale() == "linear":
-            axes.yaxis.set_major_locator(MaxNLocator(4))
-        axes.set_ylabel(quantity)
-    every[-1].set_xlim(min(float(one[0]) for one in speed), max(float(one[-1]) for one in speed))
-    every[-1].set_xlabel(SPEED)
+    levels = tuple(Level("critical speeds of these orders", at, "natural", "x") for at in crossings) + rated_level(
+        rated
+    )
+    bands = tuple(band for at, none in zip(speed, singular, strict=True) for band in unanswered(at, none, NO_ANSWER)[1])
+    made, x = [], span(SPEED, np.concatenate(list(speed)))
+    for quantity, unit, curves in panels:
+        lines, marks = [], []
+        for k, (words, at, curve) in enumerate(zip(orders, speed, curves, strict=True)):
+            sound = np.where(near[k] | singular[k], np.nan, curve)
+            lines.append(Line(words, at, sound, k, words.split(",")[0].removeprefix("order ")))
+            marks.append(Marks(STANDING, at[near[k]], curve[near[k]], "cross", "unstable"))
+        y = amplitudes(quantity, unit, curves)
+        made.append(Panel(x, y, tuple(lines), levels, bands, tuple(marks), height=105.0))
+    return Figure(name, caption, tuple(made))
 
 
 def stability(
-    sheet: Figure, *, speed: FloatArray, growth: FloatArray, unstable: Sequence[tuple[float, float, str]],
+    name: str, caption: str, *, speed: FloatArray, growth: FloatArray, unstable: Sequence[tuple[float, float, str]],
     rated: float | None = None,
-) -> None:  # fmt: skip
+) -> Figure:  # fmt: skip
     """speed: (speeds,) rpm; growth: (speeds,) 1/s, NaN where there is no periodic motion; unstable: rpm and name."""
-    missing, bands = ~np.isfinite(growth), tuple((low, high) for low, high, _ in unstable)
-    with over(sheet, 3.0, speed, "growth rate, 1/s", rated=rated, unstable=bands) as axes:
-        if np.any(missing):
-            hatch(axes, speed, missing, NO_MOTION)
-        axes.axhline(0.0, color=GREY, linewidth=0.9)
-        axes.plot(speed, growth, color=INK, linewidth=1.1, marker=".", markersize=3, label="growth rate")
-        inside = np.array([any(low <= n <= high for low, high in bands) for n in speed.tolist()], dtype=bool)
-        grows = inside & (growth > 0)
-        if np.any(grows):
-            axes.plot(speed[grows], growth[grows], ".", color=BAD, markersize=4, label="unstable")
-        low_end, top = axes.get_ylim()
-        if unstable:
-            top += HEAD * (top - low_end)
-            axes.set_ylim(low_end, top)
-        for k, (low, high, words) in enumerate(unstable):
-            axes.annotate(words, ((low + high) / 2.0, top), xytext=(0, -2 - 10 * (k % 3)), textcoords="offset points",
-                          fontsize=7.5, ha="center", va="top", color=BAD)  # fmt: skip
+    _, missing = unanswered(speed, ~np.isfinite(growth), NO_MOTION)
+    ranges = tuple(Band("unstable range", low, high, "unstable", label=words) for low, high, words in unstable)
+    inside = np.array([any(low <= n <= high for low, high, _ in unstable) for n in speed.tolist()], dtype=bool)
+    grows = inside & (growth > 0)
+    line = Line("growth rate", speed, growth, "plain", symbol="dot")
+    marks = (Marks("unstable", speed[grows], growth[grows], "disc", "unstable"),)
+    levels = (Level("", 0.0, "zero", is_reached=True), *rated_level(rated))
+    panel = Panel(
+        span(SPEED, speed),
+        _growth_axis(growth, has_names=bool(unstable)),
+        (line,),
+        levels,
+        ranges + missing,
+        marks,
+        height=220.0,
+    )
+    return Figure(name, caption, (panel,))
+
+
+def _growth_axis(growth: FloatArray, *, has_names: bool) -> Axis:
+    """From the data, with room for names above them."""
+    known = growth[np.isfinite(growth)]
+    if not has_names or known.size == 0:
+        return Axis("growth rate", "1/s")
+    top, low = max(float(known.max()), 0.0), min(float(known.min()), 0.0)
+    return Axis("growth rate", "1/s", high=top + HEAD * (top - low))
 
 
 def stability_map(
-    sheet: Figure, *, speed: FloatArray, value: FloatArray, growth: FloatArray, quantity: str,
+    name: str, caption: str, *, speed: FloatArray, value: FloatArray, growth: FloatArray, quantity: str, unit: str,
     rated: float | None = None,
-) -> None:  # fmt: skip
+) -> Figure:  # fmt: skip
     """speed: (speeds,) rpm; value: (values,); growth: (speeds, values) 1/s, NaN where there is no periodic motion."""
-    shown = np.ma.masked_invalid(growth.T)
-    known = shown.compressed()
-    limit = float(np.quantile(np.abs(known), SHARE)) if known.size else 1.0
-    (axes,) = plots(sheet, 3.6)
-    axes.patch.set(facecolor="white", edgecolor=BAD, hatch="////")  # seen where there is no value
-    axes.grid(visible=False)
-    colours: dict[str, Any] = {"cmap": GROWTH_COLOURS, "vmin": -limit, "vmax": limit}
-    drawn = axes.pcolormesh(speed, value, shown, shading="nearest", rasterized=True, **colours)
-    if known.size and known.min() < 0 < known.max():
-        axes.contour(speed, value, shown, levels=[0.0], colors=INK, linewidths=1.1)
-    rated_line(axes, rated)
-    axes.set_xlabel(SPEED)
-    axes.set_ylabel(quantity)
-    sheet.colorbar(drawn, ax=axes, extend="both").set_label("growth rate, 1/s (red: unstable)")
+    known = growth[np.isfinite(growth)]
+    largest = float(np.quantile(np.abs(known), SHARE)) if known.size else 1.0
+    cells = Cells(speed, value, growth.T, "growth rate", "1/s", largest or 1.0)
+    behind = (Band(NO_MOTION, float(speed[0]), float(speed[-1]), "no answer"),) if known.size < growth.size else ()
+    x, y = span(SPEED, speed), span(Axis(quantity, unit), value)
+    return Figure(name, caption, (Panel(x, y, (), rated_level(rated), behind, cells=cells, height=250.0),))

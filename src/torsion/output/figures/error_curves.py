@@ -1,123 +1,88 @@
 """Relative errors on logarithmic axes: of every mode, of torques over the speed, and of every method over run time."""
 
 from collections.abc import Sequence
-from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from torsion.arrays import FloatArray
-from torsion.output.figures.curves_over_speed import over
-from torsion.output.figures.style import BAD, COLOURS, GREY, INK, plots
+from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel, Symbol
+from torsion.output.figures.ranges import SPEED, Lines, span
 
-# label, family, degree; (points,) ms median, quartiles; error
+# name, family, degree or number of the method among its like; (points,) ms median, quartiles; error
 Curve = tuple[str, str, int, FloatArray, FloatArray, FloatArray, FloatArray]
-Errors = Sequence[tuple[str, FloatArray]]  # model, magnitudes of its relative errors
 LEAST = 1.2e-16  # an error below half the rounding unit is drawn there: it is rounding
-MARKERS = ("o", "s", "^", "D")
-SIGNS = "os^Dv<>pPXhd"  # of methods of integration
-DEGREES = 10  # of the shades of finite elements
-FAMILIES: dict[str, dict[str, Any]] = {
-    "lumped": {"color": COLOURS[0], "marker": "o", "linewidth": 1.8},
-    "fem": {"marker": ".", "linewidth": 0.9},
-    "exact": {"color": INK, "marker": "*", "markersize": 11, "linestyle": "none", "zorder": 6},
-    "modal": {"color": COLOURS[3], "marker": "^", "linestyle": "--"},
-    "corrected": {"color": "#7b3294", "marker": "v", "linestyle": "--"},
-    "dense": {"color": BAD, "marker": "x", "linestyle": ":", "linewidth": 1.5},
-    "integration": {"linewidth": 0.9},
-    "peer": {"color": COLOURS[1], "marker": "s"},
-}
+SYMBOLS: tuple[Symbol, ...] = ("disc", "square", "triangle", "diamond")
+SIGNS: tuple[Symbol, ...] = (  # of methods of integration, in turn
+    *SYMBOLS, "down", "box", "cross", "open triangle", "plus", "open diamond",
+)  # fmt: skip
+FAMILIES: dict[str, tuple[Symbol, float]] = {  # symbol, and weight of the line
+    "lumped": ("disc", 1.4), "fem": ("dot", 0.8), "exact": ("star", 0.0), "modal": ("triangle", 1.0),
+    "corrected": ("down", 1.0), "dense": ("cross", 1.2), "peer": ("square", 1.0),
+}  # fmt: skip
+TOLERANCE = "tolerance"
 
 
-def modes(sheet: Figure, *, frequency: Errors, shape: Errors, tolerance: float) -> None:
-    """frequency, shape: of every mode; shape is 1 - MAC."""
-    upper, lower = plots(sheet, 3.7, rows=2, sharex=True)
-    for axes, errors, quantity in ((upper, frequency, "error of frequency"), (lower, shape, "1 − MAC")):
-        for k, (label, values) in enumerate(errors):
-            at = np.arange(1, len(values) + 1)
-            axes.plot(at, _drawn(values), label=label, linewidth=0.8, **_pen(k))
-        _around(axes, [values for _, values in errors], tolerance)
-        axes.set_ylabel(quantity)
-    lower.set_xlim(0.5, max(len(values) for _, values in frequency) + 0.5)
-    lower.xaxis.set_major_locator(MaxNLocator(integer=True))
-    lower.set_xlabel("mode")
+def modes(name: str, caption: str, *, frequency: Lines, shape: Lines, tolerance: float) -> Figure:
+    """frequency, shape: (model, (modes,) magnitudes of relative errors); shape is 1 - MAC."""
+    x = Axis("mode", "", 0.5, max(len(values) for _, values in frequency) + 0.5, is_whole=True)
+    both = (("error of frequency", frequency), ("1 − MAC", shape))
+    return Figure(name, caption, tuple(
+        Panel(x, _around(quantity, errors, tolerance), tuple(
+            Line(model, np.arange(1.0, len(values) + 1), drawn_error(values), k, symbol=SYMBOLS[k % len(SYMBOLS)])
+            for k, (model, values) in enumerate(errors)
+        ), (Level(TOLERANCE, tolerance),), height=130.0)
+        for quantity, errors in both
+    ))  # fmt: skip
 
 
-def torques(sheet: Figure, *, speed: FloatArray, lines: Errors, tolerance: float) -> None:
-    """speed: (speeds,) rpm; lines: (speeds,), NaN where there is none."""
-    with over(sheet, 2.6, speed, "error of torques") as axes:
-        for k, (label, values) in enumerate(lines):
-            axes.plot(speed, _drawn(values), label=label, **{**_pen(k), "marker": ""})
-        _around(axes, [values for _, values in lines], tolerance)
+def torques(name: str, caption: str, *, speed: FloatArray, lines: Lines, tolerance: float) -> Figure:
+    """speed: (speeds,) rpm; lines: (model, (speeds,)), NaN where there is none."""
+    drawn = tuple(Line(model, speed, drawn_error(values), k) for k, (model, values) in enumerate(lines))
+    levels = (Level(TOLERANCE, tolerance),)
+    return Figure(
+        name, caption, (Panel(span(SPEED, speed), _around("error of torques", lines, tolerance), drawn, levels),)
+    )
 
 
 def run_times(
-    sheet: Figure, *, curves: Sequence[Curve], tolerance: float, bound: float, best: tuple[float, float] | None = None
-) -> None:
+    name: str, caption: str, *, curves: Sequence[Curve], tolerance: float, bound: float,
+    best: tuple[float, float] | None = None,
+) -> Figure:  # fmt: skip
     """tolerance, bound (of the reference): relative errors; best: time (ms) and error of the recommended point."""
-    (axes,) = plots(sheet, 4.4)
-    error_over_time(axes, curves, bound)
-    axes.axhline(tolerance, color=GREY, linewidth=1.0, linestyle=(0, (5, 2)), label="tolerance")
+    words = "run time: median of assembly and solve together; ranges: the middle half of the runs"
+    found = error_over_time(Axis(words, "ms", is_log=True), "relative error", curves, bound)
+    ring = []
     if best is not None:
-        ring: dict[str, Any] = {"markersize": 13, "fillstyle": "none", "markeredgewidth": 2.0, "zorder": 7}
-        axes.plot([best[0]], [max(best[1], LEAST)], "o", color=COLOURS[2], label="recommended", **ring)
-    axes.set_xlabel("run time, ms: median of assembly and solve together; ranges: the middle half of the runs")
-    axes.set_ylabel("relative error")
+        ring.append(Marks("recommended", np.array([best[0]]), np.array([max(best[1], LEAST)]), "ring", "best"))
+    levels = (Level(TOLERANCE, tolerance, "natural"),)
+    return Figure(
+        name, caption, (Panel(found.x, found.y, found.lines, levels, found.bands, tuple(ring), height=320.0),)
+    )
 
 
-def error_over_time(axes: Axes, curves: Sequence[Curve], bound: float = 0.0) -> None:
+def error_over_time(x: Axis, quantity: str, curves: Sequence[Curve], bound: float = 0.0) -> Panel:
     """One curve a method, one point a discretisation; grey where the reference itself is in doubt."""
-    for label, family, degree, time, low, high, error in curves:
-        style = dict(FAMILIES[family])
-        if family == "fem":
-            style["color"] = mpl.colormaps["YlOrBr"](0.35 + 0.6 * degree / DEGREES)
-        elif family == "integration":
-            style |= {"color": COLOURS[degree % len(COLOURS)], "marker": SIGNS[degree % len(SIGNS)], "markersize": 5}
-        spread = np.stack([time - low, high - time])
-        axes.errorbar(time, _drawn(error), xerr=spread, elinewidth=0.6, capsize=1.5, label=label, **style)
-    doubt = "below the bound of the reference"
-    axes.axhspan(LEAST / 3.0, max(bound, LEAST), facecolor="#e9e9e9", linewidth=0, zorder=0, label=doubt)
-    largest = max((float(curve[6].max()) for curve in curves), default=1.0)
-    error_axis(axes, LEAST / 3.0, max(10.0 * largest, 1.0))
-    axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(FuncFormatter(_two_and_five))
+    lines = []
+    for pen, (name, family, degree, time, low, high, error) in enumerate(curves):
+        symbol, weight = FAMILIES.get(family, (SIGNS[degree % len(SIGNS)], 0.8))
+        gap = np.full_like(time, np.nan)
+        lines.append(Line(name, time, drawn_error(error), pen, symbol=symbol, weight=weight))
+        spread = np.column_stack([low, high, gap]).ravel(), np.repeat(drawn_error(error), 3)
+        lines.append(Line("", *spread, pen, weight=0.5))
+    least, largest = LEAST / 3.0, max((float(curve[6].max()) for curve in curves), default=1.0)
+    doubt = Band("below the bound of the reference", least, max(bound, LEAST), "doubt", "y")
+    y = Axis(quantity, "", least, max(10.0 * largest, 1.0), is_log=True, is_error=True)
+    return Panel(x, y, tuple(lines), bands=(doubt,), height=270.0)
 
 
-def error_axis(axes: Axes, low: float, high: float) -> None:
-    """Logarithms with the decades alone in numbers."""
-    axes.set_yscale("log")
-    axes.set_ylim(low, high)
-    axes.yaxis.set_major_locator(LogLocator(10.0, numticks=12))
-    axes.yaxis.set_major_formatter(FuncFormatter(_power))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _around(axes: Axes, errors: Sequence[FloatArray], tolerance: float) -> None:
-    """The axis from the smallest error, or from rounding, to beyond the tolerance, which is drawn."""
-    known = np.concatenate([_drawn(values) for values in errors])
-    known = known[np.isfinite(known)]
-    axes.axhline(tolerance, color=BAD, linewidth=0.9, linestyle=(0, (6, 2)), label="tolerance")
-    error_axis(axes, 0.3 * known.min(initial=tolerance), 4.0 * known.max(initial=tolerance))
-
-
-def _drawn(values: FloatArray) -> FloatArray:
+def drawn_error(values: FloatArray) -> FloatArray:
     """What is rounding, at its lowest place; what is no number or infinite, nowhere."""
     return np.where(np.isfinite(values), np.maximum(values, LEAST), np.nan)
 
 
-def _pen(place: int) -> dict[str, Any]:
-    return {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
-
-
-def _two_and_five(value: float, _: int | None = None) -> str:
-    digit = round(value / 10.0 ** np.floor(np.log10(value) + 1e-9))
-    return f"{value:g}" if digit in (2, 5) else ""
-
-
-def _power(value: float, _: int | None = None) -> str:
-    """A power of ten, above 1e-4 in per cent."""
-    return f"{100.0 * value:g} %" if value > 0.9e-4 else f"{value:.0e}".replace("-", "−")
+def _around(quantity: str, errors: Lines, tolerance: float) -> Axis:
+    """The axis from the smallest error, or from rounding, to beyond the tolerance."""
+    known = np.concatenate([drawn_error(values) for _, values in errors])
+    known = known[np.isfinite(known)]
+    low, high = 0.3 * float(known.min(initial=tolerance)), 4.0 * float(known.max(initial=tolerance))
+    return Axis(quantity, "", low, high, is_log=True, is_error=True)

@@ -1,41 +1,29 @@
-"""Orders of a torque while the speed changes: curves, and a waterfall in shades of gray."""
-
-from collections.abc import Sequence
-from typing import Any
+"""Orders of a torque while the speed changes: curves, and a waterfall in shades that are dark where it is large."""
 
 import numpy as np
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
 from torsion.arrays import FloatArray
-from torsion.output.figures.curves_over_speed import over
-from torsion.output.figures.style import amplitude_axis, pens, plots
+from torsion.output.figures.figure import Axis, Cells, Figure, Panel
+from torsion.output.figures.ranges import Lines, amplitudes, span
+from torsion.output.figures.ranges import orders as drawn_orders
 
 DECADES = 3.0  # below the largest amplitude that shades show
+TORQUE = "torque amplitude"
 
 
-def orders(sheet: Figure, *, x: FloatArray, quantity: str, unit: str, lines: Sequence[tuple[str, FloatArray]]) -> None:
-    """x: (windows,) ascending; lines: (label, amplitudes (windows,) in `unit`)."""
-    with over(sheet, 2.6, x, f"torque amplitude, {unit}", quantity=quantity) as axes:
-        for (label, values), pen in zip(lines, pens(len(lines)), strict=True):
-            axes.plot(x, values, label=label, **pen)
-        amplitude_axis(axes, [values for _, values in lines])
+def orders(name: str, caption: str, *, over: Axis, x: FloatArray, lines: Lines, unit: str) -> Figure:
+    """x: (windows,) ascending, on the axis `over`; lines: (name, amplitudes (windows,) in `unit`)."""
+    drawn = drawn_orders(x, lines, np.zeros(len(x), dtype=bool))
+    y = amplitudes(TORQUE, unit, [values for _, values in lines])
+    return Figure(name, caption, (Panel(span(over, x), y, drawn),))
 
 
 def waterfall(
-    sheet: Figure, *, x: FloatArray, quantity: str, unit: str, order: FloatArray, amplitude: FloatArray, reference: str
-) -> None:
-    """x: (windows,) ascending; order: (orders,); amplitude: (windows, orders) in `unit`, of which the mean is left out.
-
-    The logarithm of the amplitude is the shade: dark is large.
-    """
-    (axes,) = plots(sheet, 3.6)
-    axes.grid(visible=False)
-    shown = amplitude[:, 1:]
-    top = float(shown.max()) or 1.0
-    shades: dict[str, Any] = {"cmap": "gray_r", "norm": LogNorm(top * 10.0**-DECADES, top)}
-    least = np.maximum(shown, top * 10.0**-DECADES)
-    drawn = axes.pcolormesh(order[1:], x, least, shading="nearest", rasterized=True, **shades)
-    axes.set_xlabel(f"order of {reference}")
-    axes.set_ylabel(quantity)
-    sheet.colorbar(drawn, ax=axes, extend="min").set_label(f"torque amplitude, {unit}")
+    name: str, caption: str, *, over: Axis, y: FloatArray, order: FloatArray, amplitude: FloatArray, reference: str,
+    unit: str,
+) -> Figure:  # fmt: skip
+    """y: (windows,) ascending, on the axis `over`; order: (orders,); amplitude: (windows, orders) in `unit`."""
+    largest = float(amplitude.max(initial=0.0)) or 1.0
+    cells = Cells(order, y, amplitude, TORQUE, unit, largest, DECADES)
+    x = Axis(f"order of {reference}", "", 0.0, float(order[-1]))
+    return Figure(name, caption, (Panel(x, span(over, y), cells=cells, height=300.0),))

@@ -1,0 +1,82 @@
+"""Curves as SVG paths in tenths of px: broken where there is no value, and without points that nobody can see."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from torsion.arrays import FloatArray, IntArray
+from torsion.output.figures.figure import runs
+
+MOST_POINTS = 4  # in a column of one px
+FAR = 2e5  # tenths of px: beyond the plot in any case
+
+
+def decimated(x: FloatArray, y: FloatArray, columns: int) -> IntArray:
+    """Positions of the points to draw: all, or first, least, greatest and last of each of equal bins.
+
+    The bins are of x where it goes on, otherwise of the number of points.
+
+    >>> decimated(np.arange(100.0), np.sin(np.arange(100.0)), 2)
+    array([ 0, 11, 14, 49, 50, 61, 95, 99])
+    """
+    count = x.size
+    if count <= MOST_POINTS * columns:
+        return np.arange(count)
+    goes_on = bool(np.all(np.diff(x) >= 0)) and x[-1] > x[0]
+    share = (x - x[0]) / (x[-1] - x[0]) if goes_on else np.arange(count) / count
+    bins = np.minimum((share * columns).astype(np.int64), columns - 1)
+    starts = np.flatnonzero(np.diff(bins, prepend=-1))
+    ends = np.append(starts[1:], count) - 1
+    by_size = np.lexsort((y, bins))  # bins stay where they are
+    return np.unique(np.concatenate([starts, by_size[starts], by_size[ends], ends]))
+
+
+def path(x: FloatArray, y: FloatArray, columns: int) -> str:
+    """Of points in tenths of px, NaN where the line is broken."""
+    pieces = []
+    known = np.isfinite(x) & np.isfinite(y)
+    for first, last in runs(known):
+        own, up = x[first : last + 1], y[first : last + 1]
+        kept = decimated(own, up, max(1, round(columns * own.size / x.size)))
+        pieces.append(_piece(_whole(own[kept]), _whole(up[kept])))
+    return "".join(pieces)
+
+
+def area(x: FloatArray, y: FloatArray, base: FloatArray, columns: int) -> str:
+    """What lies between two lines over one coordinate."""
+    pieces = []
+    for first, last in runs(np.isfinite(x) & np.isfinite(y) & np.isfinite(base)):
+        own = x[first : last + 1]
+        upper, lower = (decimated(own, one[first : last + 1], columns) + first for one in (y, base))
+        there, back = np.append(x[upper], x[lower][::-1]), np.append(y[upper], base[lower][::-1])
+        pieces.append(_piece(_whole(there), _whole(back)) + "z")
+    return "".join(pieces)
+
+
+def _whole(values: FloatArray) -> IntArray:
+    return np.rint(np.clip(values, -FAR, FAR)).astype(np.int64)
+
+
+def _piece(x: IntArray, y: IntArray) -> str:
+    """One line without a gap, by steps from point to point; points on the way between their neighbours are left out."""
+    across, down = np.diff(x), np.diff(y)
+    moves = (across != 0) | (down != 0)
+    across, down = across[moves], down[moves]
+    if across.size == 0:
+        return f"M{x[0] - 5} {y[0]}h10"
+    turns = np.append(across[:-1] * down[1:] != down[:-1] * across[1:], True)
+    turns[:-1] |= (across[:-1] * across[1:] < 0) | (down[:-1] * down[1:] < 0)
+    ends = np.flatnonzero(turns)
+    steps = [np.diff(np.concatenate([[0], np.cumsum(one)[ends]])) for one in (across, down)]
+    return outline([(int(x[0]), int(y[0])), *np.column_stack(steps).tolist()])
+
+
+def outline(start_and_steps: Sequence[Sequence[int]]) -> str:
+    """A path from a place by steps, in as few signs as there can be.
+
+    >>> outline([(10, 20), (5, -3), (-1, 0)])
+    'M10 20l5-3-1 0'
+    """
+    (x, y), *steps = start_and_steps
+    words = " ".join(str(one) for step in steps for one in step).replace(" -", "-")
+    return f"M{x} {y}l{words}"

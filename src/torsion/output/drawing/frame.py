@@ -1,0 +1,134 @@
+"""The frame of a plot as SVG: scales, grid, numbers and titles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.output.drawing.pens import GREY, GRID, INK
+from torsion.output.drawing.scales import Scale, scale
+from torsion.output.drawing.text import shown, words
+from torsion.output.drawing.words import GROWTH, SIZE, width
+from torsion.output.figures.figure import Panel
+
+WIDTH = 620.0  # px of a figure: its lines and letters are for this width
+TOP, RIGHT, NUMBERS, TITLE = 9.0, 14.0, 18.0, 18.0  # px: free above and beside a plot; heights below it
+ROW = 13.0  # px from one row of letters to the next
+APART = (62.0, 30.0)  # px: numbers on the axes are about so far apart
+SLANT = 30.0  # degrees of names that would meet otherwise
+MIDDLE, END = ' text-anchor="middle"', ' text-anchor="end"'
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a plot stands, and its scales."""
+
+    panel: Panel
+    x: Scale
+    y: Scale
+    left: float
+    top: float
+    wide: float
+    high: float
+
+    def across(self, values: FloatArray | float) -> FloatArray:
+        """px from the left edge of the plot."""
+        return self.x.share(values) * self.wide
+
+    def down(self, values: FloatArray | float) -> FloatArray:
+        """px from the upper edge of the plot."""
+        return (1.0 - self.y.share(values)) * self.high
+
+    @property
+    def is_slanted(self) -> bool:
+        """Whether names below the plot would meet if they stood level."""
+        texts = [text for _, text in self.panel.x.places]
+        at = self.across(np.array([place for place, _ in self.panel.x.places])).tolist()
+        half = [GROWTH * width(text) / 2 + 3 for text in texts]
+        ends = any(x - w < -self.left or x + w > self.wide + RIGHT for x, w in zip(at, half, strict=True))
+        return ends or any(at[k] + half[k] > at[k + 1] - half[k + 1] for k in range(len(at) - 1))
+
+    @property
+    def below(self) -> float:
+        """px below a plot for the numbers and the title of its x axis."""
+        slanted = max((0.5 * GROWTH * width(text) for _, text in self.panel.x.places), default=0.0)
+        return (14.0 + slanted if self.is_slanted else NUMBERS) + (TITLE if self.panel.x.title else 0.0)
+
+
+def vertical(panel: Panel) -> Scale:
+    """The y axis of a plot."""
+    data = [line.y for line in panel.lines] + [line.base for line in panel.lines if line.base is not None]
+    data += [np.array([level.value]) for level in panel.levels if level.is_reached]
+    data += [marks.y for marks in panel.marks] + ([panel.cells.y] if panel.cells else [])
+    return scale(panel.y, data, max(3, round(panel.height / APART[1])), is_rounded=panel.cells is None)
+
+
+def horizontal(panel: Panel, wide: float) -> Scale:
+    """The x axis of a plot."""
+    data = [line.x for line in panel.lines] + [marks.x for marks in panel.marks]
+    return scale(panel.x, data + ([panel.cells.x] if panel.cells else []), round(wide / APART[0]), is_rounded=False)
+
+
+def title_rows(panel: Panel) -> list[str]:
+    """What the y axis says, in one row, or in two where the plot is low."""
+    title = panel.y.title
+    if width(title) * GROWTH <= panel.height + TOP:
+        return [title]
+    gaps = [k for k, sign in enumerate(title) if sign == " "]
+    middle = min(gaps, key=lambda k: abs(k - len(title) / 2), default=len(title))
+    return [title[:middle], title[middle + 1 :]]
+
+
+def margin(panel: Panel, y: Scale) -> float:
+    """px that title and numbers need to the left of a plot."""
+    numbers = max((width(text) for _, text in y.ticks), default=0.0)
+    return ROW * len(title_rows(panel)) + GROWTH * numbers + 9.0
+
+
+def grid(frame: Frame) -> str:
+    """Lines at the numbers, thin."""
+    left, top, wide, high = (shown(one) for one in (frame.left, frame.top, frame.wide, frame.high))
+    upright = [] if frame.panel.x.places else frame.across(np.array([at for at, _ in frame.x.ticks])).tolist()
+    level = frame.down(np.array([at for at, _ in frame.y.ticks])).tolist()
+    lines = [f"M{shown(frame.left + at)} {top}v{high}" for at in upright]
+    lines += [f"M{left} {shown(frame.top + at)}h{wide}" for at in level]
+    return f'<path class="grid" stroke="{GRID}" stroke-width=".6" fill="none" d="{"".join(lines)}"/>'
+
+
+def axes(frame: Frame, *, has_numbers: bool) -> str:
+    """Two edges with numbers and titles; has_numbers: below the plot too."""
+    left, foot = frame.left, frame.top + frame.high
+    down = frame.down(np.array([at for at, _ in frame.y.ticks])).tolist()
+    parts = [_edges(frame), f'<g class="axis" fill="{INK}" font-size="{SIZE:g}">']
+    parts += [
+        words(left - 5, frame.top + at + 3.6, text, END) for at, (_, text) in zip(down, frame.y.ticks, strict=True)
+    ]
+    if has_numbers:
+        parts += _below(frame)
+        parts.append(words(left + frame.wide / 2, foot + frame.below - 4.5, frame.panel.x.title, MIDDLE))
+    for row, text in enumerate(title_rows(frame.panel)):
+        parts.append(_turned(10 + ROW * row, frame.top + frame.high / 2, text, -90.0, MIDDLE))
+    return "".join(parts) + "</g>"
+
+
+def _edges(frame: Frame) -> str:
+    """The left and the lower edge with their small marks."""
+    left, top, foot = frame.left, frame.top, shown(frame.top + frame.high)
+    small = [f"M{shown(left - 3)} {shown(top + at)}h3" for at in frame.down(np.array(frame.y.small)).tolist()]
+    small += [f"M{shown(left + at)} {foot}v3" for at in frame.across(np.array(frame.x.small)).tolist()]
+    line = f"M{shown(left)} {shown(top)}V{foot}h{shown(frame.wide)}{''.join(small)}"
+    return f'<path d="{line}" fill="none" stroke="{GREY}" stroke-width=".8"/>'
+
+
+def _below(frame: Frame) -> list[str]:
+    """Numbers or names below the plot."""
+    foot, made = frame.top + frame.high, []
+    slanted = frame.is_slanted
+    for place, text in frame.x.ticks:
+        at = frame.left + float(frame.across(place))
+        made.append(_turned(at + 3, foot + 11, text, -SLANT, END) if slanted else words(at, foot + 13, text, MIDDLE))
+    return made
+
+
+def _turned(x: float, y: float, text: str, angle: float, anchor: str) -> str:
+    return words(x, y, text, f'{anchor} transform="rotate({angle:g} {shown(x)} {shown(y)})"')

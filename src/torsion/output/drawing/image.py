@@ -1,0 +1,104 @@
+"""Values on a grid as an image: light to dark from the lowest to the highest, so that it reads in gray too."""
+
+import struct
+import zlib
+from base64 import b64encode
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray
+from torsion.output.drawing.curves import path
+from torsion.output.drawing.pens import INK
+from torsion.output.figures.figure import Cells
+
+SHADES = 64
+STOPS = ((-1.0, "#f3f8fc"), (-1e-9, "#8fbcdc"), (0.0, "#f6c76b"), (0.5, "#d4642a"), (1.0, "#6a0f14"))  # of the range
+LOG_STOPS = ((-1.0, "#ffffff"), (-0.3, "#f6c76b"), (0.3, "#d4642a"), (1.0, "#3d060a"))
+Across = Callable[[FloatArray], FloatArray]
+
+
+def palette(*, is_log: bool = False) -> np.ndarray:
+    """(SHADES, 3) colours from the lowest to the highest value; each half, or the whole, is darker upwards."""
+    at = np.linspace(-1.0, 1.0, SHADES)
+    places, words = zip(*(LOG_STOPS if is_log else STOPS), strict=True)
+    colours = np.array([[int(word[k : k + 2], 16) for k in (1, 3, 5)] for word in words], dtype=float)
+    return np.column_stack([np.interp(at, places, colours[:, k]) for k in range(3)]).round().astype(np.uint8)
+
+
+def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
+    """An image of (rows, columns) numbers of colours, the last of which is clear."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows, columns = pixels.shape
+    lines = np.column_stack([np.zeros(rows, dtype=np.uint8), pixels.astype(np.uint8)]).tobytes()
+    clear = bytes([255] * len(colours) + [0])
+    return b"".join((
+        b"\x89PNG\r\n\x1a\n", chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0)),
+        chunk(b"PLTE", colours.tobytes() + bytes(3)), chunk(b"tRNS", clear), chunk(b"IDAT", zlib.compress(lines, 9)),
+        chunk(b"IEND", b""),
+    ))  # fmt: skip
+
+
+def cells(found: Cells, across: Across, down: Across) -> Iterator[str]:
+    """The image in tenths of px: every cell reaches half way to its neighbours; the zero line over it."""
+    x, y = _edges(found.x), _edges(found.y)
+    wide, high = (10 * float(np.ptp(scale(edges))) for scale, edges in ((across, x), (down, y)))
+    left, top = 10 * float(across(x).min()), 10 * float(down(y).min())
+    size = max(2, round(wide / 10)), max(2, round(high / 10))
+    column, row = (
+        np.clip(np.searchsorted(edges, np.linspace(edges[0], edges[-1], 2 * n + 1)[1::2]) - 1, 0, edges.size - 2)
+        for edges, n in ((x, size[0]), (y, size[1]))
+    )
+    even = [np.allclose(np.diff(edges), np.diff(edges)[0], rtol=1e-6) for edges in (x, y)]
+    values = found.values if all(even) else found.values[np.ix_(row, column)]
+    shade = np.where(np.isfinite(values), np.rint(_share(found, values) * (SHADES - 1)), SHADES)[::-1]
+    data = b64encode(png(shade, palette(is_log=bool(found.decades)))).decode()
+    place = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
+    yield f'<image {place} image-rendering="optimizeSpeed" href="data:image/png;base64,{data}"/>'
+    zeros = () if found.decades else zero_lines(found)
+    line = "".join(path(10 * across(a), 10 * down(b), 1000) for a, b in zeros)
+    if line:
+        yield f'<path d="{line}" stroke="{INK}" stroke-width="13"/>'
+
+
+def _share(found: Cells, values: FloatArray) -> FloatArray:
+    """0 of the first colour, 1 of the last."""
+    size = np.nan_to_num(values / found.largest, nan=0.0)
+    if not found.decades:
+        return np.asarray((np.clip(size, -1.0, 1.0) + 1.0) / 2.0)
+    return np.asarray(1.0 + np.log10(np.clip(size, 10.0**-found.decades, 1.0)) / found.decades)
+
+
+def _edges(at: FloatArray) -> FloatArray:
+    """Half way between the places, and as far beyond the ends."""
+    if at.size == 1:
+        return np.array([at[0] - 0.5, at[0] + 0.5])
+    middle = (at[1:] + at[:-1]) / 2
+    return np.concatenate([[2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]])
+
+
+def zero_lines(found: Cells) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Pieces (x, y) of the line on which the values, linear along the sides of each square of four, are zero."""
+    z = found.values
+    for row in range(z.shape[0] - 1):
+        for column in np.flatnonzero(_changes(z[row : row + 2])).tolist():
+            corners = [(row, column), (row, column + 1), (row + 1, column + 1), (row + 1, column)]
+            met = []
+            for (r0, c0), (r1, c1) in zip(corners, corners[1:] + corners[:1], strict=True):
+                a, b = float(z[r0, c0]), float(z[r1, c1])
+                if (a > 0) != (b > 0):
+                    share = a / (a - b)
+                    met.append((found.x[c0] + share * (found.x[c1] - found.x[c0]),
+                                found.y[r0] + share * (found.y[r1] - found.y[r0])))  # fmt: skip
+            for first, last in zip(met[::2], met[1::2], strict=False):
+                yield np.array([first[0], last[0]]), np.array([first[1], last[1]])
+
+
+def _changes(pair: FloatArray) -> BoolArray:
+    """(columns - 1,) whether the sign changes in the square, all of whose values are known."""
+    four = np.stack([pair[0, :-1], pair[0, 1:], pair[1, :-1], pair[1, 1:]])
+    above = (four > 0).sum(axis=0)
+    return np.asarray(np.isfinite(four).all(axis=0) & (above > 0) & (above < 4))

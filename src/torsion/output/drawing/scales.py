@@ -1,0 +1,159 @@
+"""Axes: which values they reach, which numbers stand on them, and where a value lies."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.output.figures.figure import Axis
+from torsion.output.numbers import SUPERSCRIPT
+
+FLAT = 1e-9  # of the values: a smaller range is a level line
+ROUND = 1e-9  # of a step, by which a number may miss it
+PLAIN = (1e-4, 1e6)  # numbers from here to there stand without a power of ten
+FEW_DECADES = 2  # from here on only whole decades have numbers
+DEGREES = (5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0, 180.0, 360.0)
+
+Tick = tuple[float, str]
+
+
+@dataclass(frozen=True)
+class Scale:
+    """An axis on paper: its ends, its numbers, and small marks between them."""
+
+    low: float
+    high: float
+    is_log: bool
+    ticks: tuple[Tick, ...]
+    small: tuple[float, ...] = ()
+    is_reversed: bool = False
+
+    def share(self, values: FloatArray | float) -> FloatArray:
+        """0 at the low end, 1 at the high end; NaN where a logarithm has no value."""
+        at = np.asarray(values, dtype=float)
+        if self.is_log:
+            known = np.log(np.where(at > 0, at, np.nan))
+            found = (known - math.log(self.low)) / math.log(self.high / self.low)
+        else:
+            found = (at - self.low) / (self.high - self.low)
+        return 1.0 - found if self.is_reversed else found
+
+
+def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool = True) -> Scale:
+    """The axis over finite data with about `most` numbers.
+
+    is_rounded: an end that is not stated lies at a number, or half way between two.
+    """
+    low, high = _ends(axis, data)
+    if axis.places:
+        return Scale(low, high, False, axis.places, is_reversed=axis.is_reversed)
+    if axis.is_log:
+        ticks, small = log_ticks(low, high, most)
+        words = [_share_words(one) if axis.is_error else _power(one) for one in ticks]
+        return Scale(low, high, True, tuple(zip(ticks, words, strict=True)), small, axis.is_reversed)
+    step = degree_step(high - low, most) if axis.unit == "deg" else step_of(high - low, most)
+    step = max(step, 1.0) if axis.is_whole else step
+    if axis.low is None and is_rounded:
+        low = math.floor(low / step * 2 + ROUND) * step / 2
+    if axis.high is None and is_rounded:
+        high = math.ceil(high / step * 2 - ROUND) * step / 2
+    at = ticks_of(low, high, step)
+    return Scale(low, high, False, tuple(zip(at, texts(at, step), strict=True)), is_reversed=axis.is_reversed)
+
+
+def _ends(axis: Axis, data: Sequence[FloatArray]) -> tuple[float, float]:
+    """The stated ends, or those of the data; a range without width is widened."""
+    known = [one[np.isfinite(one) & (one > 0)] if axis.is_log else one[np.isfinite(one)] for one in data]
+    every = np.concatenate([one.ravel() for one in known]) if known else np.zeros(0)
+    least, most = (float(every.min()), float(every.max())) if every.size else (1.0, 10.0 if axis.is_log else 1.0)
+    if axis.is_log:
+        low, high = (axis.low or least / 1.5), (axis.high or most * 1.5)
+        return low, max(high, 1.1 * low)
+    low, high = (least if axis.low is None else axis.low), (most if axis.high is None else axis.high)
+    if high - low <= FLAT * max(abs(high), abs(low)):
+        room = 0.1 * max(abs(low), abs(high)) or 1.0
+        low = low - room if axis.low is None else low
+        high = max(high, low) + room
+    return low, high
+
+
+def step_of(span: float, most: int) -> float:
+    """The smallest step 1, 2 or 5 times a power of ten that a span holds at most `most` times.
+
+    >>> step_of(100.0, 6), step_of(0.7, 5)
+    (20.0, 0.2)
+    """
+    decade = 10.0 ** math.floor(math.log10(span / most))
+    return next(k * decade for k in (1.0, 2.0, 5.0, 10.0, 20.0) if span <= most * k * decade * (1.0 + ROUND))
+
+
+def degree_step(span: float, most: int) -> float:
+    """A step of an angle that a revolution holds a whole number of times."""
+    whole = next((step for step in DEGREES if span <= most * step * (1.0 + ROUND)), 0.0)
+    return (whole if span > 2 * DEGREES[0] else 0.0) or (
+        360.0 * step_of(span / 360.0, most) if span > 360.0 else step_of(span, most)
+    )
+
+
+def ticks_of(low: float, high: float, step: float) -> list[float]:
+    """The multiples of the step from low to high."""
+    first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
+    digits = max(0, 2 - math.floor(math.log10(step)))
+    return [round(k * step, digits) + 0.0 for k in range(first, last + 1)]
+
+
+def log_ticks(low: float, high: float, most: int) -> tuple[list[float], tuple[float, ...]]:
+    """Numbers and small marks of a logarithmic axis: decades, with 2 and 5 between them where there is room."""
+    first, last = math.floor(math.log10(low) + ROUND), math.ceil(math.log10(high) - ROUND)
+    every = [digit * 10.0**power for power in range(first, last + 1) for digit in range(1, 10)]
+    inside = [one for one in every if low * (1 - ROUND) <= one <= high * (1 + ROUND)]
+    for digits in (range(1, 10), (1, 2, 5), (1, 3), (1,)):
+        stated = [one for one in inside if _digit(one) in digits]
+        if len(stated) <= most:
+            break
+    else:
+        jump = -(-len(stated) // most)
+        stated = [one for one in stated if round(math.log10(one)) % jump == 0]
+    if len(stated) < FEW_DECADES:  # less than a decade
+        step = step_of(high - low, most)
+        return ticks_of(low, high, step), ()
+    small = inside if last - first <= 6 else [one for one in inside if _digit(one) == 1]
+    return stated, tuple(one for one in small if one not in stated)
+
+
+def _digit(value: float) -> int:
+    return round(value / 10.0 ** math.floor(math.log10(value) + ROUND))
+
+
+def texts(values: Sequence[float], step: float) -> list[str]:
+    """Numbers with the decimals that the step needs; very large and small ones with one power of ten.
+
+    >>> texts([0.0, 0.5, 1.0], 0.5), texts([0.0, 2e6], 2e6)
+    (['0', '0.5', '1'], ['0', '2·10⁶'])
+    """
+    largest = max((abs(one) for one in values), default=0.0)
+    power = math.floor(math.log10(largest) + ROUND) if largest else 0
+    plain = largest < PLAIN[1] and step >= PLAIN[0]
+    unit = 1.0 if plain else 10.0**power
+    decimals = max(0, -math.floor(math.log10(step / unit) + 1e-6))
+    behind = "" if plain else f"·10{str(power).translate(SUPERSCRIPT)}"
+    found = [
+        f"{one / unit:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{one / unit:.0f}" for one in values
+    ]
+    return ["0" if not one else f"{text}{behind}".replace("-", "−") for one, text in zip(values, found, strict=True)]
+
+
+def _power(value: float) -> str:
+    """A number of a logarithmic axis: 0.001, 20, 10⁻⁷, 5·10⁶."""
+    power = math.floor(math.log10(value) + ROUND)
+    if PLAIN[0] <= value < PLAIN[1]:
+        return f"{value:.6g}"
+    mantissa = f"{value / 10.0**power:.3g}·"
+    return f"{'' if mantissa == '1·' else mantissa}10{str(power).translate(SUPERSCRIPT)}"
+
+
+def _share_words(value: float) -> str:
+    """A relative error, above 1e-4 in per cent."""
+    return f"{100.0 * value:g} %" if value > 0.9e-4 else _power(value)

@@ -1,0 +1,156 @@
+"""A figure as one SVG element: its plots below each other, and one key of all lines, ranges and symbols."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsion.output.drawing import sketch, twisted
+from torsion.output.drawing.frame import RIGHT, TOP, WIDTH, Frame, horizontal, margin, vertical
+from torsion.output.drawing.image import palette
+from torsion.output.drawing.pens import BANDS, INK, stroke
+from torsion.output.drawing.plot import drawn, hatching, is_on, symbols
+from torsion.output.drawing.text import clean, plain, shown, words
+from torsion.output.drawing.words import GROWTH, SIZE, width
+from torsion.output.figures.figure import Band, Cells, Figure, Level, Line, Marks, Panel, Sketch, Twisted
+from torsion.output.numbers import number
+
+FONTS = "Arial, Liberation Sans, Helvetica, sans-serif"
+SAMPLE, KEY_ROW = 27.0, 15.5  # px: length of a sample of a line; height of a row of the key
+Keyed = Line | Level | Band | Marks
+
+
+def svg(figure: Figure) -> str:
+    """The element; the same figure gives the same text."""
+    return framed(figure)[0]
+
+
+def framed(figure: Figure) -> tuple[str, list[Frame]]:
+    """The element, and where its plots stand in it."""
+    pieces, frames, foot = list[str](), list[Frame](), 0.0
+    for panel, has_numbers in _panels(figure):
+        match panel:
+            case Panel():
+                frame = _frame(figure, panel, foot)
+                frames.append(frame)
+                pieces += drawn(frame, has_numbers=has_numbers)
+                foot = frame.top + frame.high + (frame.below if has_numbers else 6.0)
+            case Sketch():
+                high, text = sketch.drawn(panel, foot)
+                pieces.append(text)
+                foot += high
+            case Twisted():
+                high, text = twisted.drawn(panel, foot)
+                pieces.append(text)
+                foot += high
+    key, foot = _key(frames, foot)
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {shown(WIDTH)} {shown(foot)}" width="{shown(WIDTH)}" '
+        f'height="{shown(foot)}" role="img" '
+        f'aria-label="{clean(plain(figure.caption))}" font-family="{FONTS}">'
+    )
+    paper = f'<rect class="paper" width="{shown(WIDTH)}" height="{shown(foot)}" fill="#ffffff"/>'
+    text = "".join([head, f"<desc>{clean(plain(description(figure)))}</desc>", paper, *pieces, *key, "</svg>"])
+    return text, frames
+
+
+def description(figure: Figure) -> str:
+    """The plots in words: what runs over what, and the largest value of every line."""
+    found = []
+    for panel in figure.plots:
+        found.append(f"{panel.y.title} over {panel.x.title}.")
+        for line in panel.lines:
+            known = np.isfinite(line.y)
+            if line.name and known.any():
+                at = int(np.nanargmax(line.y))
+                largest = f"{number(float(line.y[at]), 3)} {panel.y.unit}".strip()
+                found.append(
+                    f"{line.name}: largest {largest} at {number(float(line.x[at]), 4)} {panel.x.unit}.".replace(
+                        " .", "."
+                    )
+                )
+    return " ".join(found)
+
+
+def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Twisted, bool]]:
+    """Every plot, and whether its x axis has numbers: not where the next one has the same."""
+    for place, panel in enumerate(figure.panels):
+        below = figure.panels[place + 1] if place + 1 < len(figure.panels) else None
+        same = isinstance(panel, Panel) and isinstance(below, Panel) and panel.x == below.x
+        yield panel, not same
+
+
+def _frame(figure: Figure, panel: Panel, foot: float) -> Frame:
+    """A plot under what stands already, as far to the right as the widest numbers of all need."""
+    left = max(margin(one, vertical(one)) for one in figure.plots)
+    wide = WIDTH - RIGHT - left
+    return Frame(panel, horizontal(panel, wide), vertical(panel), left, foot + TOP, wide, panel.height)
+
+
+def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
+    """Samples with their names in rows below the plots, and where they end."""
+    entries: dict[str, tuple[float, str]] = {}
+    for frame in frames:
+        panel = frame.panel
+        keyed: tuple[Keyed, ...] = (*panel.lines, *panel.marks, *panel.levels, *panel.bands)
+        for one in keyed:
+            if one.name and (not isinstance(one, Marks) or one.x.size):
+                entries.setdefault(_name(frame, one), (SAMPLE, _sample(one)))
+        if panel.cells is not None:
+            entries.setdefault(*_colours(panel.cells))
+    if not entries:
+        return [], foot + 2.0
+    x, y, made = frames[0].left, foot + 11.0, [f'<g class="key" font-size="{SIZE:g}" fill="{INK}">']
+    for name, (long, sample) in entries.items():
+        need = long + 5 + GROWTH * width(plain(name)) + 12
+        if x + need > WIDTH and x > frames[0].left:
+            x, y = frames[0].left, y + KEY_ROW
+        at = f'<g data-name="{clean(plain(name))}" transform="translate({shown(x)} {shown(y)})">'
+        made.append(f"{at}{sample}{words(long + 5, 3.7, name)}</g>")
+        x += need
+    return [*made, "</g>"], y + 9.0
+
+
+def _name(frame: Frame, one: Keyed) -> str:
+    """In the key; of a limit that is off the scale also its value."""
+    if isinstance(one, Level) and not is_on(frame, one):
+        axis = frame.panel.y if one.axis == "y" else frame.panel.x
+        return f"{one.name}: {number(one.value, 4)} {axis.unit}, not on this scale"
+    return one.name
+
+
+def _sample(one: Keyed) -> str:
+    """27 px wide, around the middle of a row."""
+    match one:
+        case Band():
+            fill, colour, apart, sign = BANDS[one.kind]
+            lines = hatching((0.0, -50.0, 10 * SAMPLE, 50.0), min(apart, 5.0), sign)
+            inside = f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>' if colour else ""
+            area = f'<rect y="-50" width="{10 * SAMPLE:g}" height="100" fill="{fill}"/>'
+            return f'<g transform="scale(.1)" fill="none">{area}{inside}</g>'
+        case Marks():
+            at = np.array([5 * SAMPLE])
+            return f'<g transform="scale(.1)">{symbols(one.symbol, one.pen, at, 0 * at)}</g>'
+        case Level():
+            return f'<path d="M0 0h{SAMPLE:g}" fill="none" {stroke(one.pen).attributes()}/>'
+        case Line():
+            look, at = stroke(one.pen, one.weight), np.array([5 * SAMPLE])
+            fill = f'<rect y="-5" width="{SAMPLE:g}" height="10" fill="{look.colour}" fill-opacity=".3"/>'
+            line = f'<path d="M0 0h{SAMPLE:g}" fill="none" {look.attributes()}/>' if one.weight else ""
+            dot = f'<g transform="scale(.1)">{symbols(one.symbol, one.pen, at, 0 * at)}</g>' if one.symbol else ""
+            return (fill if one.base is not None else "") + line + dot
+
+
+def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:
+    """The scale of the colours of an image as an entry of the key."""
+    shades, step = palette(is_log=bool(cells.decades))[::2].tolist(), 4.0
+    ends = number(cells.largest, 2)
+    low = f"≤ {number(cells.largest * 10.0**-cells.decades, 2)}" if cells.decades else f"−{ends}"
+    left = 8 + GROWTH * width(low)
+    parts = [
+        f'<rect x="{shown(left + k * step)}" y="-5" width="{step + 0.3}" height="10" fill="#{r:02x}{g:02x}{b:02x}"/>'
+        for k, (r, g, b) in enumerate(shades)
+    ]
+    long = left + step * len(shades)
+    parts += [words(left - 4, 3.7, low, ' text-anchor="end"'), words(long + 4, 3.7, ends)]
+    how = ", logarithmic" if cells.decades else ""
+    return f"{cells.quantity}, {cells.unit}{how}", (long + 8 + GROWTH * width(ends), "".join(parts))

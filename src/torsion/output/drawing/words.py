@@ -1,0 +1,119 @@
+"""Words in a drawing: their widths, and places at which they cover neither each other nor the lines."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+
+Box = tuple[float, float, float, float]  # left, top, right, bottom, px
+SIZE = 10.5  # px of the letters of axes and keys
+GROWTH = 1.25  # times which letters may be enlarged (on narrow screens) and still be clear of each other
+# Adobe, Helvetica AFM (1990): widths of the signs 32 to 126 in 1/1000 of the size
+WIDTHS = (
+    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556, 556, 556,
+    556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833,
+    722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556,
+    556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334,
+    260, 334, 584,
+)  # fmt: skip
+SUPERSCRIPTS, LATIN = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", 0x0500  # signs behind the second are as wide as high
+DIRECTIONS = ((0, -1), (1, -1), (-1, -1), (1, 0), (-1, 0), (0, 1), (1, 1), (-1, 1))  # from the point to the words
+MESH = 3.0  # px, to which the points of curves are counted
+REACH = 5  # rows of letters away from its point, at most
+COVERED, APART, ELSEWHERE = 4.0, 10.0, 13.0  # costs of a point covered, a row of distance, another point than the first
+
+
+def width(text: str, size: float = SIZE) -> float:
+    """Of a text in px.
+
+    >>> width("mm", 10.0)
+    16.66
+    """
+    return sum(map(_sign, text)) * size / 1000.0
+
+
+def _sign(sign: str) -> int:
+    code = ord(sign)
+    if 32 <= code <= 126:
+        return WIDTHS[code - 32]
+    return 340 if sign in SUPERSCRIPTS else 580 if code < LATIN else 1000
+
+
+@dataclass(frozen=True)
+class Word:
+    """A text with the box that it fills; `foot` is what it belongs to where that is not beside it."""
+
+    text: str
+    box: Box
+    foot: tuple[float, float] | None = None
+
+
+class Room:
+    """A rectangle in which words find their places, one after another; what is placed is kept."""
+
+    def __init__(self, box: Box, curves: FloatArray) -> None:
+        """curves: (points, 2) px, over which words had better not stand."""
+        self.box = np.array(box)
+        self.taken: list[Box] = []
+        on = np.isfinite(curves).all(axis=1)
+        places = ((curves[on] - self.box[:2]) / MESH).astype(np.int64)
+        size = np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH).astype(np.int64) + 1, 1) if on.any() else (1, 1)
+        inside = ((places >= 0) & (places < size)).all(axis=1)
+        number = np.zeros(size)
+        np.add.at(number, tuple(places[inside].T), 1.0)
+        self.before = np.pad(number.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))  # points to the left and above
+
+    def place(
+        self, text: str, points: FloatArray, *, gap: float = 3.0, ways: Sequence[int] = range(8), reach: int = REACH,
+        elsewhere: float = ELSEWHERE,
+    ) -> Word | None:  # fmt: skip
+        """The best free place of a text beside one of (points, 2) px, None where none is.
+
+        ways: the DIRECTIONS from a point that will do; elsewhere: what another point than the first costs. Away from
+        its point, with a line to it, only the first is tried.
+        """
+        half = np.array([GROWTH * width(text) / 2 + 1, GROWTH * SIZE / 2])
+        allowed, rank = np.array([DIRECTIONS[way] for way in ways]), np.arange(len(points))
+        cost = np.where(rank > 0, elsewhere + 0.3 * rank, 0.0)[:, None] + 0.3 * np.arange(len(ways))
+        best, least = None, np.inf
+        for row in range(reach):
+            feet = points if row == 0 else points[:1]
+            covered, boxes = self._tried(feet, half, gap + 2.0 * half[1] * row, allowed)
+            every = COVERED * covered + cost[: len(feet)].ravel() + APART * row
+            at = int(np.argmin(every))
+            if every[at] < least:
+                least = float(every[at])
+                left, top, right, foot = boxes[at].tolist()
+                best = Word(text, (left, top, right, foot), tuple(points[0].tolist()) if row else None)
+            if least < APART * (row + 1):
+                break
+        if best is not None:
+            self.taken.append(best.box)
+        return best
+
+    def _tried(
+        self, feet: FloatArray, half: FloatArray, away: float, ways: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Of every point and direction how many points of curves are covered, infinite without room, and the box."""
+        beside = np.where(ways[:, 1] == 0, away, 0.0)
+        offset = ways * np.column_stack([half[0] + beside, np.full(len(ways), half[1] + away)])
+        middle = (feet[:, None, :] + offset).reshape(-1, 2)
+        boxes = np.hstack([middle - half, middle + half])
+        free = (boxes[:, :2] >= self.box[:2]).all(axis=1) & (boxes[:, 2:] <= self.box[2:]).all(axis=1)
+        if self.taken:
+            others = np.array(self.taken)
+            apart = (boxes[:, None, :2] >= others[:, 2:]) | (boxes[:, None, 2:] <= others[:, :2])
+            free &= np.logical_and.reduce(np.logical_or.reduce(apart, axis=2), axis=1)
+        covered = self._covered(middle - half / GROWTH, middle + half / GROWTH)
+        return np.where(free, covered, np.inf), boxes
+
+    def _covered(self, first: FloatArray, last: FloatArray) -> FloatArray:
+        """(boxes,) points of curves between corners (boxes, 2), to a mesh."""
+        size = np.array(self.before.shape) - 1
+        (x0, y0), (x1, y1) = (
+            np.clip(np.rint((corner - self.box[:2]) / MESH), 0, size).astype(np.int64).T for corner in (first, last)
+        )
+        found = self.before[x1, y1] - self.before[x0, y1] - self.before[x1, y0] + self.before[x0, y0]
+        return np.asarray(found)

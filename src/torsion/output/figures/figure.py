@@ -1,0 +1,202 @@
+"""A figure as data: axes, lines, limits, ranges, marks and words. Drawings and tables are made of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from torsion.arrays import FloatArray, IntArray
+
+Role = Literal[
+    "synthesis", "limit", "second limit", "rated", "natural", "zero", "plain", "pale", "first", "forward", "backward",
+    "nearly in a plane", "unstable", "best", "outside", "at rest",
+]  # fmt: skip
+Pen = int | Role  # number of a line among its like, each with a colour and dashes of its own, or what it stands for
+Symbol = Literal[
+    "disc", "ring", "square", "box", "triangle", "down", "diamond", "cross", "plus", "star", "dot", "open triangle",
+    "open diamond",
+]  # fmt: skip
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A quantity with its unit. Where an end is None the data set it, rounded to the next number on the axis."""
+
+    quantity: str
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    is_log: bool = False
+    is_whole: bool = False  # whole numbers alone
+    is_error: bool = False  # relative: above 1e-4 in per cent
+    places: tuple[tuple[float, str], ...] = ()  # names that stand in place of numbers
+    is_reversed: bool = False
+
+    @property
+    def title(self) -> str:
+        """Quantity and unit."""
+        return f"{self.quantity}, {self.unit}" if self.unit else self.quantity
+
+
+@dataclass(frozen=True)
+class Line:
+    """Values over a coordinate; NaN breaks the line."""
+
+    name: str  # in the key; '' where it belongs to another line
+    x: FloatArray  # (points,)
+    y: FloatArray  # (points,)
+    pen: Pen = 0
+    label: str = ""  # beside its largest value, its end, or where there is most room
+    label_at: Literal["peak", "end", "anywhere"] = "peak"
+    weight: float = 1.0  # times the usual width; the line that matters is heavier
+    base: FloatArray | None = None  # (points,) values down to which it is filled
+    symbol: Symbol | None = None  # at every point
+
+
+@dataclass(frozen=True)
+class Level:
+    """One value of an axis, drawn across the plot: a limit, a rated speed, a natural frequency."""
+
+    name: str
+    value: float
+    pen: Pen = "limit"
+    axis: Literal["x", "y"] = "y"
+    label: str = ""
+    is_reached: bool = False  # its axis goes as far as it
+
+
+@dataclass(frozen=True)
+class Band:
+    """A range of an axis."""
+
+    name: str
+    low: float
+    high: float
+    kind: Literal["range", "barred", "unstable", "no answer", "doubt"]
+    axis: Literal["x", "y"] = "x"
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Single points; `words` says of each what it is."""
+
+    name: str
+    x: FloatArray  # (points,)
+    y: FloatArray  # (points,)
+    symbol: Symbol = "disc"
+    pen: Pen = "plain"
+    words: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()  # written beside them
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Values on a grid, as colours: below zero pale, above it dark, with a line where they are zero; or logarithms."""
+
+    x: FloatArray  # (columns,)
+    y: FloatArray  # (rows,)
+    values: FloatArray  # (rows, columns), NaN where there is none
+    quantity: str
+    unit: str
+    largest: float  # magnitude with the last colour
+    decades: float = 0.0  # if any, colours are logarithms from so many below the largest on
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot; plots with the same x axis below each other share its numbers."""
+
+    x: Axis
+    y: Axis
+    lines: tuple[Line, ...] = ()
+    levels: tuple[Level, ...] = ()
+    bands: tuple[Band, ...] = ()
+    marks: tuple[Marks, ...] = ()
+    cells: Cells | None = None
+    height: float = 190.0  # px of 1/96 inch on a sheet as wide as the text of A4
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A point of the train in its sketch."""
+
+    x: float
+    row: float
+    size: float  # 0..1 by the logarithm of the inertia
+    label: str
+    kind: str
+    is_held: bool = False
+    is_grounded: bool = False  # a spring to ground
+    ring: float = 0.0  # size of a damper's ring
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link of the train in its sketch."""
+
+    kind: str  # shaft, coupling, gear, joint, rigid, tie (down to a branch)
+    start: Place  # x, row
+    end: Place
+    label: str = ""
+    bore: float = 0.0  # of a shaft: bore / diameter
+    taper: Place = (1.0, 1.0)  # of a shaft: relative diameters at its ends
+    ratio: float = 1.0  # of a gear: speed of the driven / speed of the driving wheel
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """The train from its driving end, branches on lower rows, not to scale."""
+
+    discs: tuple[Disc, ...]
+    links: tuple[Link, ...]
+
+
+@dataclass(frozen=True)
+class Twisted:
+    """The train twisted by a mode, as rings with strips between them."""
+
+    x: FloatArray  # (rings,) m
+    radius: FloatArray  # (rings,) m
+    place: FloatArray  # (rings, 2) m, y and z of its axis
+    turn: FloatArray  # (rings,) rad about x
+    angle: FloatArray  # (rings,) -1..1
+    strip: IntArray  # (strips,) its first ring
+    body: IntArray  # (strips,)
+    labels: Sequence[tuple[Sequence[float], float, str]]  # point on an axis, free room above it or below, text
+    ties: Sequence[tuple[Sequence[float], Sequence[float]]] = ()  # from point to point
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Plots below each other under one caption."""
+
+    name: str  # a stable identifier, the only one of its kind in a report
+    caption: str
+    panels: tuple[Panel | Sketch | Twisted, ...]
+
+    @property
+    def plots(self) -> tuple[Panel, ...]:
+        """Its plots with axes."""
+        return tuple(one for one in self.panels if isinstance(one, Panel))
+
+    @property
+    def lines(self) -> dict[str, Line]:
+        """The lines of all plots by name; of several of one name the first."""
+        found: dict[str, Line] = {}
+        for panel in self.plots:
+            for line in panel.lines:
+                found.setdefault(line.name, line)
+        return found
+
+
+def runs(flags: np.ndarray) -> list[tuple[int, int]]:
+    """First and last position of every run of true values.
+
+    >>> runs(np.array([True, False, True, True]))
+    [(0, 0), (2, 3)]
+    """
+    edges = np.diff(np.asarray(flags, dtype=np.int8), prepend=0, append=0)
+    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))

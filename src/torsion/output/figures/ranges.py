@@ -1,0 +1,71 @@
+"""What figures have in common: ranges without an answer, the rated speed, and an axis of amplitudes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray
+from torsion.output.figures.figure import Axis, Band, Level, Line, runs
+
+Bands = tuple[tuple[float, float], ...]
+Lines = Sequence[tuple[str, FloatArray]]
+SPEED = Axis("speed of the reference component", "rpm")
+NO_RELIABLE_ANSWER = "no reliable answer here"
+LEAST = 2e-3  # of the axis: the width of a range about a single speed, so that it can be seen
+LOGARITHMIC = 30.0  # times the median: a larger peak makes the axis logarithmic
+MOST_DECADES = 1e7  # from the lowest to the highest value of a logarithmic axis
+MAIN = 1.8  # times the width of other lines: of the one that matters most
+MOST_LINES = 12  # in one figure
+
+
+def unanswered(x: FloatArray, bad: BoolArray, name: str = NO_RELIABLE_ANSWER) -> tuple[BoolArray, tuple[Band, ...]]:
+    """Ranges where `bad` holds, from neighbour to neighbour, and (points,) those inside, which are left blank."""
+    inside, bands = np.array(bad, dtype=bool), list[Band]()
+    least = float(x[-1] - x[0]) * LEAST
+    for first, last in runs(inside.copy()):
+        left, right = float(x[max(first - 1, 0)]), float(x[min(last + 1, len(x) - 1)])
+        if right - left < least:
+            middle = (left + right) / 2
+            left, right = middle - least / 2, middle + least / 2
+        inside |= (x > left) & (x < right)
+        bands.append(Band(name, left, right, "no answer"))
+    return inside, tuple(bands)
+
+
+def barred_bands(barred: Bands, unstable: Bands = ()) -> tuple[Band, ...]:
+    """Ranges of speed, rpm."""
+    return (
+        *(Band("barred range", low, high, "barred") for low, high in barred),
+        *(Band("unstable range", low, high, "unstable") for low, high in unstable),
+    )
+
+
+def rated_level(rated: float | None) -> tuple[Level, ...]:
+    """The rated speed, rpm, where there is one."""
+    return () if rated is None else (Level("rated speed", rated, "rated", "x"),)
+
+
+def amplitudes(quantity: str, unit: str, values: Sequence[FloatArray], limits: Sequence[float] = ()) -> Axis:
+    """From zero, or in logarithms where a resonance would leave all else on the axis; as far as the limits."""
+    known = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0)] for v in values] or [np.zeros(0)])
+    if known.size == 0 or known.max() <= LOGARITHMIC * np.median(known):
+        return Axis(quantity, unit, low=0.0)
+    lowest = max(float(known.min()), float(known.max()) / MOST_DECADES)
+    return Axis(quantity, unit, low=lowest / 1.5, high=max([2.0 * float(known.max()), *(1.5 * one for one in limits)]),
+                is_log=True)  # fmt: skip
+
+
+def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
+    """One line an order, its number at its peak; the order with the largest value is heavier."""
+    drawn = [np.where(hidden, np.nan, values) for _, values in lines]
+    sizes = [float(np.max(one, where=np.isfinite(one), initial=0.0)) for one in drawn]
+    most = int(np.argmax(sizes)) if len(sizes) > 1 else -1
+    return tuple(
+        Line(name, x, values, pen, name.removeprefix("order "), weight=MAIN if pen == most else 1.0)
+        for pen, ((name, _), values) in enumerate(zip(lines, drawn, strict=True))
+    )
+
+
+def span(axis: Axis, x: FloatArray) -> Axis:
+    """The axis from the first to the last value."""
+    return Axis(axis.quantity, axis.unit, float(np.min(x)), float(np.max(x)))
