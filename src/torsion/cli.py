@@ -121,6 +121,36 @@ def study(
             show(commands.write_study(findings, timings, folder), folder)
 
 
+@app.command()
+def plan(file: File) -> None:
+    """Print what `solve` would compute of a scene, with sizes and reasons; nothing is solved.
+
+    Exit status: 0, or 2 the input is at fault.
+    """
+    from torsion import commands
+
+    with _refusals(file):
+        planned = commands.plan(file)
+        for what, size, why in planned.steps:
+            typer.echo(f"{what}: {size} ({why})" if size else f"{what} ({why})")
+        for what, why in planned.left_out:
+            typer.echo(f"left out: {what}, because {why}")
+
+
+@app.command()
+def sketch(
+    file: File,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <scene>.svg).")
+    ] = None,
+) -> None:
+    """Draw the train of a scene alone, as SVG; nothing is solved. Exit status as of `plan`."""
+    from torsion import commands
+
+    with _refusals(file):
+        typer.echo(f"Sketch: {commands.sketch(file, out)}")
+
+
 @contextmanager
 def _refusals(file: Path) -> Iterator[None]:
     """End with a message and its exit status where there is no answer."""
