@@ -1,5 +1,6 @@
 """The commands `torsion plan` and `torsion sketch`: what would be computed, and the train alone, without solving."""
 
+import json
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,6 +12,7 @@ import torsion
 from torsion import commands
 from torsion.analyses import ANALYSES
 from torsion.cli import app
+from torsion.schema.json_schema import json_schema
 
 
 def call(*words: str):
@@ -59,3 +61,14 @@ def test_the_sketch_is_a_picture_of_the_train(tmp_path: Path) -> None:
     assert ElementTree.parse(place).getroot().tag == "{http://www.w3.org/2000/svg}svg"
     refused = call("sketch", str(SCENES["usv"]), "-o", str(tmp_path / "none" / "usv.svg"))
     assert (refused.exit_code, "the sketch cannot be written" in refused.output) == (2, True)
+
+
+def test_a_new_scene_names_its_schema_to_editors_and_can_be_planned(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    assert call("new", str(file)).exit_code == 0
+    first = file.read_text(encoding="utf-8").splitlines()[0]
+    assert first == "# yaml-language-server: $schema=torsion.schema.json"
+    stated = json.loads((tmp_path / "torsion.schema.json").read_text(encoding="utf-8"))
+    assert stated == json_schema()
+    assert call("plan", str(file)).exit_code == 0
+    assert call("new", str(file)).exit_code == 2

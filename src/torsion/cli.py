@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
 
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
+SCHEMA_FILE = "torsion.schema.json"  # beside a new scene, whose first line names it to editors
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
@@ -222,12 +223,16 @@ def schema() -> None:
 
 @app.command()
 def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml")) -> None:
-    """Write a commented example that solves."""
+    """Write a commented example that solves, and the JSON Schema by which an editor completes and checks it."""
+    import json
+
     from torsion.schema import template
+    from torsion.schema.json_schema import json_schema
 
     try:
         with file.open("x", encoding="utf-8") as target:
-            target.write(template("example.yaml"))
+            target.write(f"# yaml-language-server: $schema={SCHEMA_FILE}\n{template('example.yaml')}")
+        file.with_name(SCHEMA_FILE).write_text(json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8")
     except FileExistsError:
         _stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
     except OSError as error:
