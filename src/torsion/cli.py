@@ -43,6 +43,9 @@ def solve(
     vtu: Annotated[
         bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
     ] = False,
+    tables: Annotated[
+        bool, typer.Option("--tables", help="Write tables.zip: every table of the report as CSV.")
+    ] = False,
     memory: Annotated[
         str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
     ] = None,
@@ -54,8 +57,9 @@ def solve(
     """
     from torsion import commands
 
-    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--matrices": matrices, "-o": out})
-    also, solved = commands.outputs(pdf=pdf, vtu=vtu), partial(commands.solved, file, memory=memory)
+    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--tables": tables, "--matrices": matrices, "-o": out})
+    also = commands.outputs(pdf=pdf, vtu=vtu, tables=tables)
+    solved = partial(commands.solved, file, memory=memory)
     _report("solve", file, out, solved, also, as_json=json, matrices=matrices)
 
 
