@@ -31,6 +31,7 @@ OUTPUTS = {
     "motion": Output("torsion.output.motion_files:motion", ".npz"),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
     "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True),
+    "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
     "terminal": Output("torsion.output.terminal:screen"),
 }
 
