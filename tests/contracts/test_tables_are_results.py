@@ -275,7 +275,8 @@ OF_OTHERS = {  # columns of figures that follow from declared ones by a formula 
     "Shafts that tilt": ("Frequency of the tilt", "z", "Decay rate"), "Unstable ranges of speed": ("Factor",),
     "Natural frequencies of the models": ("",), "Largest errors against": ("Modes",), "Fastest growth": ("",),
     "Speeds whose amplitudes": ("",), "First order against exact": ("",),
-    "Orders: largest amplitude": ("at", "Phase"), "Torques of the motion": ("",), "Resonances passed": ("",), "When a torque": ("",), "Events": ("",),
+    "Orders: largest amplitude": ("at", "Phase"),
+    "Torques of the motion": ("",), "Resonances passed": ("",), "When a torque": ("",), "Events": ("",),
     "Nominal stress of the shafts at": ("",), "Couplings with play": ("",), "The first": ("",),
 }  # fmt: skip
 COUNTS = ("No.", "Mode", "Unit")  # where no key is named: numbers of rows and modes
