@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
 
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
+SCHEMA_FILE = "torsion.schema.json"  # beside a new scene, whose first line names it to editors
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
@@ -42,7 +43,9 @@ def solve(
     vtu: Annotated[
         bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
     ] = False,
-    csv: Annotated[bool, typer.Option("--csv", help="Write the numbers of every figure as CSV too.")] = False,
+    csv: Annotated[
+        bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
+    ] = False,
     memory: Annotated[
         str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
     ] = None,
@@ -55,7 +58,8 @@ def solve(
     from torsion import commands
 
     _alone(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--matrices": matrices, "-o": out})
-    also, solved = commands.outputs(pdf=pdf, vtu=vtu, figures=csv), partial(commands.solved, file, memory=memory)
+    also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
+    solved = partial(commands.solved, file, memory=memory)
     _report("solve", file, out, solved, also, as_json=json, matrices=matrices)
 
 
@@ -120,6 +124,36 @@ def study(
 
             folder = commands.folder_of(file, out)
             show(commands.write_study(findings, timings, folder), folder)
+
+
+@app.command()
+def plan(file: File) -> None:
+    """Print what `solve` would compute of a scene, with sizes and reasons; nothing is solved.
+
+    Exit status: 0, or 2 the input is at fault.
+    """
+    from torsion import commands
+
+    with _refusals(file):
+        planned = commands.plan(file)
+        for what, size, why in planned.steps:
+            typer.echo(f"{what}: {size} ({why})" if size else f"{what} ({why})")
+        for what, why in planned.left_out:
+            typer.echo(f"left out: {what}, because {why}")
+
+
+@app.command()
+def sketch(
+    file: File,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <scene>.svg).")
+    ] = None,
+) -> None:
+    """Draw the train of a scene alone, as SVG; nothing is solved. Exit status as of `plan`."""
+    from torsion import commands
+
+    with _refusals(file):
+        typer.echo(f"Sketch: {commands.sketch(file, out)}")
 
 
 @contextmanager
@@ -193,12 +227,16 @@ def schema() -> None:
 
 @app.command()
 def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml")) -> None:
-    """Write a commented example that solves."""
+    """Write a commented example that solves, and the JSON Schema by which an editor completes and checks it."""
+    import json
+
     from torsion.schema import template
+    from torsion.schema.json_schema import json_schema
 
     try:
         with file.open("x", encoding="utf-8") as target:
-            target.write(template("example.yaml"))
+            target.write(f"# yaml-language-server: $schema={SCHEMA_FILE}\n{template('example.yaml')}")
+        file.with_name(SCHEMA_FILE).write_text(json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8")
     except FileExistsError:
         _stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
     except OSError as error:

@@ -2,14 +2,20 @@
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from torsion.analyses import ANALYSES, ordered
+from torsion.analyses.discretisation import assembled, discretisation_words, has_inertia, highest_excited, no_response
+from torsion.analyses.response.harmonic_components import lines
+from torsion.analyses.undamped_modes import ModesSettings, modes_settings
+from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Plan, Progress, silent
+from torsion.rules import needed, not_judged
 from torsion.runner import run
 from torsion.schema.scene_reader import located, read
 from torsion.study import Study
@@ -200,3 +206,81 @@ def write_matrices(findings: Findings, file: Path) -> str:
         return f"Matrices: {file}; no damping of theirs follows from the speed"
     torque = "" if steady is None else " and its mean torque"
     return f"Matrices: {file}; damping to ground at {speed * 30.0 / np.pi:.6g} rpm{torque}"
+
+
+@dataclass(frozen=True)
+class Planned:
+    """What would be computed of a scene: steps with their sizes and reasons, and what would be left out and why."""
+
+    steps: tuple[tuple[str, str, str], ...]  # (what, size, why)
+    left_out: tuple[tuple[str, str], ...]  # (what, why)
+
+
+def plan(file: str | Path) -> Planned:
+    """Read a scene and say what `solve` would compute; nothing is solved. Raises InputError as `solve` does."""
+    study = read(file)
+    ruled, system = needed(study), assembled(study)
+    if highest := highest_excited(study, system, ruled):
+        system = assembled(study, highest)
+    sizes, lacking = _sizes(study, system, ruled), _lacking(study, system, ruled)
+    steps, left_out = [], list[tuple[str, str]]()
+    for name in ordered(ANALYSES):
+        is_named, title = name in study.analyses, ANALYSES[name].title
+        if not (is_named or ANALYSES[name].wanted(study)):
+            continue
+        if lacking.get(name):
+            left_out.append((title, lacking[name]))
+        elif name in sizes or is_named:
+            why = "the file names it" if is_named else "a rule of the file reads it" if name in ruled else "the default"
+            steps.append((title, sizes.get(name, ""), why))
+    if study.rules:
+        steps.append(("rules", ", ".join(name for name, _ in study.rules), "the file names them"))
+    return Planned(tuple(steps), (*left_out, *not_judged(study)))
+
+
+def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
+    """How large every step would be, by the names of analyses; those without a size are prepared by others."""
+    speeds, requested = study.operation.speeds, modes_settings(study, ruled)
+    count = ModesSettings().count if requested is None else requested.count
+    components = len(lines(system))
+    sizes = {
+        "assembly": f"{len(system.stations)} stations, {len(system.spans)} spans; {discretisation_words(system)}",
+        "modes": f"{count} elastic modes", "damped": f"{count} modes",
+        "critical": f"{components} orders and frequencies by {count} modes",
+        "joints": f"{sum(part.joint is not None for part in study.train.parts)} joints",
+        "lateral": f"{sum(bool(study.train.shaft(bar).support) for bar in study.train.bars)} shafts on supports",
+        "steady": "the mean torque in every span",
+    }  # fmt: skip
+    if speeds is not None:
+        sizes["response"] = f"{components} harmonic components at {speeds.steps} speeds, and more around resonances"
+    return sizes
+
+
+def _lacking(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
+    """Why a step would be left out, by the names of analyses; empty words where it would not."""
+    modes = "" if has_inertia(system) else "no component has an inertia"
+    modes = modes or ("" if modes_settings(study, ruled) is not None else "`analyses` does not name modes")
+    ordered_lines = any(line.order is not None for line in lines(system))
+    return {
+        "modes": modes, "damped": modes or ("" if system.damps else "nothing damps"),
+        "critical": modes or ("" if ordered_lines else "no order excites"),
+        "response": no_response(study, system, ruled),
+        "steady": "" if study.operation.has_mean_torque else "the rated power is not given",
+    }  # fmt: skip
+
+
+def sketch(file: str | Path, out: str | Path | None = None) -> Path:
+    """Draw the train of a scene alone, as SVG, into `out` (default: <scene>.svg where you stand); its path.
+
+    Nothing is solved. Raises InputError, also where the file cannot be written.
+    """
+    from torsion.output.blocks import Figure
+    from torsion.output.chapters.plant import chapter
+    from torsion.output.figures.drawing import svg
+
+    findings = run(replace(read(file), rules=()), only=("assembly",))
+    place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
+    figure = next(block for block in chapter(findings) if isinstance(block, Figure))
+    with _writing(findings.study, "the sketch", place):
+        place.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8")
+    return place

@@ -268,7 +268,7 @@ _exact = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"
 _of_mean = {
     "type": "object",
     "required": ["of_mean"],
-    "properties": {"of_mean": {"x-usual": list(SHARE_OF_MEAN.usual)}},
+    "properties": {"of_mean": {"description": "share of the mean torque, %", "x-usual": list(SHARE_OF_MEAN.usual)}},
 }
 _amount = {"anyOf": [{"type": "number"}, {"type": "string"}, _of_mean]}
 Exact = Annotated[Fraction, _read_by(read_exact), WithJsonSchema(_exact)]

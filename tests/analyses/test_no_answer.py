@@ -191,3 +191,11 @@ def test_a_response_refuses_what_are_no_speeds(speeds: list[float]) -> None:
 def test_a_link_from_a_point_to_itself_is_said_to_be_that() -> None:
     with pytest.raises(InputError, match="'a' and 'a' are one point"):
         torsion.parse((LOOP % "count: 1").replace("[a, b]", "[a, a]"))
+
+
+def test_a_tolerance_that_is_read_but_not_varied_is_said_in_the_plan():
+    text = (
+        "name: x\ntrain: [disc: {inertia: 1}, coupling: {name: k, stiffness: 5, tolerance: 15 %}, disc: {inertia: 2}]\n"
+    )
+    left = dict(torsion.run(torsion.parse(text)).plan.left_out)
+    assert left["the tolerance of 'k'"] == "its 15 % are not varied; every result is at the nominal stiffness"

@@ -120,7 +120,7 @@ def test_no_chapter_is_empty_and_numbers_have_no_gap(train: Findings) -> None:
 def test_what_a_scene_does_not_have_is_not_printed(bare: Findings) -> None:
     titles = [i.block.text for i in document(bare).body if isinstance(i.block, Heading) and i.block.level == 1]
     assert titles == [
-        "Verdict", "The plant", "Data sheets", "Mass-elastic system", "Natural frequencies", "What was computed",
+        "Verdict", "The plant", "Mass-elastic system", "Natural frequencies", "What was computed",
         "Appendix: the input as read",
     ]  # fmt: skip
 

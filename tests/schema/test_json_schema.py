@@ -97,3 +97,32 @@ def test_every_reference_of_the_schema_is_defined():
 
     schema = json_schema()
     assert {name.removeprefix("#/$defs/") for name in references(schema)} == set(schema["$defs"])
+
+
+def test_nothing_in_the_schema_lacks_a_description(validator):
+    """Every key of every mapping, and every mapping that has a name, says what it is where an editor looks for it."""
+
+    def silent(body, path):
+        if isinstance(body, dict):
+            for key, one in body.get("properties", {}).items():
+                if isinstance(one, dict) and not one.get("description"):
+                    yield f"{path}: {key}"
+        if isinstance(body, dict | list):
+            for step, part in body.items() if isinstance(body, dict) else enumerate(body):
+                yield from silent(part, f"{path}/{step}")
+
+    schema = json_schema()
+    assert list(silent(schema, "")) == []
+    assert [name for name, body in schema["$defs"].items() if not body.get("description")] == []
+
+
+def test_every_kind_has_examples_that_are_valid_and_defaults_are_said(validator):
+    schema = json_schema()
+    kinds = schema["$defs"]["train"]["items"]["properties"]
+    for kind in KINDS:
+        assert kinds[kind]["examples"]
+        for body in kinds[kind]["examples"]:
+            scene = {"name": "x", "train": [{"disc": {"inertia": 1}}, {kind: body}]}
+            assert [error.message for error in validator.iter_errors(scene)] == []
+    assert schema["$defs"]["SpeedRange"]["properties"]["steps"]["default"] == 201
+    assert schema["$defs"]["Shaft"]["properties"]["material"]["default"] == "steel"

@@ -32,6 +32,7 @@ OUTPUTS = {
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
     "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),
+    "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
     "terminal": Output("torsion.output.terminal:screen"),
 }
 

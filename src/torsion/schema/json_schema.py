@@ -1,16 +1,19 @@
 """JSON Schema of the whole file, from the same declarations that read it, so that an editor completes and checks it."""
 
+from importlib import import_module
 from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
 from pydantic_core import core_schema
 
 from torsion.analyses import ANALYSES, MODELS, settings_classes
-from torsion.components import KINDS
+from torsion.components import KINDS, component
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
-from torsion.schema.manual import declarations
+from torsion.schema.manual import EXAMPLES, declarations
 from torsion.schema.scene_reader import LINKS, Scene
+from torsion.schema.yaml_source import parse_source
+from torsion.study import ShaftModel
 
 Schema = dict[str, Any]
 
@@ -22,7 +25,9 @@ class _Declarations(GenerateJsonSchema):
         return self.generate_inner(schema["schema"])
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
-        return self.generate_inner(schema["schema"])
+        inner, default = self.generate_inner(schema["schema"]), schema.get("default")
+        is_plain = isinstance(default, str | bool | int) or (isinstance(default, float) and default != 0.0)
+        return inner | {"default": default} if is_plain and "$ref" not in inner else inner
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
@@ -46,18 +51,34 @@ def json_schema() -> Schema:
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
-    train = _list_of(_one_of({kind: refs[kind] for kind in KINDS}))
+    train = _list_of(_one_of({kind: _kind(kind, refs[kind]) for kind in KINDS}))
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
     schema["$defs"] = {"train": {"description": "components in a row", **train}, **parts}
     return schema
 
 
+def _kind(kind: str, body: Schema) -> Schema:
+    """A kind of component with what it is, and examples of it."""
+    words = (component(kind).__doc__ or "").strip().splitlines()[0]
+    given = parse_source(EXAMPLES[kind], kind).data
+    return body | {"description": words, "examples": [entry[kind] for entry in given if kind in entry]}
+
+
+def _rule(name: str, body: Schema) -> Schema:
+    """The settings of a rule with what it judges, in the words of its module."""
+    words = import_module(RULES[name].partition(":")[0]).__doc__ or ""
+    return body | {"description": words.strip().splitlines()[0].partition(": ")[2]}
+
+
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
-    rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: refs[name] for name in RULES})]}
+    rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: _rule(name, refs[name]) for name in RULES})]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
-    link = _one_of({kind: refs[kind] for kind in LINKS}, more={"between": ends})
-    settings = {name: {"anyOf": [refs[name], {"type": "null"}]} for name in ("fem", *settings_classes())}
+    ends["description"] = "names of the two points that the link joins"
+    link = _one_of({kind: _kind(kind, refs[kind]) for kind in LINKS}, more={"between": ends})
+    model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
+    settings: Schema = {"fem": {"anyOf": [refs["fem"], {"type": "null"}], "description": fem}}
     for name in settings_classes():
+        settings[name] = {"anyOf": [refs[name], {"type": "null"}], "description": ANALYSES[name].title}
         settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
     return {
         "materials": {"type": "object", "additionalProperties": refs["material"]},
@@ -66,7 +87,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "train": {"$ref": "#/$defs/train"},
         "links": _list_of(link),
         "excitations": _list_of(refs["excitation"]),
-        "analyses": _mapping({"model": {"enum": list(MODELS)}, **settings}),
+        "analyses": _mapping({"model": {"enum": list(MODELS), "description": model}, **settings}),
         "rules": _list_of(rule),
     }
 

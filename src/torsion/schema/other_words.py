@@ -25,6 +25,6 @@ def without_colon(word: str) -> str:
 
 
 def of_its_number(word: str, candidates: list[str]) -> list[str]:
-    """The candidates with the figures of the word, in any order: iacs-m86 is a slip for iacs-m68, iacs-m53 none."""
+    """The candidates with the figures of the word, in any order: iacs-m86 is a slip for iacs-m68, iacs-m53 is none."""
     figures = sorted(re.findall(r"\d", word))
     return [one for one in candidates if not figures or sorted(re.findall(r"\d", one)) in ([], figures)]

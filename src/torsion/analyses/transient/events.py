@@ -316,4 +316,4 @@ if TYPE_CHECKING:
     Event = _Event
 else:
     _FIELDS = {_field(kind): (kind | None, given(kind.meaning, alias=kind.key)) for kind in KINDS}
-    Event = create_model("Event", __base__=_Event, **_FIELDS)
+    Event = create_model("Event", __base__=_Event, __doc__=_Event.__doc__, **_FIELDS)

@@ -63,7 +63,7 @@ def _motors(findings: Findings) -> Table | None:
 
 
 def _couplings(findings: Findings) -> Table | None:
-    """The ratings of their makers, stiffness and losses."""
+    """The ratings of their makers, stiffness and losses, of those that have more than a stiffness."""
     train, rows = findings.study.train, []
     springs = {spring.part: spring for spring in train.springs if train.parts[spring.part].kind == "coupling"}
     for k, part in _parts(findings, "coupling"):
@@ -74,6 +74,8 @@ def _couplings(findings: Findings) -> Table | None:
             torques = (limits.rated_torque, limits.vibratory_torque, limits.max_torque)
         heat, tolerance = (None, None) if limits is None else (limits.heat_limit, limits.tolerance)
         lost = 2.0 * np.pi * spring.loss_factor
+        if not (any(torques) or heat or tolerance or lost or spring.viscous):
+            continue  # a spring, which the mass-elastic system has
         rows.append((
             part.name, *map(_figure, torques), _figure(heat), stiffness, _figure(tolerance, 100.0),
             number(lost) if lost else NONE, _figure(spring.viscous or None), source(findings, k),

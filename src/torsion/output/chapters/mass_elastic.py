@@ -141,16 +141,15 @@ def _springs(findings: Findings) -> Table:
         at = ratio if part.referred_to is None else part.referred_to
         is_given = 0 < h < math.inf and part.shaft is None  # of a shaft the file gives dimensions
         figure = _given_columns(findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at)
-        losses = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
         rows.append((
             element.name, element.kind, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
             *figure, own, given(h, DIGITS), ratio, referred, given(h / element.ratio**2, SUMMED),
-            *(given(value) if value else NONE for value in losses), source(findings, element.part),
+            source(findings, element.part),
         ))  # fmt: skip
     columns = f"k given [{unit.unit}] | Given at i | " if findings.study.train.has_referred_figures else ""
     return table(
         f"< Element | < Kind | < Between | {columns}k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
-        f"k referred [{unit.unit}] | Flexibility referred [rad/(N m)] | Loss factor | Viscous [N m s/rad] | < Source",
+        f"k referred [{unit.unit}] | Flexibility referred [rad/(N m)] | < Source",
         rows,
         "Elastic elements",
     )

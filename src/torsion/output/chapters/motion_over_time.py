@@ -80,7 +80,11 @@ def _steady_begin(findings: Findings, found: TransientMotion, settings: Transien
         return
     if findings.study.excites:
         text = "Periodic torques and the errors of joints go on as before the events, at the speed before them."
-        yield Paragraph(text, "note")
+        begun = (
+            "Beside play, friction, stages and clutches periodic torques begin at time 0, upon the mean torques alone; "
+            "the first revolutions are a transient of their own."
+        )
+        yield Paragraph(text if found.switching is None else begun, "note")
     if settings.initial is None and findings.study.operation.rated is None:
         orders = [f"order {one.order} at {one.name}" for one in findings.study.train.torques if one.order is not None]
         excited = f", excited by {', '.join(dict.fromkeys(orders[:MOST_ORDERS]))}" if orders else ""

@@ -1,0 +1,349 @@
+"""Every number of every table of the report is a declared result, in the unit of its column and to its digits.
+
+A column names the key of results.json that its figures come from; a column that names none fails. Figures that follow
+from others on the page (Holzer and mass-elastic tables) are computed again from those in test_tables_recomputed.py.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.contracts.frozen import SCENES
+from tests.contracts.printed import Interval, Row, printed, rows
+
+import torsion
+from torsion.analyses.response.amplitudes import Response
+from torsion.output.blocks import Column, Table
+from torsion.output.chapters import chapters
+from torsion.output.numbers import ROUNDING
+from torsion.output.reported_values import NOTHING
+from torsion.output.results_json import results
+
+Found = dict[str, Any]
+Values = Callable[[Found, Row], Iterable[Any]]
+SI = {
+    "rpm": math.pi / 30.0, "deg": math.pi / 180.0, "%": 0.01, "1/min": 1.0 / 60.0, "N/mm²": 1e6, "µm": 1e-6, "mm": 1e-3,
+    "kN m": 1e3, "MN m": 1e6, "kW": 1e3, "kN": 1e3, "ms": 1e-3, "deg/min": math.pi / 180.0 / 60.0,
+}  # fmt: skip
+NUMBER = re.compile(r"[−\d][\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*")
+FRACTION = re.compile(r"(\d+)/(\d+) ≈ .*")
+
+
+def at(found: Any, path: str) -> Iterator[Any]:
+    """Everything that stands at a path, `[]` for every element of a list, nested lists laid out."""
+    step, _, rest = path.partition(".")
+    name = step.removesuffix("[]")
+    inner = found.get(name) if isinstance(found, dict) else None
+    for one in inner if step.endswith("[]") and isinstance(inner, list) else [inner]:
+        if rest and one is not None:
+            yield from at(one, rest)
+        elif one is not None:
+            yield from flat(one)
+
+
+def flat(value: Any) -> Iterator[Any]:
+    if isinstance(value, list):
+        for one in value:
+            yield from flat(one)
+    elif value is not None:
+        yield value
+
+
+def key(*paths: str, times: float = 1.0) -> Values:
+    """Any value at these keys."""
+    return lambda found, row: (as_number(one) * times for path in paths for one in at(found, path))
+
+
+def as_number(value: Any) -> float:
+    """A number, or an exact one that is stated as text."""
+    if isinstance(value, str):
+        above, _, below = value.partition("/")
+        return float(above) / float(below or 1)
+    return float(value)
+
+
+def largest(path: str) -> Values:
+    """The largest over speed of the element that the row is about."""
+    return lambda found, row: [max(flat(of_element(found, path, row)))]
+
+
+def somewhere(path: str) -> Values:
+    """Any value of the element that the row is about."""
+    return lambda found, row: flat(of_element(found, path, row))
+
+
+def of_element(found: Found, path: str, row: Row) -> Any:
+    result, name = path.split(".")
+    element = next(row[title] for title in ("Element", "Mesh", "Coupling") if title in row)
+    return found[result][name][found[result]["element"].index(element)]
+
+
+def amplitudes(what: str) -> Values:
+    """The sizes of complex amplitudes of all lines; results.json has those at the ends of an element alone."""
+    return lambda found, row: np.abs(getattr(found["findings"].need(Response), what)).ravel().tolist()
+
+
+def of_check(name: str) -> Values:
+    """Of the check that the row is about."""
+
+    def values(found: Found, row: Row) -> Iterator[Any]:
+        for one in found["checks"]:
+            if (f"{one['what']} ({one['rule']})", one["where"]) == (row["Check"], row["Component"]):
+                yield from flat(one[name])
+
+    return values
+
+
+def speed_amplitudes(found: Found, row: Row) -> Iterator[float]:
+    for line in found["response"]["lines"]:
+        for hertz, speed in zip(line["frequency_Hz"], line["angle_rad"], strict=True):
+            yield from (math.hypot(*pair) * hertz * 2.0 * math.pi for pair in speed if pair[0] is not None)
+
+
+def width(found: Found, row: Row) -> Iterator[float]:
+    modes = found["modes"]
+    each = zip(modes["frequency_Hz"], modes["lower_Hz"], modes["upper_Hz"], strict=True)
+    return ((high - low) / f for f, low, high in each)
+
+
+def magnifiers(found: Found, row: Row) -> Iterator[float]:
+    return (0.5 / one for one in at(found, "damped_modes.damping_ratio") if one)
+
+
+def decays(found: Found, row: Row) -> Iterator[float]:
+    return (-pair[0] for pair in found["damped_modes"]["eigenvalue_per_s"])
+
+
+def shares(found: Found, row: Row) -> Iterator[float]:
+    """Of one station or span, and the sums over those of one component, or those inside of it."""
+    for path, what in (("kinetic_share", "stations"), ("elastic_share", "spans")):
+        value = np.array(found["modes"][path])
+        of, name = (np.array([one[key] for one in found[what]]) for key in ("component", "name"))
+        inside = np.array(["/" in one for one in name])
+        ends = np.array([one.endswith(" end") for one in name])
+        yield from value.ravel().tolist()
+        for part in dict.fromkeys(of.tolist()):
+            for chosen in (of == part, (of == part) & inside, (of == part) & (inside | ends)):
+                yield from value[:, chosen].sum(axis=1).tolist()
+
+
+def distances(found: Found, row: Row) -> Iterator[float]:
+    return (one["margin"] for one in found["critical_speeds"])
+
+
+RPM, HZ = "speed_rad_per_s", "frequency_Hz"
+COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the figures that may stand there
+    ("Checks against", "Worst value"): of_check("value"),
+    ("Checks against", "Limit"): of_check("limit"),
+    ("Checks against", "Utilisation"): of_check("utilisation"),
+    ("Checks against", "At speed"): of_check(RPM),
+    ("Barred ranges", "From"): key("checks[].barred[].lower_rad_per_s"),
+    ("Barred ranges", "To"): key("checks[].barred[].upper_rad_per_s"),
+    ("Barred ranges", "Critical speed"): key("checks[].barred[].critical_rad_per_s"),
+    ("Barred ranges", "From by formula"): key("checks[].barred[].formula_lower_rad_per_s"),
+    ("Barred ranges", "To by formula"): key("checks[].barred[].formula_upper_rad_per_s"),
+    ("Components", "Speed ratio"): key("stations[].speed_ratio"),
+    ("Natural frequencies of the undamped", "Frequency"): key("modes.frequency_Hz"),
+    ("Natural frequencies of the undamped", "Per minute"): key("modes.frequency_Hz"),
+    ("Natural frequencies of the undamped", "Angular"): key("modes.frequency_Hz", times=2.0 * math.pi),
+    ("Natural frequencies of the undamped", "Nodes"): key("modes.nodes"),
+    ("Natural frequencies of the undamped", "Lower bound"): key("modes.lower_Hz"),
+    ("Natural frequencies of the undamped", "Upper bound"): key("modes.upper_Hz"),
+    ("Natural frequencies of the undamped", "Width / frequency"): width,
+    ("Damped natural frequencies", "Frequency"): key("damped_modes.frequency_Hz"),
+    ("Damped natural frequencies", "Per minute"): key("damped_modes.frequency_Hz"),
+    ("Damped natural frequencies", "Damping ratio"): key("damped_modes.damping_ratio"),
+    ("Damped natural frequencies", "Magnifier"): magnifiers,
+    ("Damped natural frequencies", "Decay"): decays,
+    ("Shares of the kinetic", "Mode"): shares,
+    ("Critical speeds, order by mode", "Mode"): key(f"critical_speeds[].{RPM}"),
+    ("Critical speeds, order by mode", "Order"): key("critical_speeds[].order"),
+    ("Critical speeds in", "Critical speed"): key(f"critical_speeds[].{RPM}"),
+    ("Critical speeds in", "Order"): key("critical_speeds[].order"),
+    ("Critical speeds in", "Frequency"): key("critical_speeds[].frequency_Hz"),
+    ("Critical speeds in", "Distance"): distances,
+    ("Harmonic components", "Order"): key("response.lines[].order"),
+    ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
+    ("Mean torque at", "Largest"): key("mean.torque_Nm"),
+    ("Largest vibratory torque", "Synthesis"): largest("synthesis.half_range_Nm"),
+    ("Largest vibratory torque", "At speed"): key(f"response.{RPM}"),
+    ("Largest vibratory torque", "Its torque"): amplitudes("torque"),
+    ("Largest vibratory torque", "RMS"): somewhere("synthesis.rms_Nm"),
+    ("Largest vibratory torque", "Sum of magnitudes"): somewhere("synthesis.bound_Nm"),
+    ("Largest vibratory torque", "Mean"): key("response.mean_torque_Nm", "mean.torque_Nm"),
+    ("Resonance peaks", "Torque amplitude"): amplitudes("torque"),
+    ("Resonance peaks", "At speed"): key(f"response.{RPM}"),
+    ("Resonance peaks", "Frequency"): key("response.lines[].frequency_Hz"),
+    ("Largest angular amplitude of any one", "Largest amplitude"): amplitudes("angle"),
+    ("Largest angular amplitude of any one", "Amplitude"): amplitudes("angle"),
+    ("Largest angular amplitude of any one", "At speed"): key(f"response.{RPM}"),
+    ("Largest angular amplitude of any one", "Speed amplitude"): speed_amplitudes,
+    ("Largest stress amplitude of every", "At speed"): key(f"response.{RPM}"),
+    ("Largest stress amplitude of every", "Frequency"): key("response.lines[].frequency_Hz"),
+    ("Vibratory torque (half", "Largest vibratory torque"): largest("synthesis.half_range_Nm"),
+    ("Vibratory torque (half", "At speed"): key(f"response.{RPM}"),
+    ("Vibratory torque (half", "Mean torque there"): lambda found, row: map(abs, at(found, "response.mean_torque_Nm")),
+    ("Torque and heat", "Vibratory torque"): largest("synthesis.half_range_Nm"),
+    ("Torque and heat", "Peak torque"): largest("synthesis.peak_Nm"),
+    ("Torque and heat", "At speed"): key(f"response.{RPM}"),
+    ("Torque and heat", "Mean torque"): lambda found, row: map(abs, at(found, "mean.torque_Nm")),
+    ("Largest torque amplitude", "At frequency"): key("frequency_response.frequency_Hz"),
+    ("Largest angular amplitude", "At frequency"): key("frequency_response.frequency_Hz"),
+    ("Angles of the joints", "Angle"): key("joints.joints[].angle_rad"),
+    ("Angles of the joints", "Plane"): key("joints.joints[].plane_rad"),
+    ("Angles of the joints", "Phase"): key("joints.joints[].phase_rad"),
+    ("Each joint by itself", "Order, own shaft"): key("joints.joints[].order"),
+    ("Each joint by itself", "Error amplitude"): lambda found, row: (
+        math.hypot(*one["amplitude_rad"]) for one in found["joints"]["joints"]
+    ),
+    ("Each joint by itself", "Unevenness"): key("joints.joints[].unevenness"),
+    ("Joints of one shaft line", "Resultant angle"): key("joints.lines[].resultant_rad"),
+    ("Joints of one shaft line", "Small-angle sum"): key("joints.lines[].classical_rad"),
+    ("Joints of one shaft line", "Phase"): key("joints.lines[].phase_rad"),
+    ("Joints of one shaft line", "Greatest"): key("joints.lines[].greatest.speed_ratio"),
+    ("Joints of one shaft line", "Least"): key("joints.lines[].least.speed_ratio"),
+    ("Joints of one shaft line", "at"): key("joints.lines[].greatest.at_rad", "joints.lines[].least.at_rad"),
+    ("Joints of one shaft line", "Index"): key("joints.lines[].index"),
+    ("Speed and acceleration", "Mean speed"): key("joints.joints[].speed_rad_per_s"),
+    ("Secondary couples", "Torque"): key("joints.joints[].torque_Nm"),
+    ("Secondary couples", "Order"): key("joints.joints[].couples[].order"),
+    ("Secondary couples", "Largest"): key("joints.joints[].couples[].largest_Nm"),
+    ("Secondary couples", "Bearings"): key("joints.joints[].couples[].bearing_N"),
+    ("Secondary couples", "Force across"): key("joints.joints[].force_N"),
+    ("Unstable ranges of speed", "From"): key("stability.ranges[].from_rad_per_s"),
+    ("Unstable ranges of speed", "To"): key("stability.ranges[].to_rad_per_s"),
+    ("Unstable ranges of speed", "Largest growth"): key("stability.ranges[].growth_per_s"),
+    ("Unstable ranges of speed", "At speed"): key("stability.ranges[].at_rad_per_s"),
+    ("Unstable ranges of the tilt", "From"): key("lateral.shafts[].tilting.unstable[].from_rad_per_s"),
+    ("Unstable ranges of the tilt", "To"): key("lateral.shafts[].tilting.unstable[].to_rad_per_s"),
+    ("Unstable ranges of the tilt", "Largest growth"): key("lateral.shafts[].tilting.unstable[].growth_per_s"),
+    ("Unstable ranges of the tilt", "At speed"): key("lateral.shafts[].tilting.unstable[].at_rad_per_s"),
+    ("Shafts that bend", "Length"): key("lateral.shafts[].length_m"),
+    ("Shafts that bend", "Speed / reference"): key("lateral.shafts[].ratio"),
+    ("Shafts that bend", "Lowest frequency at rest, y"): key("lateral.shafts[].at_rest_Hz.y"),
+    ("Shafts that bend", "z"): key("lateral.shafts[].at_rest_Hz.z"),
+    ("Critical bending speeds", "Critical speed"): key(f"lateral.shafts[].critical_speeds[].{RPM}"),
+    ("Critical bending speeds", "Frequency"): key("lateral.shafts[].critical_speeds[].frequency_Hz"),
+    ("Critical bending speeds", "Damping ratio"): key("lateral.shafts[].critical_speeds[].damping_ratio"),
+    ("Critical bending speeds", "Order"): key("lateral.shafts[].critical_speeds[].order"),
+    ("Critical bending speeds", "Mode"): key("lateral.shafts[].critical_speeds[].mode"),
+    ("Whirl over", "Frequency at"): key("lateral.shafts[].whirl.frequency_Hz"),
+    ("Whirl over", "at the highest"): key("lateral.shafts[].whirl.frequency_Hz"),
+    ("Whirl over", "Least log"): key("lateral.shafts[].whirl.log_decrement"),
+    ("Whirl over", "at"): key(f"lateral.shafts[].whirl.{RPM}"),
+    ("Shafts that tilt", "Transverse"): key("lateral.shafts[].tilting.transverse_inertia_kgm2"),
+    ("Shafts that tilt", "Polar"): key("lateral.shafts[].tilting.polar_inertia_kgm2"),
+    ("Torque amplitudes at the peaks", "rpm"): key("nonlinear_peaks[].speed_rad_per_s", times=30.0 / math.pi),
+    ("Torque amplitudes at the peaks", "Response"): key("nonlinear_peaks[].response_Nm"),
+    ("Torque amplitudes at the peaks", "Exact"): key("nonlinear_peaks[].exact_Nm"),
+    ("Torque amplitudes at the peaks", "Difference"): key("nonlinear_peaks[].difference"),
+    ("Torque amplitudes at the peaks", "Exact, half range"): key("nonlinear_peaks[].half_range_Nm"),
+    ("Torque amplitudes at the peaks", "Mode"): key("nonlinear_peaks[].mode"),
+    ("Torque amplitudes at the peaks", "Its frequency"): key("nonlinear_peaks[].natural_frequency_Hz"),
+    ("Greatest ice torque", "H"): key("transient[].ice[].thickness_m"),
+    ("Greatest ice torque", "k"): key("transient[].ice[].factor"),
+    ("Greatest ice torque", "D"): key("transient[].ice[].diameter_m"),
+    ("Greatest ice torque", "d/D"): key("transient[].ice[].hub_ratio"),
+    ("Greatest ice torque", "P/D"): key("transient[].ice[].pitch_ratio"),
+    ("Greatest ice torque", "n"): key("transient[].ice[].speed_rad_per_s", times=0.5 / math.pi),
+    ("Greatest ice torque", "Revolutions"): key("transient[].ice[].revolutions"),
+    ("Greatest ice torque", "Q_{max}"): key("transient[].ice[].torque_Nm"),
+    ("Orders: largest amplitude", "Order of"): key("transient[].orders.order[]"),
+    ("Orders: largest amplitude", "Largest amplitude"): key("transient[].orders.each[].largest_Nm[]"),
+    ("Largest errors against", "Frequency"): key("check.models[].largest_frequency_error"),
+    ("Largest errors against", "1 − MAC"): key("check.models[].largest_shape_error"),
+    ("Largest errors against", "Torques"): key("check.models[].largest_torque_error"),
+    ("Steps that were done", "Time"): key("plan.done[].seconds"),
+}
+# the figures of the file, checked by their chapters
+INPUT = ("Motors", "Couplings: ratings", "Gears", "Propellers and", "Harmonic torques", "Internal damping",
+         "Damping to ground", "Dimensions of the shafts")  # fmt: skip
+RECOMPUTED = ("Inertias as given", "Elastic elements", "Holzer table", "Constants of the shafts")
+OF_OTHERS = {  # columns of figures that follow from declared ones by a formula of their chapter, checked there
+    "Components": ("Rated speed",), "Barred ranges": ("λ",), "Mean torque at": ("Own speed", "Power"),
+    "Largest stress amplitude of every": ("Largest stress", "τ_{C} there", "τ_{T} there", "Largest τ / τ_{C}"),
+    "Vibratory torque (half": ("Largest vibratory / mean",), "Torque and heat": ("T_{", "Heat", "P_{KW}"),
+    "Largest torque amplitude": ("Amplitude",), "Largest angular amplitude": ("Amplitude",),
+    "Angles of the joints": ("Driving yoke", "q ="), "Each joint by itself": ("Order, reference", "Its phase"),
+    "Speed and acceleration": ("Greatest", "Least", "Largest acceleration", "Speed × angle"),
+    "Secondary couples": ("Mean", "Amplitude"), "Best phase": ("Phase now", "Best", "Index if", "Index"),
+    "The order of each joint's": ("Largest torque", "At speed", "Estimated model error"),
+    "Answer to the secondary": ("Order", "Largest", "at"), "Forces of the shafts": ("At", "Order", "Largest", "at"),
+    "Shafts that tilt": ("Frequency of the tilt", "z", "Decay rate"), "Unstable ranges of speed": ("Factor",),
+    "Natural frequencies of the models": ("",), "Largest errors against": ("Modes",), "Fastest growth": ("",),
+    "Speeds whose amplitudes": ("",), "First order against exact": ("",),
+    "Orders: largest amplitude": ("at", "Phase"),
+    "Torques of the motion": ("",), "Resonances passed": ("",), "When a torque": ("",), "Events": ("",),
+    "Nominal stress of the shafts at": ("",), "Couplings with play": ("",), "The first": ("",),
+}  # fmt: skip
+COUNTS = ("No.", "Mode", "Unit")  # where no key is named: numbers of rows and modes
+
+
+def named(table: Table, column: Column) -> Values | None:
+    """What may stand in a column; the longest begin of its title counts."""
+    fitting = [
+        (len(title), values) for (caption, title), values in COLUMNS.items()
+        if table.caption.startswith(caption) and column.title.startswith(title)
+    ]  # fmt: skip
+    return max(fitting, key=lambda pair: pair[0])[1] if fitting else None
+
+
+def is_of_others(table: Table, column: Column) -> bool:
+    if table.caption.startswith((*INPUT, *RECOMPUTED)) or column.title in COUNTS:
+        return True
+    titles = (titles for caption, titles in OF_OTHERS.items() if table.caption.startswith(caption))
+    return any(column.title.startswith(one) for own in titles for one in own)
+
+
+def numbers_of(table: Table, k: int) -> Iterator[tuple[Row, str]]:
+    """The cells of a column that are a number, each with its row."""
+    for row, cells in zip(rows(table), table.rows, strict=True):
+        text = cells[k].removesuffix(" *").removeprefix("≥ ")
+        if NUMBER.fullmatch(text) or FRACTION.fullmatch(text):
+            yield row, FRACTION.sub(r"\1/\2", text)
+
+
+def digits_of(text: str) -> int:
+    """The significant digits of a cell; zeros at the end of a whole number may be none."""
+    mantissa = text.partition("·")[0].lstrip("−")
+    mantissa = mantissa if "." in mantissa else mantissa.rstrip("0")
+    return max(len(mantissa.replace(".", "").lstrip("0")), 1)
+
+
+def holds(text: str, unit: str, values: list[float]) -> bool:
+    """A declared value is rounded to the cell; 0 stands for what is next to nothing beside the largest."""
+    cell = printed(text, digits_of(text))
+    factor = SI.get(unit, 1.0)
+    wanted = Interval(cell.low * factor, cell.high * factor)
+    if cell.low == cell.high == 0.0:
+        least = math.sqrt(ROUNDING) if unit == "deg" else ROUNDING  # a resultant angle is a root of what cancels
+        return bool(values) and min(map(abs, values)) <= max(NOTHING * max(map(abs, values)), least)
+    return any(wanted.meets(Interval(value, value)) for value in values)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_number_of_a_table_is_a_declared_result(scene: str) -> None:
+    findings = torsion.run(torsion.read(SCENES[scene]))
+    found, wrong = {**results(findings), "findings": findings}, list[str]()
+    for table in (block for block in chapters(findings) if isinstance(block, Table)):
+        for k, column in enumerate(table.columns):
+            values_of = named(table, column)
+            for row, text in numbers_of(table, k):
+                if values_of is not None:
+                    values = [as_number(one) for one in values_of(found, row) if one is not None]
+                    if not holds(text, column.unit, values):
+                        wrong.append(f"{table.caption[:40]} | {column.title}: {text}")
+                elif not is_of_others(table, column):
+                    wrong.append(f"{table.caption[:40]} | {column.title} names no result")
+    assert list(dict.fromkeys(wrong)) == []
+
+
+def test_another_number_is_none_of_the_results() -> None:
+    assert holds("826.97", "rpm", [86.6])
+    assert not holds("827.07", "rpm", [86.6])
+    assert not holds("0", "N m", [1.0, 2.0])
+    assert holds("0", "N m", [1e-13, 2.0])
+    assert [digits_of(text) for text in ("0.0120", "1410", "1.50·10⁻⁷", "0")] == [3, 3, 3, 1]

@@ -1,0 +1,38 @@
+"""Every table of a report as CSV: what stands on the page, as programs read it."""
+
+import csv
+import io
+import zipfile
+from pathlib import Path
+
+import torsion
+from torsion.output.blocks import Table
+from torsion.output.document import document
+from torsion.output.table_files import archive, plain_figure
+from torsion.output.write import write
+
+TEXT = """
+name: two
+train: [disc: {name: "a, b", inertia: 1.5e-9}, coupling: {stiffness: 6e5, source: list}, disc: {inertia: 3}]
+"""
+
+
+def test_every_table_with_a_number_is_a_file_with_its_rows(tmp_path: Path) -> None:
+    found = torsion.run(torsion.parse(TEXT))
+    made = document(found)
+    stated = {item.number: item.block for item in made.body if isinstance(item.block, Table) and item.number}
+    with zipfile.ZipFile(io.BytesIO(archive(made))) as files:
+        assert sorted(files.namelist()) == sorted(f"{name.lower().replace(' ', '-')}.csv" for name in stated)
+        for name, table in stated.items():
+            caption, *lines = files.read(f"{name.lower().replace(' ', '-')}.csv").decode().splitlines()
+            assert caption == f"# {name}: {table.caption}"
+            head, *rows = csv.reader(lines)
+            assert len(head) == len(table.columns)
+            assert rows == [[plain_figure(cell) for cell in row] for row in table.rows]
+    inertias = next(table for table in stated.values() if table.caption.startswith("Inertias"))
+    assert (inertias.rows[0][1], plain_figure(inertias.rows[0][3])) == ("a, b", "1.5e-9")
+    assert archive(made) == archive(made)
+    write(found, tmp_path)
+    assert not (tmp_path / "tables.zip").exists()
+    write(found, tmp_path, also=("tables",))
+    assert zipfile.is_zipfile(tmp_path / "tables.zip")
