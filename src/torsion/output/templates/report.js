@@ -195,7 +195,7 @@
     if (!own.length) continue;
     figure.out = document.createElement("p");
     figure.out.className = "values";
-    figure.insertBefore(figure.out, script);
+    figure.append(figure.out);
     let start = null;
     const chosen = make("rect", { class: "chosen", fill: "#0072B2", "fill-opacity": 0.15, visibility: "hidden" }, svg);
     const under = (event) => {
