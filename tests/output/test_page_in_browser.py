@@ -147,11 +147,78 @@ def test_the_key_switches_lines_off_and_on_by_pointer_and_keyboard(page: Any) ->
         assert line.is_visible()
 
 
+def numbers(page: Any, name: str) -> list[float]:
+    """What stands below the plots of a figure, as it is seen."""
+    found = page.locator(f"figure#{name} text.across, figure#{name} .scale text").all()
+    return [float(one.text_content()) for one in found if one.is_visible()]
+
+
+def shape(page: Any, name: str) -> list[str]:
+    """All paths and windows of a figure, but the cursor."""
+    script = """s => [...s.querySelectorAll('path:not(.cursor), svg')]
+        .map(e => e.getAttribute('d') || e.getAttribute('viewBox'))"""
+    return page.locator(f"figure#{name} > svg").evaluate(script)
+
+
+def drag(page: Any, name: str, first: float, last: float) -> None:
+    """Choose a part of the width of the first plot."""
+    hover(page, name, first)
+    page.mouse.down()
+    hover(page, name, (first + last) / 2)
+    hover(page, name, last)
+    page.mouse.up()
+
+
+def test_a_part_is_chosen_in_all_plots_over_the_speed_and_a_double_click_shows_the_whole(page: Any, made: Any) -> None:
+    before = {name: (numbers(page, name), shape(page, name)) for name in ("torque-1-0", "stress-2", "campbell")}
+    drag(page, "torque-1-0", 0.2, 0.4)  # of 300 to 1800 rpm
+    for name in before:
+        seen = numbers(page, name)
+        assert min(seen) >= 599.0
+        assert max(seen) <= 901.0
+        assert len(seen) > 3
+        assert np.allclose(np.diff(seen), seen[1] - seen[0])
+    hover(page, "torque-1-0", 0.5)
+    speed, found = said(values(page, "torque-1-0"))
+    assert speed == pytest.approx(750.0, abs=10.0)
+    lines = made[1]["torque-1-0"].lines
+    at = int(np.argmin(np.abs(lines["order 2"].x - speed)))
+    assert found["order 2"] == pytest.approx(lines["order 2"].y[at], rel=1e-4)
+    page.locator("figure#torque-1-0 > svg").dblclick(position={"x": 300, "y": 60})
+    page.mouse.move(2, 2)
+    for name, (seen, drawn) in before.items():
+        assert numbers(page, name) == seen
+        assert shape(page, name) == drawn
+
+
+def test_plus_minus_and_nought_zoom_by_the_keyboard(page: Any) -> None:
+    whole = numbers(page, "torque-1-0")
+    page.locator("figure#torque-1-0 rect.area").focus()
+    page.keyboard.press("+")
+    once = numbers(page, "torque-1-0")
+    assert once[-1] - once[0] < 0.6 * (whole[-1] - whole[0])
+    page.keyboard.press("+")
+    page.keyboard.press("-")
+    assert numbers(page, "torque-1-0") == once
+    page.keyboard.press("0")
+    assert numbers(page, "torque-1-0") == whole
+
+
+def test_critical_speeds_stay_on_their_lines_when_a_part_is_shown(page: Any) -> None:
+    """Order 2 meets mode 1 at 663.21 rpm; of 302.4 to 907.2 rpm that is at 0.5966."""
+    drag(page, "campbell", 0.15, 0.45)
+    title = page.locator("figure#campbell .front g:has(> title)", has_text="order 2 meets mode 1")
+    mark, area = title.locator("path").bounding_box(), page.locator("figure#campbell rect.area").bounding_box()
+    share = (mark["x"] + mark["width"] / 2 - area["x"]) / area["width"]
+    assert share == pytest.approx((663.21 - 302.4) / (907.2 - 302.4), abs=0.01)
+
+
 def test_without_scripts_and_in_print_there_is_the_static_figure(browser: Any, page: Any, made: Any) -> None:
     bare = browser.new_context(java_script_enabled=False).new_page()
     bare.set_content(made[0])
     assert bare.locator("figure svg[role=img]").count() == len(made[1])
     assert bare.locator("rect.area").count() == 0
+    drag(page, "torque-1-0", 0.2, 0.4)
     hover(page, "torque-1-0", 0.5)
     page.locator("figure#torque-1-0 [role=checkbox][aria-label='order 4']").click()
     page.emulate_media(media="print")
@@ -159,6 +226,7 @@ def test_without_scripts_and_in_print_there_is_the_static_figure(browser: Any, p
     assert not page.locator("figure#torque-1-0 .cursor").first.is_visible()
     assert page.locator("figure#torque-1-0 g.line[data-name='order 4']").is_visible()
     printed, plain = page.pdf(), bare.pdf()
+    assert numbers(page, "torque-1-0")[-1] == 1800.0  # the whole is printed
     assert abs(strokes(printed) - strokes(plain)) <= 0.01 * strokes(plain)
 
 

@@ -16,6 +16,7 @@ TOP, RIGHT, NUMBERS, TITLE = 9.0, 14.0, 18.0, 18.0  # px: free above and beside 
 ROW = 13.0  # px from one row of letters to the next
 APART = (62.0, 30.0)  # px: numbers on the axes are about so far apart
 SLANT = 30.0  # degrees of names that would meet otherwise
+ACROSS = ' class="across"'  # numbers that a zoom changes
 MIDDLE, END = ' text-anchor="middle"', ' text-anchor="end"'
 
 
@@ -126,7 +127,8 @@ def _below(frame: Frame) -> list[str]:
     slanted = frame.is_slanted
     for place, text in frame.x.ticks:
         at = frame.left + float(frame.across(place))
-        made.append(_turned(at + 3, foot + 11, text, -SLANT, END) if slanted else words(at, foot + 13, text, MIDDLE))
+        level = MIDDLE + ACROSS
+        made.append(_turned(at + 3, foot + 11, text, -SLANT, END) if slanted else words(at, foot + 13, text, level))
     return made
 
 

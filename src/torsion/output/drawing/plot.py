@@ -45,7 +45,7 @@ def drawn(frame: Frame, *, has_numbers: bool) -> Iterator[str]:
     yield "</svg>"
     yield axes(frame, has_numbers=has_numbers)
     room = Room((0.0, 0.0, frame.wide, frame.high), _samples(frame))
-    yield f'<g transform="translate({shown(frame.left)} {shown(frame.top)})">'
+    yield f'<g class="front" transform="translate({shown(frame.left)} {shown(frame.top)})">'
     yield from (_marks(frame, marks, room) for marks in panel.marks)
     yield f'<g class="words" font-size="{SIZE:g}" fill="{INK}">{"".join(_labels(frame, room))}</g></g>'
 

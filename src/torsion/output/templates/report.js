@@ -73,6 +73,68 @@
     if (x === null) return snapped(plot, now + jump * (high - low) / 200);
     return x[Math.min(Math.max(below(x, now) + (plot.at === null ? 0 : jump), 0), x.length - 1)];
   };
+  const ticks = (low, high, most) => {
+    const raw = (high - low) / most, decade = Math.pow(10, Math.floor(Math.log10(raw)));
+    const step = [1, 2, 5, 10].find((k) => k * decade >= raw * (1 - 1e-9)) * decade, found = [];
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-6));
+    for (let k = Math.ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; k++)
+      found.push([k * step, (k * step).toFixed(digits).replace("-", "−")]);
+    return found;
+  };
+  const strokes = (plot, zoomed) => { // as wide in px of the screen as before
+    const scale = plot.svg.clientWidth / plot.svg.viewBox.baseVal.width / 10;
+    for (const one of plot.inner.flatMap((inner) => [...inner.querySelectorAll("[stroke-width]")])) {
+      one.style.vectorEffect = zoomed ? "non-scaling-stroke" : "";
+      one.style.strokeWidth = zoomed ? one.getAttribute("stroke-width") * scale : "";
+      const dashes = one.getAttribute("stroke-dasharray");
+      if (dashes) one.style.strokeDasharray = zoomed ? dashes.split(" ").map((dash) => dash * scale).join(" ") : "";
+    }
+  };
+  const moved = (path, a, b, wide) => (path.original ||= path.getAttribute("d"))
+    .replace(/M(-?\d+) (-?\d+)([^M]*)/g, (_, x, y, rest) => {
+      const at = (x / (10 * wide) - a) / (b - a);
+      return at < -1e-3 || at > 1.001 ? "" : `M${Math.round(10 * wide * at)} ${y}${rest}`;
+    });
+  const view = (plot, ends) => {
+    const [left, top, wide, high] = plot.box, zoomed = ends !== null;
+    plot.x.ends = plot.full;
+    const shares = (zoomed ? ends : plot.full).map((end) => share(plot.x, end)), a = Math.min(...shares), b = Math.max(...shares);
+    plot.x.ends = zoomed ? ends : plot.full;
+    for (const inner of plot.inner) {
+      const [, , w, h] = inner.original ||= inner.getAttribute("viewBox").split(" ").map(Number);
+      inner.setAttribute("viewBox", `${a * w} 0 ${(b - a) * w} ${h}`);
+    }
+    strokes(plot, zoomed);
+    plot.front.querySelectorAll(".words").forEach((words) => { words.style.display = zoomed ? "none" : ""; });
+    plot.front.querySelectorAll(":scope > :not(.words) path, :scope > path").forEach((path) =>
+      path.setAttribute("d", moved(path, a, b, wide)));
+    plot.scale.replaceChildren();
+    plot.numbers.forEach((number) => { number.style.display = zoomed ? "none" : ""; });
+    plot.grid_lines.style.display = zoomed ? "none" : "";
+    if (!zoomed) return;
+    const levels = plot.grid_lines.getAttribute("d").match(/M[^M]*h[^M]*/g) || [], lines = [];
+    for (const [value, text] of ticks(ends[0], ends[1], 8)) {
+      const x = left + share(plot.x, value) * wide;
+      lines.push(`M${x} ${top}v${high}`);
+      if (!plot.numbers.length) continue;
+      const look = { x, y: top + high + 13, "text-anchor": "middle", "font-size": 10.5, fill: "#222222" };
+      make("text", look, plot.scale).textContent = text;
+    }
+    make("path", { d: levels.concat(lines).join(""), stroke: "#dddddd", "stroke-width": 0.6, fill: "none" }, plot.scale);
+  };
+  const zoom = (source, low, high) => { // all plots over the same; without ends, back to the whole
+    const [first, last] = source.full;
+    const whole = low === undefined || (low <= first && high >= last);
+    for (const plot of plots) if (plot.x.title === source.x.title) {
+      const ends = [Math.max(low, plot.full[0]), Math.min(high, plot.full[1])];
+      view(plot, whole || !(ends[1] > ends[0]) ? null : ends);
+    }
+    if (source.at !== null) move(source, source.at);
+  };
+  const nearer = (plot, factor) => {
+    const [low, high] = plot.x.ends, middle = plot.at === null ? (low + high) / 2 : plot.at, half = (high - low) * factor / 2;
+    zoom(plot, Math.max(middle - half, plot.full[0]), Math.min(middle + half, plot.full[1]));
+  };
   const keys = (figure, svg) => {
     for (const entry of svg.querySelectorAll(".key > g[data-name]")) {
       const name = entry.getAttribute("data-name");
@@ -97,13 +159,28 @@
   const live = (figure, svg, plot) => {
     const [left, top, wide, high] = plot.box;
     const straight = plot.lines.every((line) => XS[line.x].length < 3);
-    Object.assign(plot, { figure, at: null, off: new Set(), grid: straight ? null : plot.lines.find((line) => XS[line.x].length > 2).x });
+    const grid = straight ? null : plot.lines.find((line) => XS[line.x].length > 2).x;
+    Object.assign(plot, { figure, svg, grid, at: null, off: new Set(), full: plot.x.ends });
     plot.area = make("rect", { x: left, y: top, width: wide, height: high, fill: "transparent", class: "area", tabindex: 0,
       role: "slider", "aria-label": `cursor: ${plot.x.title}`, "aria-valuemin": plot.x.ends[0],
       "aria-valuemax": plot.x.ends[1], "aria-valuenow": plot.x.ends[0] }, svg, svg.querySelector(".paper").nextSibling);
     plot.cursor = make("path", { d: `M0 ${top}v${high}`, stroke: "#222222", class: "cursor", visibility: "hidden" }, svg);
+    const stands = (one, x, y) => Math.abs(one.getAttribute("x") - x) < 0.1 && Math.abs(one.getAttribute("y") - y) < 0.1;
+    plot.inner = [...svg.querySelectorAll("svg.plot")].filter((one) => stands(one, left, top));
+    plot.front = [...svg.querySelectorAll(".front")].find((one) => {
+      const { e, f } = one.transform.baseVal[0].matrix;
+      return Math.abs(e - left) < 0.1 && Math.abs(f - top) < 0.1;
+    });
+    plot.numbers = [...svg.querySelectorAll("text.across")]
+      .filter((one) => Math.abs(one.getAttribute("y") - top - high - 13) < 0.1);
+    plot.grid_lines = [...svg.querySelectorAll(".grid")].find((one) => one.getAttribute("d").includes(`M${left} `)
+      && Math.abs(one.getBBox().y - top) < high);
+    plot.scale = make("g", { class: "scale" }, svg, plot.grid_lines.nextSibling);
     plot.area.addEventListener("keydown", (event) => {
-      if (event.key === "Escape") { move(plot, null); return; }
+      const wanted = { "+": 0.5, "-": 2 }[event.key];
+      if (wanted) { nearer(plot, wanted); return; }
+      if (event.key === "0") { zoom(plot); return; }
+      if (event.key === "Escape") { plot.at === null ? zoom(plot) : move(plot, null); return; }
       const value = step(plot, event.key);
       if (value !== undefined) { event.preventDefault(); move(plot, value); }
     });
@@ -118,14 +195,39 @@
     if (!own.length) continue;
     figure.out = document.createElement("p");
     figure.out.className = "values";
-    figure.insertBefore(figure.out, script);
-    svg.addEventListener("pointermove", (event) => {
+    figure.append(figure.out);
+    let start = null;
+    const chosen = make("rect", { class: "chosen", fill: "#0072B2", "fill-opacity": 0.15, visibility: "hidden" }, svg);
+    const under = (event) => {
       const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
       const plot = own.find(({ box: [left, top, wide, high] }) =>
         place.x >= left && place.x <= left + wide && place.y >= top && place.y <= top + high);
-      if (plot) move(plot, snapped(plot, inverse(plot.x, (place.x - plot.box[0]) / plot.box[2])));
+      return plot && { plot, x: place.x, value: inverse(plot.x, (place.x - plot.box[0]) / plot.box[2]) };
+    };
+    svg.addEventListener("pointermove", (event) => {
+      const here = under(event);
+      if (!here) return;
+      move(here.plot, snapped(here.plot, here.value));
+      if (!start || start.plot !== here.plot) return;
+      const [, top, , high] = here.plot.box;
+      const box = { x: Math.min(start.x, here.x), y: top, width: Math.abs(here.x - start.x), height: high };
+      for (const key in box) chosen.setAttribute(key, box[key]);
+      chosen.setAttribute("visibility", "visible");
     });
+    svg.addEventListener("pointerdown", (event) => {
+      start = event.button === 0 && event.pointerType === "mouse" ? under(event) || null : null;
+      if (start) event.preventDefault();
+    });
+    svg.addEventListener("pointerup", (event) => {
+      const here = under(event), from = start;
+      start = null;
+      chosen.setAttribute("visibility", "hidden");
+      if (from && here && from.plot === here.plot && Math.abs(here.x - from.x) > 6)
+        zoom(here.plot, Math.min(from.value, here.value), Math.max(from.value, here.value));
+    });
+    svg.addEventListener("dblclick", () => own.forEach((plot) => zoom(plot)));
     svg.addEventListener("pointerleave", () => move(own[0], null));
   }
+  addEventListener("beforeprint", () => plots.forEach((plot) => view(plot, null)));
   document.documentElement.classList.add("live");
 })();
