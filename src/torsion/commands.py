@@ -274,9 +274,9 @@ def sketch(file: str | Path, out: str | Path | None = None) -> Path:
 
     Nothing is solved. Raises InputError, also where the file cannot be written.
     """
-    from torsion.output.blocks import Figure
     from torsion.output.chapters.plant import chapter
-    from torsion.output.figures.drawing import svg
+    from torsion.output.drawing.svg import svg
+    from torsion.output.figures.figure import Figure
 
     findings = run(replace(read(file), rules=()), only=("assembly",))
     place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")

@@ -5,11 +5,18 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Balanced, Response, Synthesis
+from torsion.analyses.response.balanced_couplings import balanced_spans
 from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.findings import Results
 
 COMPUTED = "computed_synthesis"  # name of that which the exact motion is compared with, where another stands for it
+UNPROVEN = (
+    "a play or stage leaves its linear range at {speed}: harmonic balance does not bound what follows, so this never "
+    "passes; compute the motion over time there"
+)
+ROUNDING = 1e-9  # of a torque
+NEAR = 0.8  # of the linear range
 SAMPLED = 1e-3  # share by which the extremes of a sampled motion may be off: no smaller surplus counts
 
 
@@ -69,6 +76,32 @@ def words(evidence: Results, spans: IntArray, speed: float) -> str:
             f"as the exact motion near it, half range {half_range:.3g} times, greatest torque {peak:.3g} times"
         )
     return "; ".join(notes)
+
+
+def unproven(evidence: Results) -> BoolArray:
+    """(speeds,) a play or a stage leaves its linear range under all harmonic components together.
+
+    There neither harmonic balance nor exact motions at some speeds bound the vibration, and no verdict passes. A play
+    without a mean torque is never in its linear range. Where several components excite, harmonic balance sees no second
+    motion that may coexist near the end of that range: NEAR of it counts as its end.
+    """
+    response, system = evidence.need(Response), evidence.system
+    total: Synthesis = evidence.results.get(COMPUTED, evidence.need(Synthesis))
+    found, near = np.zeros(len(response.speed), dtype=bool), NEAR if len(response.lines) > 1 else 1.0
+    if response.balanced is None:
+        return found
+    couplings = balanced_spans(system)
+    for number, span in enumerate(response.balanced.spans):
+        coupling, first = couplings[span], response.balanced.first[:, number]
+        if not (coupling.half or coupling.stages):
+            continue
+        mean, whole = np.abs(response.mean[:, span]), 2.0 * total.half_range[:, span]
+        above = total.peak[:, span] - mean
+        most = np.where(whole >= total.peak[:, span] + mean, whole, np.maximum(above, whole - above))
+        secant = coupling.secant(0.5 * np.maximum(first, np.finfo(float).tiny), mean)
+        bound = np.abs(secant.share / system.flexibility[span] + secant.extra.real) * first
+        found |= (most * (1.0 + ROUNDING) >= near * bound) | (response.balanced.amplitude[:, number] > first)
+    return found
 
 
 def _opening(found: NonlinearPeaks | None) -> list[str]:

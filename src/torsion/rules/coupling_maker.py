@@ -106,6 +106,7 @@ def _vibration(
         from torsion.rules.beside_exact_motion import surplus
 
         power *= surplus(evidence)[0][:, spans].max(axis=1) ** 2
+        power[~np.isfinite(half_range)] = np.inf  # no exact motion is known
     varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
     rows = (
         ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, in_use),

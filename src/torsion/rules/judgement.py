@@ -112,23 +112,33 @@ def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
     is_known = curve.status[at] == Status.OK and np.isfinite(curve.value[at])
     main = main_component(evidence, at, clause.spans)
     said = "" if main is None else f"{MOSTLY} {main.words}"
-    notes = [said if note == MOSTLY else note for note in clause.notes]
+    notes = [*(said if note == MOSTLY else note for note in clause.notes), *_exact_words(evidence, clause, at)]
+    doubt = _doubt(evidence, clause)
     return Check(
         rule, clause.clause, clause.where, clause.what,
         value=float(curve.value[at]) if is_known else math.inf, limit=float(curve.limit[at]), unit=clause.unit,
-        verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known else "fail",  # whatever the limit
+        verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known and not doubt else "fail",
         standing=clause.standing, speed=float(curve.speed[at]), order=None if main is None else main.order,
-        note="; ".join(note for note in (_status_words(curve, at), *notes, _exact_words(evidence, clause, at)) if note),
+        note="; ".join(note for note in (_status_words(curve, at), *notes, doubt) if note),
     )  # fmt: skip
 
 
-def _exact_words(evidence: Results, clause: Clause, at: int) -> str:
-    """What the exact motion at the peaks of nonlinear couplings did to a vibration; empty for nothing."""
-    if not evidence.study.train.has_nonlinear_couplings:
-        return ""
-    from torsion.rules.beside_exact_motion import words
+def _exact_words(evidence: Results, clause: Clause, at: int) -> Iterator[str]:
+    """What the exact motion at the peaks of nonlinear couplings did to a vibration; nothing where it did nothing."""
+    if evidence.study.train.has_nonlinear_couplings:
+        from torsion.rules.beside_exact_motion import words
 
-    return words(evidence, clause.spans, float(clause.curve.speed[at]))
+        yield words(evidence, clause.spans, float(clause.curve.speed[at]))
+
+
+def _doubt(evidence: Results, clause: Clause) -> str:
+    """Why no vibration of a train with nonlinear couplings passes, with the first speed; empty where it may."""
+    if not (evidence.study.train.has_nonlinear_couplings and clause.spans.size):
+        return ""
+    from torsion.rules.beside_exact_motion import UNPROVEN, unproven
+
+    found = np.flatnonzero(unproven(evidence) & clause.within)
+    return UNPROVEN.format(speed=in_rpm(float(clause.curve.speed[found[0]]))) if found.size else ""
 
 
 def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
