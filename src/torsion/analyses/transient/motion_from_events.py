@@ -12,7 +12,7 @@ from torsion.analyses.steady import steady
 from torsion.analyses.transient.compared_methods import compared
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
-from torsion.analyses.transient.event_driven_curves import event_driven_curves
+from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
 from torsion.analyses.transient.fatigue import damages
 from torsion.analyses.transient.following_torques import (
     Following,
@@ -87,8 +87,21 @@ def _merged(found: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
         least_at=of("least_at", low), unresolved=np.max([one.unresolved for one in every], axis=0),
         reversals=np.max([one.reversals for one in every], axis=0), residual=max(one.residual for one in every),
         change=None if shown.change is None else max(one.change or 0.0 for one in every), phases_computed=len(every),
-        slip_phase=tuple(phase for _, phase in phases),
+        slip_phase=tuple(phase for _, phase in phases), left_in_series=max(one.left_in_series for one in every),
+        switching=_least_certain([one.switching for one in every if one.switching is not None]),
         turns=tuple(every[one].turns[span] for span, one in enumerate(most.tolist()) if every[one].turns),
+    )  # fmt: skip
+
+
+def _least_certain(every: list[Switching]) -> Switching | None:
+    """The first of the switchings, as doubtful as the most doubtful of all; None without any."""
+    if not every:
+        return None
+    scatters = [one.scatter for one in every if one.scatter is not None]
+    sensitive = [one.sensitive_after for one in every if one.sensitive_after is not None]
+    return replace(
+        every[0], band_change=max(one.band_change for one in every), sensitive_after=min(sensitive, default=None),
+        scatter=np.max(scatters, axis=0) if scatters else None,
     )  # fmt: skip
 
 

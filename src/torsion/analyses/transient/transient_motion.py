@@ -15,6 +15,7 @@ BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
 RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
 SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
 SCATTER = 0.1  # of a peak: by which two motions that impacts set apart may differ in it
+BETWEEN_PHASES = 0.005  # of a peak: what a phase between those that were computed may add
 TINY = np.finfo(float).tiny
 
 
@@ -97,9 +98,12 @@ class TransientMotion:
 
     @property
     def uncertain(self) -> FloatArray:
-        """(spans,) N m: what modes without samples may add to a peak, and its scatter."""
+        """(spans,) N m: what modes without samples and phases between those computed may add to a peak, its scatter."""
         scatter = None if self.switching is None else self.switching.scatter
-        return self.unresolved if scatter is None else self.unresolved + scatter
+        between = (
+            BETWEEN_PHASES * np.maximum(np.abs(self.greatest), np.abs(self.least)) if self.phases_computed else 0.0
+        )
+        return np.asarray(self.unresolved + between + (0.0 if scatter is None else scatter))
 
     @derived("", (), "ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:
@@ -120,6 +124,9 @@ class TransientMotion:
             change = 100.0 * float((scatter / (self.peak + TINY)).max())
             message = "impacts make the motion sensitive, and halved steps change a peak"
             found.append(f"{message} by {change:.2g} %: compute a longer time, whose peaks differ less")
+        if self.phases_computed and self.switching is not None:
+            message = "beside play, friction, stages and clutches a few phases need not show the worst of a pulsation"
+            found.append(f"{message}: name its `phase`, in several motions")
         return "; ".join(found) or "ok"
 
 
