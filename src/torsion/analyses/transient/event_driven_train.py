@@ -12,7 +12,7 @@ from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.following_signals import FollowingSignals, quickest
-from torsion.analyses.transient.following_torques import carrier_of, dampers_beside_loads, following, turns
+from torsion.analyses.transient.following_torques import carrier_of, following, replaced_dampers, turns, without_dampers
 from torsion.analyses.transient.joint_cuts import JointCut, joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads
 from torsion.analyses.transient.modal_train import (
@@ -141,8 +141,8 @@ def build(
     if cuts and before.speeds:
         message = "parts that turn at speeds of their own beside uneven joints are not built"
         raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`", (*place, "initial"))
-    dampers = dampers_beside_loads(study, system, events)
-    bare = opened(replace(parts_of(system, cuts), dampers=dampers), found)
+    replaced = replaced_dampers(study, system, settings, place)
+    bare = opened(without_dampers(parts_of(system, cuts), replaced), found)
     modes = _modes(bare, before, place)
     shape = shapes(bare, modes)
     train = modal_train(study, bare, modes, shape, before, turns=is_driven)

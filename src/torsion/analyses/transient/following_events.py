@@ -137,7 +137,8 @@ class Start(Kind):
 class Load(Kind):
     """What brakes a point, in place of its mean torque, by the speed of its shaft; alike in both senses of rotation."""
 
-    key, meaning, drives = "load", "{law, torque, speed, off}: what brakes the point, by its speed", True
+    key, drives = "load", True
+    meaning = "{law, torque, speed, off}: what brakes the point, by its speed; its slope is the damping there"
 
     law: Annotated[
         Any, BeforeValidator(_read_law, json_schema_input_type=Literal["propeller", "constant"] | SpeedTable)
@@ -156,6 +157,15 @@ class Load(Kind):
     def ends(self) -> float:
         """rad/s, where its table ends; infinite for a law."""
         return math.inf if isinstance(self.law, str) else float(self.law[-1][0])
+
+    @property
+    def damps(self) -> bool:
+        """Its torque changes with the speed."""
+        return self.law == "propeller" if isinstance(self.law, str) else len({torque for _, torque in self.law}) > 1
+
+    def acts_throughout(self, begin: float, duration: float) -> bool:
+        """It acts over the whole motion."""
+        return begin == 0.0 and (self.off is None or self.off >= duration)
 
     def laws(self, begin: float, at: Point) -> Iterator[Law]:
         window = torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)

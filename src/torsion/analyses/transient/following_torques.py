@@ -5,7 +5,7 @@ the angle of their station too.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -23,7 +23,7 @@ from torsion.analyses.transient.state_before import State
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import Path, SolveError
+from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress
 from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
@@ -31,7 +31,7 @@ from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.dry_friction import DryFriction
 from torsion.kernels.transient.interface_motion import interfaces
-from torsion.primitives import Damper, Torque
+from torsion.primitives import Torque
 from torsion.study import Study
 
 FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
@@ -182,10 +182,31 @@ def refuse_beyond_tables(study: Study, events: Sequence[Event], speed: FloatArra
                 )
 
 
-def dampers_beside_loads(study: Study, system: System, events: Sequence[Event]) -> tuple[Damper, ...]:
-    """The dampers to ground but for those of stations that a load brakes: its law damps them."""
-    loaded = {study.train.part(event.at).stations[0] for event in events if isinstance(event.body, Load)}
-    return tuple(one for one in system.dampers if one.station not in loaded)
+def replaced_dampers(study: Study, system: System, settings: TransientSettings, place: Path) -> dict[int, str]:
+    """Stations whose damper to ground stands for the slope of a load that acts over the whole motion, with its point.
+
+    place: of the settings in the file. Raises InputError for such a load that acts at times only.
+    """
+    damped, found, faults = {one.station for one in system.dampers}, dict[int, str](), list[Fault]()
+    each = [(number, one, one.body) for number, one in enumerate(settings.events) if isinstance(one.body, Load)]
+    for _, event, body in each:
+        station = study.train.part(event.at).stations[0]
+        if station in damped and body.damps and body.acts_throughout(event.time, settings.duration):
+            found[station] = event.at
+    for number, event, body in each:
+        station = study.train.part(event.at).stations[0]
+        if station in damped and body.damps and station not in found:
+            message = f"the damping of '{event.at}' stands for the slope of this load, which its law has while it acts"
+            hint = "give the load from time 0 on without `off`, or no `damping` there"
+            faults.append(Fault((*place, "events", number, "load"), message, hint))
+    if faults:
+        raise InputError(faults)
+    return found
+
+
+def without_dampers(system: System, stations: Collection[int]) -> System:
+    """The system but for the dampers to ground of stations."""
+    return replace(system, dampers=tuple(one for one in system.dampers if one.station not in stations))
 
 
 def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tuple[float, float, float], ...]:

@@ -17,10 +17,11 @@ from torsion.analyses.transient.fatigue import damages
 from torsion.analyses.transient.following_torques import (
     Following,
     carrier_of,
-    dampers_beside_loads,
     following,
     refuse_beyond_tables,
+    replaced_dampers,
     turns,
+    without_dampers,
 )  # fmt: skip
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
@@ -129,7 +130,8 @@ def _solved(
     """The motion of some modes."""
     events, is_driven, cuts = settings.events, turns(study, system, settings.events), joint_cuts(system, before.mean)
     points = points_of_events(study, system, events, before, place, turns=is_driven)
-    parts = replace(parts_of(system, cuts) if cuts else system, dampers=dampers_beside_loads(study, system, events))
+    replaced = replaced_dampers(study, system, settings, place)
+    parts = without_dampers(parts_of(system, cuts) if cuts else system, replaced)
     shape = shapes(parts, modes)
     train = modal_train(study, parts, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
@@ -254,6 +256,7 @@ def _read(study: Study, system: System, settings: TransientSettings, found: Tran
     return replace(
         found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=(),
         is_rare=settings.is_rare, ice=tuple(_ice(study, system, settings, found)),
+        undamped=tuple(replaced_dampers(study, system, settings, PATH).values()),
     )  # fmt: skip
 
 
