@@ -153,10 +153,11 @@ class Load(Kind):
             raise refuse("a table says torque and speed itself", "leave `torque` and `speed` out", "law")
         return self
 
-    @property
-    def ends(self) -> float:
-        """rad/s, where its table ends; infinite for a law."""
-        return math.inf if isinstance(self.law, str) else float(self.law[-1][0])
+    def is_beyond(self, law: Law, regime: int, late: float) -> bool:
+        """In a regime of one of its laws its point outruns its table; late: s since its begin."""
+        if isinstance(self.law, str) or not isinstance(law, torque_laws.BySpeed):
+            return False
+        return 0.0 <= late < (self.off or math.inf) and regime in (0, len(law.parts.edges))
 
     @property
     def damps(self) -> bool:
@@ -178,7 +179,7 @@ class Load(Kind):
         if still:
             yield DryFriction((0,), (still,), rows[-1][0], (window,))
         if self.law != "constant":
-            line = [(turning, still - value) for turning, value in rows]
+            line = torque_laws.marked([(turning, still - value) for turning, value in rows], SAME_SPEED)
             yield torque_laws.BySpeed(0, torque_laws.table(torque_laws.mirrored(line, sign=-1.0)), window)
 
     def lacks(self, at: Point) -> Lack:

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude
-from torsion.analyses.steady import SAME_SPEED, steady_if_known
+from torsion.analyses.steady import steady_if_known
 from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.events import Event
@@ -26,7 +26,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress
 from torsion.kernels.transient import torque_laws as laws
-from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
+from torsion.kernels.transient.collocation import Collocated, Law, Marched, Scheme, march
 from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.dry_friction import DryFriction
@@ -49,6 +49,7 @@ class Following:
     cuts: tuple[JointCut, ...]
     first: tuple[int, ...]  # interface of every joint
     words: tuple[str, ...]  # what follows, of every law
+    events: tuple[int, ...]  # of the first laws
 
     def carried(self, system: System, direct: FloatArray) -> None:
         """Add the torques at the interfaces, the last loads of `direct` (spans, loads), to spans that carry them."""
@@ -99,7 +100,8 @@ def following(
     found, station, words, first = list[Law](), list[int](), list[str](), list[int]()
     offset, speed = standing(system, cuts, before.speed)
     frictions = list[Friction]()
-    for event, point in zip(events, points, strict=True):
+    own = list[int]()
+    for number, (event, point) in enumerate(zip(events, points, strict=True)):
         there, what = study.train.part(event.at).stations[0], f"{event.body.key} at {event.at}"
         for law in event.body.laws(event.time, point):
             if isinstance(law, DryFriction):
@@ -108,6 +110,7 @@ def following(
             found.append(replace(law, interface=len(station)))  # type: ignore[type-var]
             station.append(there)
             words.append(what)
+            own.append(number)
     for torque in system.train.torques:
         if torque.order is not None:
             size = _size(study, system, torque)
@@ -126,7 +129,8 @@ def following(
         station += [cut.front, cut.behind]
         words.append(f"joint {system.spans[cut.span].name}")
     carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
-    return Following(tuple(found), np.array(station, dtype=np.int64), carrier, cuts, tuple(first), tuple(words))
+    stations = np.array(station, dtype=np.int64)
+    return Following(tuple(found), stations, carrier, cuts, tuple(first), tuple(words), tuple(own))
 
 
 def _turning_as_one(frictions: Sequence[Friction], shape: FloatArray) -> list[list[Friction]]:
@@ -169,17 +173,17 @@ def carrier_of(
     return Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
 
 
-def refuse_beyond_tables(study: Study, events: Sequence[Event], speed: FloatArray, place: Path) -> None:
-    """Raises SolveError where a station of speeds (stations, times) outruns the table of its load."""
-    for number, event in enumerate(events):
-        if isinstance(event.body, Load):
-            reached = float(np.abs(speed[study.train.part(event.at).stations[0]]).max())
-            if reached > event.body.ends * (1.0 + SAME_SPEED):
-                found, ends = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (reached, event.body.ends))
-                message = f"the load at '{event.at}' reaches {found}, and its table ends at {ends}"
-                raise SolveError(
-                    message, "extend the table; nothing is extrapolated", (*place, "events", number, "load")
-                )
+def refuse_beyond_tables(follows: Following, events: Sequence[Event], how: Marched, place: Path) -> None:
+    """Raises SolveError where a point outruns the table of its load while that acts."""
+    for time, law, regime in sorted((*how.begun, *how.changes)):
+        number = follows.events[law] if law < len(follows.events) else -1
+        event = events[number]
+        if number < 0 or not isinstance(event.body, Load):
+            continue
+        if event.body.is_beyond(follows.laws[law], regime, time - event.time):
+            ends = f"{event.body.law[-1][0] * 30.0 / math.pi:.6g} rpm"
+            message = f"at {time:.6g} s the load at '{event.at}' is outrun: its table ends at {ends}"
+            raise SolveError(message, "extend the table; nothing is extrapolated", (*place, "events", number, "load"))
 
 
 def replaced_dampers(study: Study, system: System, settings: TransientSettings, place: Path) -> dict[int, str]:

@@ -152,6 +152,7 @@ def _solved(
             moved, solved = follows.solve(system, given, shape, settings, progress)
         except SolveError as error:
             raise SolveError(error.message, error.hint, place) from None
+        refuse_beyond_tables(follows, events, solved, place)
         follows.carried(system, direct)
         added, noise = _of_steps(follows, solved), settings.tolerance * solved.largest
     time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
@@ -162,7 +163,6 @@ def _solved(
     looked, finer = looked_at_of(curves, modes, time, counts=settings.fatigue is not None)
     seen = sampled(curves, looked, progress)
     torque, turning, (top, bottom) = seen.torque, seen.turning, seen.ends
-    refuse_beyond_tables(study, events, turning, place)
     if follows is not None:
         straight = _straight(study, system, before) if cuts else train
         added["passages"] = passages(system, follows, straight, time, turning)
@@ -192,7 +192,6 @@ def _event_driven(
     time = np.linspace(0.0, settings.duration, samples + 1)
     looked, finer = looked_at_of(curves, built.modes, time, counts=settings.fatigue is not None)
     seen = sampled(curves, looked, progress)
-    refuse_beyond_tables(study, settings.events, seen.turning, place)
     before, (top, bottom) = built.before, seen.ends
     if switching.sensitive_after is not None:
         other = sampled(fine, looked_at_of(fine, built.modes, time, counts=False)[0], progress).ends
