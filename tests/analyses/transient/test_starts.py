@@ -251,16 +251,6 @@ def test_dampers_to_ground_damp_the_vibration_of_a_start_and_do_not_brake_it() -
     assert found.peak[0] > 10.0
 
 
-def test_the_law_of_a_load_damps_in_place_of_the_damper_of_its_point() -> None:
-    parts = "motor: {name: m, inertia: 1}, coupling: {stiffness: 1e3}, propeller: {name: p, inertia: 3, damping: 40}"
-    start = {"at": "m", "start": {"torque": [["0 rpm", 8], ["9000 rpm", 8]]}}
-    load = {"at": "p", "load": {"law": [["0 rpm", 0.0], ["9000 rpm", 0.0]]}}
-    body = {"duration": 1.0, "initial": "rest", "events": [start, load], "tolerance": 1e-9}
-    w = math.sqrt(1e3 * (1.0 + 1.0 / 3.0))
-    found = moved(parts, body)
-    assert found.torque[0] == pytest.approx(6.0 * (1.0 - np.cos(w * found.time)), abs=1e-7)  # undamped
-
-
 def test_a_program_turns_a_fixed_point_and_its_train_with_it() -> None:
     parts = "motor: {name: m, held: true}, coupling: {stiffness: 200}, disc: {name: d, inertia: 2}"
     program = {"program": [["0 s", "0 rpm"], ["1 s", "60 rpm"], ["2 s", "60 rpm"]]}

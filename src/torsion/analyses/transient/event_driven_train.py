@@ -12,7 +12,14 @@ from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.following_signals import FollowingSignals, quickest
-from torsion.analyses.transient.following_torques import carrier_of, dampers_beside_loads, following, turns
+from torsion.analyses.transient.following_torques import (
+    carrier_of,
+    following,
+    refuse_beyond_tables,
+    replaced_dampers,
+    turns,
+    without_dampers,
+)
 from torsion.analyses.transient.joint_cuts import JointCut, joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads
 from torsion.analyses.transient.modal_train import (
@@ -92,7 +99,7 @@ class Built:
             if self.following is None:
                 return march.whole(z, regimes), None
             untwisted = self.place if self.before.mean is not None else np.zeros_like(self.place)
-            return self.following.march(march, regimes, z, self.shape, untwisted, progress)
+            found, how = self.following.march(march, regimes, z, self.shape, untwisted, progress)
         except Chatter as chatter:
             name = self.couplings[self.standing[chatter.element].coupling].part.name
             message = f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
@@ -101,6 +108,8 @@ class Built:
             raise SolveError(end.message, f"a `duration` below {end.time:.4g} s", (*self.where, "duration")) from None
         except SolveError as error:
             raise SolveError(error.message, error.hint, self.where) from None
+        refuse_beyond_tables(self.following.follows, self.following.settings.events, how, self.where)
+        return found, how
 
 
 @dataclass(frozen=True)
@@ -141,8 +150,8 @@ def build(
     if cuts and before.speeds:
         message = "parts that turn at speeds of their own beside uneven joints are not built"
         raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`", (*place, "initial"))
-    dampers = dampers_beside_loads(study, system, events)
-    bare = opened(replace(parts_of(system, cuts), dampers=dampers), found)
+    replaced = replaced_dampers(study, system, settings, place)
+    bare = opened(without_dampers(parts_of(system, cuts), replaced), found)
     modes = _modes(bare, before, place)
     shape = shapes(bare, modes)
     train = modal_train(study, bare, modes, shape, before, turns=is_driven)

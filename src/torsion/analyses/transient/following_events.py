@@ -137,7 +137,8 @@ class Start(Kind):
 class Load(Kind):
     """What brakes a point, in place of its mean torque, by the speed of its shaft; alike in both senses of rotation."""
 
-    key, meaning, drives = "load", "{law, torque, speed, off}: what brakes the point, by its speed", True
+    key, drives = "load", True
+    meaning = "{law, torque, speed, off}: what brakes the point, by its speed; its slope is the damping there"
 
     law: Annotated[
         Any, BeforeValidator(_read_law, json_schema_input_type=Literal["propeller", "constant"] | SpeedTable)
@@ -152,10 +153,20 @@ class Load(Kind):
             raise refuse("a table says torque and speed itself", "leave `torque` and `speed` out", "law")
         return self
 
+    def is_beyond(self, law: Law, regime: int, late: float) -> bool:
+        """In a regime of one of its laws its point outruns its table; late: s since its begin."""
+        if isinstance(self.law, str) or not isinstance(law, torque_laws.BySpeed):
+            return False
+        return 0.0 <= late < (self.off or math.inf) and regime in (0, len(law.parts.edges))
+
     @property
-    def ends(self) -> float:
-        """rad/s, where its table ends; infinite for a law."""
-        return math.inf if isinstance(self.law, str) else float(self.law[-1][0])
+    def damps(self) -> bool:
+        """Its torque changes with the speed."""
+        return self.law == "propeller" if isinstance(self.law, str) else len({torque for _, torque in self.law}) > 1
+
+    def acts_throughout(self, begin: float, duration: float) -> bool:
+        """It acts over the whole motion."""
+        return begin == 0.0 and (self.off is None or self.off >= duration)
 
     def laws(self, begin: float, at: Point) -> Iterator[Law]:
         window = torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)
@@ -168,7 +179,7 @@ class Load(Kind):
         if still:
             yield DryFriction((0,), (still,), rows[-1][0], (window,))
         if self.law != "constant":
-            line = [(turning, still - value) for turning, value in rows]
+            line = torque_laws.marked([(turning, still - value) for turning, value in rows], SAME_SPEED)
             yield torque_laws.BySpeed(0, torque_laws.table(torque_laws.mirrored(line, sign=-1.0)), window)
 
     def lacks(self, at: Point) -> Lack:

@@ -5,14 +5,14 @@ the angle of their station too.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude
-from torsion.analyses.steady import SAME_SPEED, steady_if_known
+from torsion.analyses.steady import steady_if_known
 from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.events import Event
@@ -23,15 +23,15 @@ from torsion.analyses.transient.state_before import State
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import Path, SolveError
+from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress
 from torsion.kernels.transient import torque_laws as laws
-from torsion.kernels.transient.collocation import Collocated, Law, Scheme, march
+from torsion.kernels.transient.collocation import Collocated, Law, Marched, Scheme, march
 from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.dry_friction import DryFriction
 from torsion.kernels.transient.interface_motion import interfaces
-from torsion.primitives import Damper, Torque
+from torsion.primitives import Torque
 from torsion.study import Study
 
 FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
@@ -49,6 +49,7 @@ class Following:
     cuts: tuple[JointCut, ...]
     first: tuple[int, ...]  # interface of every joint
     words: tuple[str, ...]  # what follows, of every law
+    events: tuple[int, ...]  # of the first laws
 
     def carried(self, system: System, direct: FloatArray) -> None:
         """Add the torques at the interfaces, the last loads of `direct` (spans, loads), to spans that carry them."""
@@ -99,7 +100,8 @@ def following(
     found, station, words, first = list[Law](), list[int](), list[str](), list[int]()
     offset, speed = standing(system, cuts, before.speed)
     frictions = list[Friction]()
-    for event, point in zip(events, points, strict=True):
+    own = list[int]()
+    for number, (event, point) in enumerate(zip(events, points, strict=True)):
         there, what = study.train.part(event.at).stations[0], f"{event.body.key} at {event.at}"
         for law in event.body.laws(event.time, point):
             if isinstance(law, DryFriction):
@@ -108,6 +110,7 @@ def following(
             found.append(replace(law, interface=len(station)))  # type: ignore[type-var]
             station.append(there)
             words.append(what)
+            own.append(number)
     for torque in system.train.torques:
         if torque.order is not None:
             size = _size(study, system, torque)
@@ -126,7 +129,8 @@ def following(
         station += [cut.front, cut.behind]
         words.append(f"joint {system.spans[cut.span].name}")
     carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
-    return Following(tuple(found), np.array(station, dtype=np.int64), carrier, cuts, tuple(first), tuple(words))
+    stations = np.array(station, dtype=np.int64)
+    return Following(tuple(found), stations, carrier, cuts, tuple(first), tuple(words), tuple(own))
 
 
 def _turning_as_one(frictions: Sequence[Friction], shape: FloatArray) -> list[list[Friction]]:
@@ -169,23 +173,44 @@ def carrier_of(
     return Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
 
 
-def refuse_beyond_tables(study: Study, events: Sequence[Event], speed: FloatArray, place: Path) -> None:
-    """Raises SolveError where a station of speeds (stations, times) outruns the table of its load."""
-    for number, event in enumerate(events):
-        if isinstance(event.body, Load):
-            reached = float(np.abs(speed[study.train.part(event.at).stations[0]]).max())
-            if reached > event.body.ends * (1.0 + SAME_SPEED):
-                found, ends = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (reached, event.body.ends))
-                message = f"the load at '{event.at}' reaches {found}, and its table ends at {ends}"
-                raise SolveError(
-                    message, "extend the table; nothing is extrapolated", (*place, "events", number, "load")
-                )
+def refuse_beyond_tables(follows: Following, events: Sequence[Event], how: Marched, place: Path) -> None:
+    """Raises SolveError where a point outruns the table of its load while that acts."""
+    for time, law, regime in sorted((*how.begun, *how.changes)):
+        number = follows.events[law] if law < len(follows.events) else -1
+        event = events[number]
+        if number < 0 or not isinstance(event.body, Load):
+            continue
+        if event.body.is_beyond(follows.laws[law], regime, time - event.time):
+            ends = f"{event.body.law[-1][0] * 30.0 / math.pi:.6g} rpm"
+            message = f"at {time:.6g} s the load at '{event.at}' is outrun: its table ends at {ends}"
+            raise SolveError(message, "extend the table; nothing is extrapolated", (*place, "events", number, "load"))
 
 
-def dampers_beside_loads(study: Study, system: System, events: Sequence[Event]) -> tuple[Damper, ...]:
-    """The dampers to ground but for those of stations that a load brakes: its law damps them."""
-    loaded = {study.train.part(event.at).stations[0] for event in events if isinstance(event.body, Load)}
-    return tuple(one for one in system.dampers if one.station not in loaded)
+def replaced_dampers(study: Study, system: System, settings: TransientSettings, place: Path) -> dict[int, str]:
+    """Stations whose damper to ground stands for the slope of a load that acts over the whole motion, with its point.
+
+    place: of the settings in the file. Raises InputError for such a load that acts at times only.
+    """
+    damped, found, faults = {one.station for one in system.dampers}, dict[int, str](), list[Fault]()
+    each = [(number, one, one.body) for number, one in enumerate(settings.events) if isinstance(one.body, Load)]
+    for _, event, body in each:
+        station = study.train.part(event.at).stations[0]
+        if station in damped and body.damps and body.acts_throughout(event.time, settings.duration):
+            found[station] = event.at
+    for number, event, body in each:
+        station = study.train.part(event.at).stations[0]
+        if station in damped and body.damps and station not in found:
+            message = f"the damping of '{event.at}' stands for the slope of this load, which its law has while it acts"
+            hint = "give the load from time 0 on without `off`, or no `damping` there"
+            faults.append(Fault((*place, "events", number, "load"), message, hint))
+    if faults:
+        raise InputError(faults)
+    return found
+
+
+def without_dampers(system: System, stations: Collection[int]) -> System:
+    """The system but for the dampers to ground of stations."""
+    return replace(system, dampers=tuple(one for one in system.dampers if one.station not in stations))
 
 
 def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tuple[float, float, float], ...]:

@@ -17,10 +17,11 @@ from torsion.analyses.transient.fatigue import damages
 from torsion.analyses.transient.following_torques import (
     Following,
     carrier_of,
-    dampers_beside_loads,
     following,
     refuse_beyond_tables,
+    replaced_dampers,
     turns,
+    without_dampers,
 )  # fmt: skip
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
@@ -142,7 +143,8 @@ def _solved(
     """The motion of some modes."""
     events, is_driven, cuts = settings.events, turns(study, system, settings.events), joint_cuts(system, before.mean)
     points = points_of_events(study, system, events, before, place, turns=is_driven)
-    parts = replace(parts_of(system, cuts) if cuts else system, dampers=dampers_beside_loads(study, system, events))
+    replaced = replaced_dampers(study, system, settings, place)
+    parts = without_dampers(parts_of(system, cuts) if cuts else system, replaced)
     shape = shapes(parts, modes)
     train = modal_train(study, parts, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
@@ -163,6 +165,7 @@ def _solved(
             moved, solved = follows.solve(system, given, shape, settings, progress)
         except SolveError as error:
             raise SolveError(error.message, error.hint, place) from None
+        refuse_beyond_tables(follows, events, solved, place)
         follows.carried(system, direct)
         added, noise = _of_steps(follows, solved), settings.tolerance * solved.largest
     time = np.linspace(0.0, settings.duration, _samples(settings, modes) + 1)
@@ -173,7 +176,6 @@ def _solved(
     looked, finer = looked_at_of(curves, modes, time, counts=settings.fatigue is not None)
     seen = sampled(curves, looked, progress)
     torque, turning, (top, bottom) = seen.torque, seen.turning, seen.ends
-    refuse_beyond_tables(study, events, turning, place)
     if follows is not None:
         straight = _straight(study, system, before) if cuts else train
         added["passages"] = passages(system, follows, straight, time, turning)
@@ -203,7 +205,6 @@ def _event_driven(
     time = np.linspace(0.0, settings.duration, samples + 1)
     looked, finer = looked_at_of(curves, built.modes, time, counts=settings.fatigue is not None)
     seen = sampled(curves, looked, progress)
-    refuse_beyond_tables(study, settings.events, seen.turning, place)
     before, (top, bottom) = built.before, seen.ends
     if switching.sensitive_after is not None:
         other = sampled(fine, looked_at_of(fine, built.modes, time, counts=False)[0], progress).ends
@@ -267,6 +268,7 @@ def _read(study: Study, system: System, settings: TransientSettings, found: Tran
     return replace(
         found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=(),
         is_rare=settings.is_rare, ice=tuple(_ice(study, system, settings, found)),
+        undamped=tuple(replaced_dampers(study, system, settings, PATH).values()),
     )  # fmt: skip
 
 

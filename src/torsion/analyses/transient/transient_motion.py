@@ -67,6 +67,9 @@ class TransientMotion:
     )
     steps: int = result("", (), "steps for the torques that follow the motion; 0: there are none", default=0)
     following: tuple[str, ...] = result("", (), "torques that follow the motion", default=())
+    undamped: tuple[str, ...] = result(
+        "", (), "points whose `damping` is left out, as the law of a load damps there", default=()
+    )
     left_in_series: float = result(
         "1", (), "largest last term of their series over a step, of the largest of them", default=0.0
     )

@@ -144,6 +144,7 @@ class Marched:
     changes: tuple[tuple[float, int, int], ...]  # (s, law, regime that begins)
     lack: float  # the largest of the last coefficients, of the largest torque
     largest: float  # torque, N m times its weight
+    begun: tuple[tuple[float, int, int], ...]  # regimes at time 0, and at the times at which their laws change
 
 
 @dataclass(frozen=True)
@@ -190,7 +191,7 @@ def march(
     """
     taken = StepsTaken(train, given)
     how = marched(taken, laws, scheme, progress)
-    return Collocated(how.number, how.changes, how.lack, how.largest, taken.whole)
+    return Collocated(how.number, how.changes, how.lack, how.largest, how.begun, taken.whole)
 
 
 def marched(
@@ -203,6 +204,7 @@ def marched(
     begins, changes = list[float](), list[tuple[float, int, int]]()
     here = state.at_one_time(time, torque[:, -1:])
     state.regimes = [law.first(here.of(law.at)) for law in laws]
+    begun = [(time, number, regime) for number, regime in enumerate(state.regimes)]
     every = {*scheme.cuts, *(cut for law in laws for cut in law.cuts)}
     cuts = sorted({cut for cut in every if 0.0 < cut < scheme.duration} | {scheme.duration})
     while time < scheme.duration:
@@ -238,10 +240,11 @@ def marched(
             for number, one in enumerate(laws):
                 if end in one.cuts:
                     state.regimes[number] = one.first(here.of(one.at))
+                    begun.append((end, number, state.regimes[number]))
         time = end
         progress(time / scheme.duration)
     lack = state.lack / state.largest if state.largest else 0.0
-    return Marched(len(begins), tuple(changes), lack, state.largest)
+    return Marched(len(begins), tuple(changes), lack, state.largest, tuple(begun))
 
 
 def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:

@@ -77,6 +77,13 @@ def table(rows: Sequence[tuple[float, float]]) -> Parts:
     return Parts(speed[1:-1], lines, float(np.abs(speed).max()))
 
 
+def marked(rows: Sequence[tuple[float, float]], beyond: float) -> list[tuple[float, float]]:
+    """The rows with their last line continued to a share `beyond` their end, where another part of it begins."""
+    (speed, torque), (last, there) = rows[-2:]
+    slope = (there - torque) / (last - speed)
+    return [*rows[:-1], *((one, there + slope * (one - last)) for one in (last * (1.0 + beyond), 2.0 * last))]
+
+
 def mirrored(rows: Sequence[tuple[float, float]], *, sign: float) -> list[tuple[float, float]]:
     """The rows from 0 rad/s up with those of the other sense of rotation, whose torque is `sign` times theirs."""
     return [*((-speed, sign * torque) for speed, torque in reversed(rows[1:])), *rows]

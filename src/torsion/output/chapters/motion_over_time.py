@@ -156,6 +156,9 @@ def _following(found: TransientMotion) -> Iterator[Block]:
         f"kept of their series is at most {number(found.left_in_series, 2)} of the largest of them; the error is "
         "smaller. Periodic torques of the file follow the angle of their point too, from its angle 0 on."
     )
+    if found.undamped:
+        text = f"The damping of {', '.join(found.undamped)} is left out: the law of the load there damps in its place."
+        yield Paragraph(text, "note")
     if found.phases_computed:
         shown = ", ".join(f"{number(math.degrees(one), 3)} deg" for one in found.slip_phase)
         text = (
