@@ -164,7 +164,7 @@ def _refusals(file: Path) -> Iterator[None]:
     except InputError as error:
         _stop(str(error), BAD_INPUT)
     except SolveError as error:
-        _stop(f"{file}: {error}", REFUSED)
+        _stop(error.located or f"{file}: {error}", REFUSED)
     except MemoryError as error:
         size, change = f" ({error})" if str(error) else "", "request fewer speeds, orders, modes or segments"
         _stop(f"{file}: this machine has too little memory for it{size}; {change}", REFUSED)

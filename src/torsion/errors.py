@@ -44,6 +44,7 @@ class SolveError(TorsionError):
 
     def __init__(self, message: str, hint: str = "", path: Path = ()) -> None:
         self.message, self.hint, self.path = message, hint, path
+        self.located = ""  # the same with the place in the study's file and its line; set by the run of a study
         super().__init__(f"{message}; {hint}" if hint else message)
 
 

@@ -189,14 +189,18 @@ def shown(value: object) -> str:
 
 
 _EXACT = re.compile(r" *[+-]?[0-9]{0,20}(\.[0-9]{0,20}|/[0-9]{1,20})? *")  # no exponent: 1e999999 is beyond any memory
+_DECIMAL = r"[0-9]{1,20}(?:\.[0-9]{1,20})?"
 
 
-def _in_whole_numbers(value: object) -> str:
-    """What to write for a quotient of decimals, '1/5.77': 100/577; empty for anything else."""
-    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*/\s*(\d+(?:\.\d+)?)\s*", value) if isinstance(value, str) else None
-    if found is None or not Fraction(found[2]):
+def _quotient(value: object) -> str:
+    """What to write for a quotient with decimals or a colon: 100/577 for '1/5.77', 5.77 for '5.77:1'; else empty."""
+    found = re.fullmatch(rf"\s*({_DECIMAL})\s*([/:])\s*({_DECIMAL})\s*", value) if isinstance(value, str) else None
+    if found is None or not Fraction(found[1]) or not Fraction(found[3]):
         return ""
-    return f"a quotient has whole numbers: write {Fraction(found[1]) / Fraction(found[2])}"
+    above, sign, below = found.groups()
+    if sign == ":":
+        return f"write {above if Fraction(below) == 1 else Fraction(above) / Fraction(below)}"
+    return f"a quotient has whole numbers: write {Fraction(above) / Fraction(below)}"
 
 
 def read_exact(value: object) -> Fraction:
@@ -209,7 +213,7 @@ def read_exact(value: object) -> Fraction:
             raise ValueError
         exact = Fraction(written)
     except (ValueError, ZeroDivisionError):
-        raise refuse(f"{shown(value)} is not a number", _in_whole_numbers(value) or "write 2, 0.5 or 21/8") from None
+        raise refuse(f"{shown(value)} is not a number", _quotient(value) or "write 2, 0.5 or 21/8") from None
     if not 1e-9 < exact < 1e9:
         raise refuse(f"{shown(value)} is out of range", "must be a positive number")
     return exact

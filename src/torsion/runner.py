@@ -50,6 +50,10 @@ def run(
         _judge(work)
     except InputError as error:
         raise located(error, study) from None
+    except SolveError as error:
+        if error.path and study.text:
+            error.located = str(located(InputError([Fault(error.path, error.message, error.hint)]), study))
+        raise
     return Findings(study, work.results, work.log.plan())
 
 

@@ -1,12 +1,18 @@
 """Words of the trade that the format writes otherwise, and slips of its marks: each is answered with what is right."""
 
 import pytest
+import yaml
 
 import torsion
 from torsion.errors import InputError
-from torsion.schema.other_words import of_its_number, without_colon
+from torsion.schema import yaml_source
+from torsion.schema.missing_marks import without_mark
+from torsion.schema.other_words import of_its_number
 
 MOTOR, END = "- motor: {inertia: 1}", "- disc: {inertia: 2}"
+COLON, WRITE = "a colon is missing behind `coupling`", "write `- coupling: {...}`"
+DASHLESS, DASH = "`motor` begins without a dash", "write `- motor: ...`"
+ALIGNED = "this does not fit the lines above", "what belongs to one list or mapping begins in one column"
 SHAFT = "- shaft: {length: 1 m, diameter: 50 mm, role: intermediate}"
 
 
@@ -42,9 +48,57 @@ def fault(*lines: str):
          "UR M53 is about crankshafts of engines and is not built; `iacs-m68` is another rule, about shafts"),
         ([MOTOR, SHAFT, END, "rules: [iacs-m69]"], (6, 9), "unknown rule `iacs-m69`",
          "there is iacs-m68, coupling-maker, gear-hammer, ice, universal-joints"),
+        ([MOTOR, "- gear: {ratio: 5.77:1}", END], (4, 17), "'5.77:1' is not a number", "write 5.77"),
+        ([MOTOR, "- gear: {ratio: 1:5.77}", END], (4, 17), "'1:5.77' is not a number", "write 100/577"),
+        ([MOTOR, "- gear: {ratio: 21:8}", END], (4, 17), "'21:8' is not a number", "write 21/8"),
+        ([MOTOR, "- gear: {ratio: 0:1}", END], (4, 17), "'0:1' is not a number", "write 2, 0.5 or 21/8"),
+        ([MOTOR, "- coupling:{stiffness: 5}", END], (4, 3),
+         "a blank is missing behind the colon of `coupling`", WRITE),
+        ([MOTOR, END, "operation:", "  speeds {from: 3 rpm}"], (6, 3), "a colon is missing behind `speeds`",
+         "write `speeds: {...}`"),
+        ([MOTOR, "- coupling: {stiffness:20 kN*m/rad, psi: 1}", END], (4, 14), "`stiffness:20 kN*m/rad` has no value",
+         "a blank is missing behind the colon: `stiffness: 20 kN*m/rad`"),
+        ([MOTOR, SHAFT, END, "rules:", "- gear-hammer {limit: 0.3}"], (7, 3),
+         "a colon is missing behind `gear-hammer`", "write `- gear-hammer: {...}`"),
     ],
 )  # fmt: skip
 def test_a_slip_is_answered_at_its_place_with_what_is_right(lines, place, message, hint) -> None:
+    found = fault(*lines)
+    assert ((found.line, found.column), found.message, found.hint) == (place, message, hint)
+
+
+@pytest.mark.parametrize("loader", ["libyaml", "python"])
+@pytest.mark.parametrize(
+    ("lines", "place", "message", "hint"),
+    [
+        ([MOTOR, "- coupling {stiffness: 5, psi: 1}", END], (4, 3), COLON, WRITE),
+        ([f"  {MOTOR}", "  -  coupling{stiffness: 5, psi: 1}"], (4, 6), COLON, WRITE),
+        ([MOTOR, "- coupling {stiffness: 5,", "    psi: 1}", END], (4, 3), COLON, WRITE),
+        ([MOTOR, "- coupling:{stiffness: 5, psi: 1}", END], (4, 3),
+         "a blank is missing behind the colon of `coupling`", WRITE),
+        ([MOTOR, "- coupling", "    stiffness: 5", "    psi: 1", END], (4, 3), COLON, WRITE),
+        ([MOTOR, "- coupling # of rubber", "", "    # new", "    stiffness: 5", END], (4, 3), COLON, WRITE),
+        ([MOTOR, "- coupling: {stiffness: 5, clearance {angle: 1 deg}}", END], (4, 28),
+         "a colon is missing behind `clearance`", "write `clearance: {...}`"),
+        ([MOTOR, END, "operation:", "  speeds {from: 3 rpm, to: 5 rpm}"], (6, 3),
+         "a colon is missing behind `speeds`", "write `speeds: {...}`"),
+        ([MOTOR, END, "excitations [{at: x}, {at: y}]"], (5, 1), "a colon is missing behind `excitations`",
+         "write `excitations: [...]`"),
+        (["    motor: {inertia: 1}", "  - gear: {ratio: 2}", f"  {END}"], (3, 5), DASHLESS, DASH),
+        (["  motor:", "    inertia: 1", "  - gear: {ratio: 2}", f"  {END}"], (3, 3), DASHLESS, DASH),
+        (["motor: {inertia: 1}", END], (3, 1), DASHLESS, DASH),
+        ([f"  {END}", "  motor: {inertia: 1}", f"  {END}"], (4, 3), DASHLESS, DASH),
+        ([f"  {END}", "   motor: {inertia: 1}"], (4, 4), DASHLESS, DASH),
+        ([f"  {MOTOR}", "  - coupling:", "      stiffness: 5", "  psi: 1"], (6, 3), *ALIGNED),  # no kind: no dash
+        ([MOTOR, "links:", "  - between: [a, b]", "    coupling: {stiffness: 1}", " - between: [c, d]"], (7, 2),
+         *ALIGNED),
+        ([MOTOR, "- coupling: {stiffness: 5, psi: 1}", "- gear: ratio: 2"], (5, 14), "a ':' is not allowed here",
+         "check the indentation of this line and the one above; put text that holds ': ' in quotes"),
+    ],
+)  # fmt: skip
+def test_a_missing_mark_is_named_where_it_is_missing(lines, place, message, hint, loader, monkeypatch) -> None:
+    if loader == "python":
+        monkeypatch.setattr(yaml_source, "_LOADER", yaml.SafeLoader)
     found = fault(*lines)
     assert ((found.line, found.column), found.message, found.hint) == (place, message, hint)
 
@@ -59,10 +113,10 @@ def test_a_steel_that_is_not_declared_is_answered_with_an_example_that_reads() -
     assert fault(MOTOR, shaft.replace("42CrMo4", "stel"), END).hint == "did you mean 'steel'?"
 
 
-def test_a_word_with_its_mark_is_none_without_a_colon() -> None:
-    assert [without_colon(word) for word in ("disc {inertia", "disc x", "disc", "disk {", "{")] == ["disc", "disc"] + [
-        ""
-    ] * 3
+def test_a_word_with_its_mark_is_none_without_it() -> None:
+    words = ("disc {inertia", "disc x", "disc:{inertia", "disc", "disk {", "{")
+    missing = [("disc", "colon"), ("disc", "colon"), ("disc", "blank"), None, None, None]
+    assert [without_mark(word, ["disc"]) for word in words] == missing
 
 
 def test_only_candidates_with_the_figures_of_the_word_are_meant() -> None:

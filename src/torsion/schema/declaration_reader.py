@@ -1,5 +1,6 @@
 """What the file says as an instance of its declaration, or faults in an engineer's words from what that refuses."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar, get_args
@@ -11,6 +12,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError, PydanticUndefined
 from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import Declared, Quantity, shown
+from torsion.schema.missing_marks import without_mark, words_for
 
 Read = TypeVar("Read", bound=Declared)
 
@@ -82,6 +84,10 @@ def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
 
 def unknown(path: Path, what: str, word: str, candidates: list[str], every: Sequence[str] = ()) -> Fault:
     """The fault of a word that is none of the candidates, or of `every` one there is."""
+    marked = without_mark(word, candidates) if what == "component" or "{" in word else None
+    if marked is not None:
+        message, hint = words_for(*marked, dash="- " if what in ("component", "rule") else "")
+        return Fault(path, message, hint, at_key=True)
     near = nearest(word, candidates)
     hint = f"did you mean `{near}`?" if near else f"there is {', '.join(every or candidates)}"
     return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
@@ -119,9 +125,14 @@ def _empty(value: object, path: Path = ()) -> Iterator[Path]:
 
 
 def _without_value(path: Path, where: Path) -> Fault:
-    """The fault of a key without a value; one that begins with digits is half of a number with a decimal comma."""
+    """The fault of a key without a value; one that begins with digits is half of a number with a decimal comma.
+
+    One that holds a colon misses a blank behind it, which would part key and value.
+    """
     name = next((step for step in reversed(where) if isinstance(step, str)), "the entry")
     hint = "a decimal comma? write a point" if name[:1].isdecimal() else "give one, or leave the key out"
+    if found := re.match(r"([\w-]+):(?=\S)", name):
+        hint = f"a blank is missing behind the colon: `{found[0]} {printable(name[found.end() :])}`"
     return Fault(path, f"`{name}` has no value", hint, True)
 
 

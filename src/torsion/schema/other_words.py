@@ -2,9 +2,6 @@
 
 import re
 
-from torsion.components import KINDS
-from torsion.components import UNBUILT as UNBUILT_KINDS
-
 ABSORBS = "`propeller` for what absorbs the power, `motor` for what drives"
 KIND_FOR = {
     "generator": ABSORBS, "alternator": ABSORBS, "pump": ABSORBS, "fan": ABSORBS, "impeller": ABSORBS,
@@ -15,13 +12,6 @@ KIND_FOR = {
 RULE_FOR = {
     "iacs-m53": "UR M53 is about crankshafts of engines and is not built; `iacs-m68` is another rule, about shafts",
 }
-
-
-def without_colon(word: str) -> str:
-    """The kind in 'coupling {stiffness', which misses its colon; empty where the word is another."""
-    found = re.match(r"([\w-]+)\s*\{|([\w-]+)\s+\S", word)
-    kind = "" if found is None else found[1] or found[2]
-    return kind if kind in KINDS or kind in UNBUILT_KINDS else ""
 
 
 def of_its_number(word: str, candidates: list[str]) -> list[str]:

@@ -22,7 +22,8 @@ from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
-from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number, without_colon
+from torsion.schema.missing_marks import without_mark
+from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, ModalDamping, Operation, Several, ShaftModel, Study
@@ -350,19 +351,16 @@ def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> C
 
 
 def _unknown_kind(kind: str, path: Path) -> Fault:
-    """The fault of a key that is no kind: without its colon, a word that the format has another for, or a slip."""
-    if named := without_colon(kind):
-        message = f"a colon is missing behind `{named}`"
-        return Fault(path, message, f"write `- {named}: {{...}}`", at_key=True)
-    fault = unknown(path, "component", kind, list(KINDS))
+    """The fault of a key that is no kind: without its mark, a word that the format has another for, or a slip."""
+    fault = unknown(path, "component", kind, [*KINDS, *UNBUILT_KINDS], list(KINDS))
     return replace(fault, hint=KIND_FOR.get(kind.casefold(), fault.hint))
 
 
 def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:
     """An entry is a mapping with one key, its kind."""
     if not isinstance(entry, dict) or not entry:
-        named = (entry if entry in KINDS else without_colon(entry)) if isinstance(entry, str) else ""
-        hint = f"write `- {named}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
+        named = without_mark(f"{entry} {{", [*KINDS, *UNBUILT_KINDS]) if isinstance(entry, str) else None
+        hint = f"write `- {named[0]}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
         faults.append(Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint))
         return None
     if len(entry) > 1:

@@ -13,6 +13,7 @@ import yaml
 
 from torsion.errors import Fault, InputError, printable
 from torsion.schema.fault_text import Node, Source, end_of, input_error
+from torsion.schema.missing_marks import missing_mark
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
 _LARGEST = 100_000  # values after aliases are written out; bounds what a few lines can blow up to
@@ -224,29 +225,15 @@ def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
     """The fault in plain words, where the text cannot be read on or where the piece that is not closed begins."""
     line, column = source.within(_place(error.problem_mark))
     before = source.lines[line - 1][:column]
-    if dashless := _without_dash(source.lines, line, column):
-        return dashless
+    begin = source.within(_place(error.context_mark))
+    if missing := missing_mark(str(error.problem), source.lines, (line, column), begin):
+        return missing
     problem = "tab character" if before.isspace() and before.endswith("\t") else str(error.problem)
     for pattern, words, hint, at_begin in _SYNTAX:
         if found := re.search(pattern, problem):
             message = words.format(*found.groups(), at=f"line {line}, column {column}")
-            place = error.context_mark if at_begin else None
-            return _fault(message, hint, *(source.within(_place(place)) if place else (line, column)))
+            return _fault(message, hint, *(begin if at_begin and error.context_mark else (line, column)))
     return _fault(f"this is not YAML: {problem}", "", line, column)
-
-
-def _without_dash(lines: list[str], line: int, column: int) -> Fault | None:
-    """The fault of a key between the entries of a list, at the entry behind which the reading ends; else None."""
-    indent = " " * (column - 1)
-    if not lines[line - 1].startswith(f"{indent}- "):
-        return None
-    above = next((k for k in range(line - 2, -1, -1) if re.match(rf"{indent}\S", lines[k])), None)
-    if above is None or not (found := re.match(r"\s*([\w-]+):", lines[above])):
-        return None
-    before = [one for one in lines[:above] if re.match(rf"{indent}\S", one)]
-    if not before or not before[-1].startswith(f"{indent}- "):
-        return None
-    return _fault(f"`{found[1]}` begins without a dash", f"write `- {found[1]}: ...`", above + 1, column)
 
 
 def _forbidden(sign: str, line: int, column: int) -> Fault:

@@ -213,8 +213,12 @@ def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(torque:
         found = torsion.run(torsion.parse(text)).results["response"]
         assert (found.balanced.share == 1.0).all()
         return
-    with pytest.raises(SolveError, match="damped by mode"):
-        torsion.run(torsion.parse(text))
+    with pytest.raises(SolveError, match="damped by mode") as refused:
+        torsion.run(torsion.parse(text, "x.yaml"))
+    words = "'teeth' is in a train that is damped by mode, and its play or stages in the response are not built"
+    assert refused.value.located.startswith(
+        f"x.yaml:7:13: {words} (give the damping of the components)\n    - coupling:"
+    )
 
 
 def test_over_frequency_a_play_opens_too() -> None:
@@ -237,5 +241,6 @@ def test_a_play_that_closes_a_loop_stays_closed_or_there_is_no_response(power: s
         found = torsion.run(torsion.parse(text + loop)).results["response"]
         assert (found.balanced.share == 1.0).all()
         return
-    with pytest.raises(SolveError, match="closes a loop"):
+    with pytest.raises(SolveError, match="closes a loop") as refused:
         torsion.run(torsion.parse(text + loop))
+    assert refused.value.path == ("links", 0, "coupling")

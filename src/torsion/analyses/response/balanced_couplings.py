@@ -113,15 +113,16 @@ class _Rows:
     def unchanged(self, span: int, found: Mapping[int, Amplitudes]) -> Amplitudes:
         """The amplitudes of a coupling that has to stay as it is in the linear train, beside others."""
         coupling, name = self.couplings[span], self.system.spans[span].name
+        place = self.system.train.parts[self.system.spans[span].part].path
         loops = "closes a loop" if self.system.condensed.span[span] < 0 else "is in a train that is damped by mode"
         hint = "give the damping of the components" if self.system.train.modal_damping else REMEDY
         if coupling.stuck:
-            raise SolveError(f"'{name}' {loops}, and its friction in the response is not built", hint)
+            raise SolveError(f"'{name}' {loops}, and its friction in the response is not built", hint, place)
         others = {other: self.secant(other, one.largest) for other, one in found.items()}
         amplitude = np.abs(self._twists(span, self.solved(others), self._own(span))).max(axis=0)
         opens = (self.mean[span] == 0.0) & (coupling.half > 0.0)
         if (opens | (amplitude >= coupling.first(self.mean[span]))).any():
-            raise SolveError(f"'{name}' {loops}, and its play or stages in the response are not built", hint)
+            raise SolveError(f"'{name}' {loops}, and its play or stages in the response are not built", hint, place)
         return Amplitudes(amplitude, amplitude, amplitude, np.ones(len(amplitude), dtype=np.int64))
 
     def solutions(self, span: int, found: Mapping[int, Amplitudes], at: IntArray, number: int) -> Amplitudes:
