@@ -58,6 +58,9 @@ def test_a_free_pair_with_play_hits_in_turn() -> None:
     hits = [time for time, what in whats(found) if what == "contact"]
     assert hits[0] == pytest.approx(0.002, rel=1e-14)
     assert hits[59] == pytest.approx(0.880084974938913, rel=1e-13)
+    assert found.switching is not None
+    assert found.switching.couplings[0].heat == 0.0  # a play without friction and damping makes none
+    assert found.residual < 1e-12
     assert found.peak[0] == pytest.approx(1732.0508075688772, rel=1e-13)
     assert found.reversals[0] == len(hits) - 1
     assert found.residual < 1e-12

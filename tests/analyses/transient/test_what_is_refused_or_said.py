@@ -1,6 +1,7 @@
 """Events that contradict each other are refused, and what a file leaves unsaid is said."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,6 +88,21 @@ def test_the_samples_that_are_named_resolve_torques_too() -> None:
         moved(parts, body)
     number = int(re.search(r"(\d+) resolve all", refused.value.faults[0].hint)[1])  # type: ignore[index]
     assert number >= 4 * 90e3 * 50.0
+
+
+def test_where_the_default_gives_no_more_samples_fewer_segments_are_advised() -> None:
+    shaft = "shaft: {length: 1 m, diameter: 50 mm, material: steel, segments: 4}"
+    for link, number, is_said in (
+        (shaft, 20_001, True),
+        (shaft, 1001, False),
+        ("coupling: {stiffness: 9}", 20_001, False),
+    ):
+        parts = f"disc: {{name: d, inertia: 1}}, {link}, disc: {{inertia: 1}}"
+        events = [{"at": "d", "step": {"torque": 1.0}}]
+        found = moved(parts, {"duration": 0.01, "initial": "rest", "events": events})
+        doubtful = replace(found, unresolved=found.peak, time=np.linspace(0.0, 0.01, number))
+        assert "give more `samples`" in doubtful.status
+        assert ("fewer `segments`, `model: fem`" in doubtful.status) == is_said
 
 
 MOTIONS = """name: x

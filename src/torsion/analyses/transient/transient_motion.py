@@ -7,6 +7,7 @@ from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import IceTorque
 from torsion.analyses.transient.order_tracking import OrderTracking
 from torsion.analyses.transient.resonances_passed import Passage
+from torsion.analyses.transient.transient_settings import DEFAULT_MOST
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.results import derived, reported, result
@@ -116,7 +117,9 @@ class TransientMotion:
             found.append(f"the balance of energy holds to {self.residual:.1g} only: report this train")
         if (self.unresolved > RESOLVED * (self.peak + TINY)).any():
             message = "what is too fast for the times looked at may add more than 5 % to a peak"
-            found.append(f"{message}: give more `samples`, or a shorter `duration`")
+            coarser = self.system is not None and self.system.train.has_shafts and len(self.time) > DEFAULT_MOST
+            shafts = "fewer `segments`, `model: fem`, " if coarser else ""  # the default gives no more samples
+            found.append(f"{message}: give more `samples`, {shafts}or a shorter `duration`")
         if self.change is not None and self.change > SETTLED:
             found.append(f"twice as many modes change a peak by {100.0 * self.change:.2g} %: give more `modes`")
         if self.switching is not None and self.switching.band_change > SETTLED:

@@ -106,7 +106,8 @@ class TransientSettings(Declared):
     export: Literal["npz", "csv"] | None = given("also write all samples: motion.npz, or motion.csv of each motion")
     orders: OrderSettings | None = given(
         "{at, reference, track, highest}: torques by orders of a shaft, where the speed changes by 8 revolutions or "
-        "more (default: where orders excite the train and its speed changes by itself or by a program)"
+        "more (default: where orders excite the train and its speed changes by itself or by a program; "
+        "none beside play, friction, stages and clutches)"
     )
     duty: Literal["normal", "rare"] | None = given(
         "normal, or rare: a short circuit, an emergency, a misoperation, for which couplings have `max_torque_rare` "

@@ -49,6 +49,7 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
                 powers += factor * _powers(train, one, z)
                 largest = max(largest, float(_energies(train, one, z).max(initial=0.0)))
             gained[:, block] += powers * length
+    gained[2:][[not one.loses for one in train.elements]] = 0.0  # what rounding left there stays in the balance
     stored = _stored(motion)
     total = np.concatenate([np.zeros((len(gained), 1)), np.cumsum(gained[:, :-1], axis=1)], axis=1)
     total[2:] += (motion.released - motion.released[0]).T

@@ -14,7 +14,7 @@ a regime; without it the march would switch without end.
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -54,6 +54,11 @@ class Clearance:
     half: float  # rad, half the play
     viscous: float = 0.0  # N m s/rad
 
+    @property
+    def loses(self) -> bool:
+        """It makes heat."""
+        return self.viscous > 0.0
+
     def law(self, regime: int) -> Law:
         """0 open, +-1 contact, +-2 leaving."""
         side = int(np.sign(regime))
@@ -87,6 +92,7 @@ class Friction:
     stiffness: float
     capacity: float = 0.0  # N m
     signal: int | None = None  # the signal that is its capacity over time, in place of a constant
+    loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
         """0 stick, +-1 slip, OPEN without capacity."""
@@ -121,6 +127,7 @@ class DelayedFriction:
     stiffness: float
     capacity: float
     half: float
+    loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
         """0 open, +-1 stick in contact, +-2 slip."""
