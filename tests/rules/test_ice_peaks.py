@@ -17,7 +17,7 @@ SCENE = """name: x
 materials: {{tough: {{shear_modulus: 79.3 GPa, density: 7850, yield_strength: {strength}}}}}
 operation: {{rated: {{speed: 720 rpm, power: 1.5 MW}}}}
 train:
-- motor: {{inertia: 60}}
+- motor: {{inertia: 1500}}
 - coupling: {{name: rubber, stiffness: 250e3, loss_factor: 0.15, {rubber}}}
 - gear: {{name: bevel, teeth: [13, 47], inertia: [2.1, 38], {bevel}}}
 - shaft: {{name: line, length: 1.6 m, diameter: 260 mm, material: tough}}
@@ -147,7 +147,7 @@ def test_a_motion_that_ends_before_the_ice_never_passes() -> None:
 
 
 def test_a_train_that_starts_is_judged_by_the_angle_that_it_turns() -> None:
-    start = "{at: motor-1, start: {pull_out: 30e3, slip: 20 %, synchronous: 750 rpm}}"
+    start = "{at: motor-1, start: {pull_out: 300e3, slip: 20 %, synchronous: 750 rpm}}"
     for duration, verdict in ((0.8, "fail"), (2.0, "pass")):
         body = motion(torque=10.0, more="initial: rest,").replace("0.8 s", f"{duration} s")
         body = body.replace("events: [", f"events: [{start}, ")

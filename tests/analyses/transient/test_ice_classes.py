@@ -17,6 +17,7 @@ from torsion.kernels.transient.torque_history import value
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.chapters.motion_over_time import chapter
 from torsion.output.results_json import results
+from torsion.rules.verdict_line import Checks
 
 SCREW = PropellerRecord(1.0, None, 4, 4.0, 0.8, None, "viscous", None, 0.25)
 TWICE = 4.0 * math.pi  # rad/s: 2 revolutions a second
@@ -207,3 +208,40 @@ def test_a_torque_of_the_file_has_no_formula_in_the_report() -> None:
     found = torsion.run(torsion.parse(SCENE.format(WHOLE, "torque: 2 kN*m, angle: 90 deg")))
     assert found.need(Transients).each[0].ice == ()
     assert not [block for block in chapter(found) if "to be verified" in getattr(block, "text", "")]
+
+
+ICED = """name: x
+operation: {rated: {speed: 100 rpm, power: 20 kW}, load: propeller}
+train:
+- motor: {name: m, inertia: 20}
+- coupling: {name: c, stiffness: 1e5, viscous: 50, max_torque: 90 kN*m}
+- propeller: {name: p, inertia: 20, blades: 4}
+analyses:
+  transient:
+    duration: 2 s
+    events:
+    - {at: p, time: 0.05 s, ice: {torque: SIZE, angle: 90 deg, turns: 2, ramp: 0.001 deg}}
+MORE"""
+FOLLOWS = """    - {at: m, start: {torque: [[0 rpm, 2.1 kN*m], [100 rpm, 1909.9 N*m], [300 rpm, 0]]}}
+    - {at: p, load: {law: propeller}}
+"""
+
+
+@pytest.mark.parametrize("slowed", [0.095, 0.105, 3.0])
+def test_ice_that_slows_a_train_whose_torques_do_not_follow_never_passes(slowed: float) -> None:
+    # half sines without a gap: 2/pi of their torque for two revolutions at the speed before, of 0.6 s, on 40 kg m2
+    size = slowed * 40.0 * (2.0 * math.pi * 100.0 / 60.0) / 1.2 * math.pi / 2.0
+    found = torsion.run(torsion.parse(ICED.replace("SIZE", repr(size)).replace("MORE", "")))
+    motion = found.need(Transients).each[0]
+    assert motion.slowed == pytest.approx(-slowed, rel=1e-2)  # it vibrates about that
+    (line,) = found.need(Checks).lines
+    doubt = f"the ice slows the train by {-100.0 * motion.slowed:.3g} %"
+    assert (doubt in motion.status) == (slowed > 0.1) == (line.verdict == "fail")
+
+
+def test_ice_where_torques_follow_the_speed_gives_no_such_doubt() -> None:
+    found = torsion.run(torsion.parse(ICED.replace("SIZE", "3000").replace("MORE", FOLLOWS)))
+    motion = found.need(Transients).each[0]
+    assert motion.slowed is None
+    assert motion.speed[-1].min() < 0.9 * motion.speed_before
+    assert motion.status == "ok"

@@ -14,6 +14,7 @@ from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
 from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
 from torsion.analyses.transient.fatigue import damages
+from torsion.analyses.transient.following_events import SpeedProgram
 from torsion.analyses.transient.following_torques import (
     Following,
     carrier_of,
@@ -268,8 +269,30 @@ def _read(study: Study, system: System, settings: TransientSettings, found: Tran
     return replace(
         found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=(),
         is_rare=settings.is_rare, ice=tuple(_ice(study, system, settings, found)),
+        slowed=_slowed(study, system, settings, found),
         undamped=tuple(replaced_dampers(study, system, settings, PATH).values()),
     )  # fmt: skip
+
+
+def _slowed(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> float | None:
+    """Largest change of a propeller's mean speed over a revolution in ice, of that before.
+
+    None without ice, where torques follow the speed, and where a program prescribes it.
+    """
+    bodies, time, changes = [event.body for event in settings.events], found.time, list[float]()
+    if any(body.drives or isinstance(body, SpeedProgram) for body in bodies):
+        return None
+    for name in dict.fromkeys(event.at for event in settings.events if isinstance(event.body, Ice)):
+        station = study.train.part(name).stations[0]
+        speed = found.speed[station]
+        before = found.speed_before * abs(float(system.speed_ratio[station])) or float(speed[0])
+        angle = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
+        revolution = min(2.0 * math.pi / before, settings.duration)
+        begins = time[time <= settings.duration - revolution]
+        turned = np.interp(begins + revolution, time, angle) - np.interp(begins, time, angle)
+        change = turned / (revolution * before) - 1.0
+        changes.append(float(change[np.abs(change).argmax()]))
+    return max(changes, key=abs, default=None)
 
 
 def _ice(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> Iterator[IceTorque]:

@@ -15,6 +15,7 @@ from torsion.results import derived, reported, result
 BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
 RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
 SETTLED = 0.01  # of a peak: by how much twice as many modes may change it
+SPEED_KEPT = 0.1  # of the speed before: by which torques that do not follow the speed may let it change
 SCATTER = 0.1  # of a peak: by which two motions that impacts set apart may differ in it
 BETWEEN_PHASES = 0.005  # of a peak: what a phase between those that were computed may add
 TINY = np.finfo(float).tiny
@@ -82,6 +83,10 @@ class TransientMotion:
         "", (), "no motion of normal operation: T_Kmax2 limits its couplings", key="rare", default=False
     )
     ice: tuple[IceTorque, ...] = result("", (), "greatest ice torques that follow from a class", default=())
+    slowed: float | None = result(
+        "1", (), "largest change of a propeller's mean speed over a revolution in ice, of that before; null "
+        "without ice, and where torques follow the speed", default=None
+    )  # fmt: skip
     slip_phase: tuple[float, ...] = result(
         "rad", (), "phases of slip pulsations that the file leaves open: those of the worst, whose curves these are; "
         "greatest and least torques are those of all that were computed", default=()
@@ -133,6 +138,10 @@ class TransientMotion:
         if self.phases_computed and self.switching is not None:
             message = "beside play, friction, stages and clutches a few phases need not show the worst of a pulsation"
             found.append(f"{message}: name its `phase`, in several motions")
+        if self.slowed is not None and abs(self.slowed) > SPEED_KEPT:
+            what = "the ice slows the train" if self.slowed < 0.0 else "beside ice the train runs faster"
+            message = f"{what} by {100.0 * abs(self.slowed):.3g} %, and torques are those of the speed before"
+            found.append(f"{message}: let them follow it (`start` or `load`)")
         return "; ".join(found) or "ok"
 
 
