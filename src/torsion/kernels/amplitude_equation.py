@@ -70,6 +70,8 @@ def _dips(
     """Brackets of the two solutions in every dip below 1 between samples that all lie above: lows, highs, columns."""
     step, column = np.nonzero((found[1:-1] >= 1.0) & (found[1:-1] <= found[:-2]) & (found[1:-1] <= found[2:]))
     begin, end = at[step, column], at[step + 2, column]
+    if not step.size:
+        return (begin, begin), (end, end), column
     low, high = np.log(begin), np.log(end)
     left, right = low + GOLDEN * (high - low), high - GOLDEN * (high - low)
     values = [ratio(np.exp(one), column) for one in (left, right)]

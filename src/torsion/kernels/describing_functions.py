@@ -36,7 +36,9 @@ def _above_zero(below: FloatArray, above: FloatArray) -> tuple[FloatArray, Float
     """(sin - theta cos)/pi, (theta - sin cos)/pi and theta/pi of 1 - cos(theta) = `below` and 1 + cos(theta)."""
     theta, sine = 2.0 * np.arctan2(np.sqrt(below), np.sqrt(above)), np.sqrt(below * above)
     cosine, square = (above - below) / 2.0, np.minimum(theta, SMALL) ** 2
-    moment = np.where(theta < SMALL, theta * square * polyval(square, SERIES), sine - theta * cosine)
+    moment, small = sine - theta * cosine, theta < SMALL
+    if small.any():
+        moment = np.where(small, theta * square * polyval(square, SERIES), moment)
     return moment / math.pi, (theta * sine**2 - cosine * moment) / math.pi, theta / math.pi
 
 
@@ -177,16 +179,23 @@ class PiecewiseCoupling:
     def _carried(self, at: FloatArray, amplitude: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean torque N m and its slope N m/rad over the mean twist."""
         carried, slope = np.zeros((2, len(at)))
+        later = [one for one in self.springs if one[0]]
+        means, _, times = ramp(
+            np.array([_sides(at, begin) for begin, _ in later]).reshape(len(later), 2, len(at)), amplitude
+        )
         for begin, stiffness in self.springs:
             if not begin:
                 carried, slope = carried + stiffness * at, slope + stiffness
-                continue
-            for side in (1.0, -1.0):
-                mean, _, time = ramp(side * at - begin, amplitude)
-                carried, slope = carried + side * stiffness * mean, slope + stiffness * time
+        for (_, stiffness), mean, time in zip(later, means, times, strict=True):
+            carried, slope = carried + stiffness * (mean[0] - mean[1]), slope + stiffness * (time[0] + time[1])
         return carried, slope
 
 
 def _both(at: FloatArray, begin: float, amplitude: FloatArray) -> FloatArray:
     """Share of a spring that begins at a twist to either side."""
-    return ramp(at - begin, amplitude)[1] + ramp(-at - begin, amplitude)[1]
+    return np.asarray(ramp(_sides(at, begin), amplitude)[1].sum(axis=0))
+
+
+def _sides(at: FloatArray, begin: float) -> FloatArray:
+    """(2, columns) rad by which a twist exceeds the begin of a spring on either side."""
+    return np.array([at - begin, -at - begin])

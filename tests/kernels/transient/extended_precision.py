@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.transient.event_driven_motion import PiecewiseTrain
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.piecewise_elements import Clearance, Friction
+from torsion.kernels.transient.piecewise_train import PiecewiseTrain
 from torsion.kernels.transient.torque_history import Piece
 from torsion.kernels.tree import Tree
 

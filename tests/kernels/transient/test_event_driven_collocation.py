@@ -10,9 +10,10 @@ from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Marched, Scheme
 from torsion.kernels.transient.energy_balance import energy_balance
 from torsion.kernels.transient.event_driven_collocation import Interfaces, event_driven_under_laws
-from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March, PiecewiseTrain
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.piecewise_elements import Clearance, Friction
+from torsion.kernels.transient.piecewise_train import PiecewiseTrain
 from torsion.kernels.transient.torque_history import Piece
 
 SYNCHRONOUS = 50.0 * math.pi

@@ -10,9 +10,10 @@ from scipy.optimize import brentq
 from tests.kernels.transient.extended_precision import ten_stations
 
 from torsion.kernels.transient.energy_balance import energy_balance
-from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, PiecewiseTrain, event_driven
+from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, event_driven
 from torsion.kernels.transient.generated_signals import Signals
 from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, DelayedFriction, Friction, Switch
+from torsion.kernels.transient.piecewise_train import PiecewiseTrain
 from torsion.kernels.transient.torque_history import Piece
 
 NO_SIGNALS = Signals(())

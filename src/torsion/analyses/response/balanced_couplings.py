@@ -143,8 +143,9 @@ class _Rows:
         else:
             new = amplitudes(ratio, last / NEAR, last * NEAR, last, NEAR_SAMPLES)
             lacks = np.flatnonzero(new.number == 0)
-            among = partial(_among, ratio, lacks)
-            new = new.having(amplitudes(among, bottom[lacks], top[lacks], last[lacks]), lacks)
+            if lacks.size:
+                among = partial(_among, ratio, lacks)
+                new = new.having(amplitudes(among, bottom[lacks], top[lacks], last[lacks]), lacks)
         taken = new.largest if is_whole and number < LARGEST_FIRST else new.nearest
         if number >= HALF_WAY:
             taken = np.sqrt(taken * former.largest[at])
@@ -208,7 +209,10 @@ def _range(
     columns = np.arange(len(at))
     bottom = 0.5 * np.maximum(coupling.first(mean[at]), 1e-6 * coupling.scale)
     for _ in range(12):
-        bottom = np.where(ratio(bottom, columns) >= 1.0, BOTTOM * bottom, bottom)
+        above = ratio(bottom, columns) >= 1.0
+        if not above.any():
+            break
+        bottom = np.where(above, BOTTOM * bottom, bottom)
     own, slope = trials.own[:, at], np.abs(trials.slope[:, at])
     differs = coupling.offset * np.abs(own) / coupling.stiffness
     limit = np.abs(trials.inverse[:, at] + trials.slope[:, at] * (coupling.lasting - trials.linear))

@@ -1,7 +1,8 @@
 """A train with nonlinear couplings in the modes of its linear parts, ready to be moved from event to event."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -50,8 +51,9 @@ from torsion.kernels.spanning_forest import connected
 from torsion.kernels.transient.collocation import Marched
 from torsion.kernels.transient.damped_motion import ModalTrain
 from torsion.kernels.transient.endless_events import Chatter, TooManyEvents
-from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March, PiecewiseTrain
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March
 from torsion.kernels.transient.generated_signals import Signals
+from torsion.kernels.transient.piecewise_train import PiecewiseTrain
 from torsion.kernels.transient.torque_history import Piece
 from torsion.study import Study
 
@@ -92,14 +94,38 @@ class Built:
 
         Raises SolveError where a coupling changes its regime without end, or steps become too short.
         """
+        if self.following is None:
+            (found,) = self.until([duration], fineness, progress)
+            return found, None
+        march, z, regimes = self._begun(duration, fineness, progress)
+        untwisted = self.place if self.before.mean is not None else np.zeros_like(self.place)
+        with self._placed():
+            found, how = self.following.march(march, regimes, z, self.shape, untwisted, progress)
+        refuse_beyond_tables(self.following.follows, self.following.settings.events, how, self.where)
+        return found, how
+
+    def until(
+        self, ends: Sequence[float], fineness: float = 1.0, progress: Progress = silent
+    ) -> Iterator[EventDrivenMotion]:
+        """The motion up to each of some times (s), ascending, where no torque follows it; raises as `run` does."""
+        march, z, regimes = self._begun(ends[-1], fineness, progress)
+        with self._placed():
+            yield from march.until(ends, z, regimes)
+
+    def _begun(self, duration: float, fineness: float, progress: Progress) -> tuple[March, FloatArray, tuple[int, ...]]:
         march, regimes = March(self.train, duration, fineness), tuple(one.regime for one in self.standing)
         march.progress = partial(progress, "from event to event")
-        z = self.train.at_first(np.array([one.twist for one in self.standing]), self.place, self.speed)
+        return (
+            march,
+            self.train.at_first(np.array([one.twist for one in self.standing]), self.place, self.speed),
+            regimes,
+        )
+
+    @contextmanager
+    def _placed(self) -> Iterator[None]:
+        """Faults of a motion with the names and the place that they have in the file."""
         try:
-            if self.following is None:
-                return march.whole(z, regimes), None
-            untwisted = self.place if self.before.mean is not None else np.zeros_like(self.place)
-            found, how = self.following.march(march, regimes, z, self.shape, untwisted, progress)
+            yield
         except Chatter as chatter:
             name = self.couplings[self.standing[chatter.element].coupling].part.name
             message = f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
@@ -108,8 +134,6 @@ class Built:
             raise SolveError(end.message, f"a `duration` below {end.time:.4g} s", (*self.where, "duration")) from None
         except SolveError as error:
             raise SolveError(error.message, error.hint, self.where) from None
-        refuse_beyond_tables(self.following.follows, self.following.settings.events, how, self.where)
-        return found, how
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from torsion.assembly.system import System
 from torsion.findings import Progress
 from torsion.kernels.transient.collocation import Marched
 from torsion.kernels.transient.event_driven_collocation import Interfaces, event_driven_under_laws
-from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March, State
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March
 from torsion.kernels.transient.interface_motion import Known
 from torsion.kernels.transient.piecewise_elements import Element
+from torsion.kernels.transient.piecewise_train import State
 
 CUT_SHORT = 0.1  # of the tolerance: events end steps inside, where collocation is not as accurate as at their ends
 

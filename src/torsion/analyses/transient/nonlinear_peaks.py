@@ -7,6 +7,7 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Balanced, Response
 from torsion.analyses.response.balanced_couplings import balanced_spans
+from torsion.analyses.transient.compared_band import Band, WorkEnds
 from torsion.analyses.transient.event_driven_curves import EventDrivenCurves
 from torsion.analyses.transient.event_driven_train import Built, build
 from torsion.analyses.transient.nonlinear_couplings import Standing
@@ -23,7 +24,9 @@ from torsion.study import Study
 SETTLED = 1e-4  # of the amplitude: change from one window to the next
 PARTS = 4  # of the range in which a coupling is not linear: the largest amplitude of each is compared
 CYCLES = 16  # of the component, in a window
-MOST_WINDOWS = 64
+WINDOWS = (8, 16, 32, 64)  # after which the last two are compared
+SMALL = 1e-6  # of the largest torque: less is not compared
+WIDE = 3e-3  # change of an amplitude on doubling the band of modes, up to which it is wide enough
 SAMPLES = 4096  # of a window
 LARGEST_COMMON = 64  # revolutions of a window that orders have in common
 
@@ -55,6 +58,7 @@ class NonlinearPeak:
     opens_to: float | None = result("rad/s", (), "highest of them")
     mode: int = result("", (), "mode of the linear train with the largest share of its energy in the coupling, from 1")
     natural_frequency: float = result("Hz", (), "of that mode with all such couplings as stiff as at these amplitudes")
+    ended: bool  # the motion was followed as long as it may be; else the work of the comparisons had its end before
     span: int  # of the coupling
     half_ranges: FloatArray  # (spans,) N m, as `half_range`
     greatests: FloatArray  # (spans,) N m
@@ -76,17 +80,24 @@ def run(work: Work) -> None:
         return
     try:
         with work.log.step(title, "the response has one harmonic of their torques") as step:
-            peaks = tuple(
-                _peak(work.study, found, found.balanced, span, at)
-                for span in found.balanced.spans
-                for at in _compared(found, found.balanced, span)
-            )
+            band = Band(found, found.balanced, work.progress)
+            peaks = _peaks(work.study, found, found.balanced, band)
             step.method = "from event to event, until it repeats itself"
-            step.size = f"{len(found.balanced.spans)} couplings, {len(peaks)} motions"
+            step.size = f"{len(found.balanced.spans)} couplings, {len(peaks)} motions{band.words}"
         work.put(nonlinear_peaks=NonlinearPeaks(peaks))
     except (InputError, SolveError) as error:
         work.log.without(title, str(error))
         work.put(nonlinear_peaks=NonlinearPeaks(()))
+
+
+def _peaks(study: Study, found: Response, balanced: Balanced, band: Band) -> tuple[NonlinearPeak, ...]:
+    """Coupling by coupling, but the first speed of each is computed before the second of any."""
+    each = [(span, rank, at) for span in balanced.spans for rank, at in enumerate(_compared(found, balanced, span))]
+    there = dict[tuple[int, int, int], NonlinearPeak]()
+    for number, one in enumerate(sorted(each, key=lambda one: one[1])):
+        band.begin(number / len(each), len(each))
+        there[one] = _peak(study, found, balanced, one[0], one[2], band)
+    return tuple(there[one] for one in each)
 
 
 def _compared(found: Response, balanced: Balanced, span: int) -> list[int]:
@@ -102,14 +113,14 @@ def _amplitude(found: Response, span: int) -> FloatArray:
     return np.where(found.status == Status.OK, np.abs(found.torque[:, :, span]), 0.0)
 
 
-def _peak(study: Study, found: Response, balanced: Balanced, span: int, at: int) -> NonlinearPeak:
+def _peak(study: Study, found: Response, balanced: Balanced, span: int, at: int, band: Band) -> NonlinearPeak:
     amplitude, number = _amplitude(found, span), balanced.spans.index(span)
     line, part = int(amplitude[at].argmax()), int(found.system.span_part[span])
     speed, w = float(found.speed[at]), 2.0 * math.pi * float(found.frequency[at, line])
     window, record = _window(found, speed, w), study.train.parts[part].nonlinear
-    motion = settled(study, found, span, at, w, window, vibrates=True)
+    motion = in_band(study, found, span, at, w, window, band)
     linear, exact, solutions = float(amplitude[at, line]), motion.amplitude, int(balanced.number[at, number])
-    rest = settled(study, found, span, at, w, window, vibrates=False).amplitude if solutions > 1 else None
+    rest = settled(study, found, span, at, w, window, band, vibrates=False).amplitude if solutions > 1 else None
     several = _ends(found.speed[balanced.number[:, number] > 1])
     opens = _ends(found.speed[balanced.share[:, number] < 1.0] if record is not None and record.play else np.empty(0))
     mode, frequency = _natural_frequency(found, balanced, span, at)
@@ -118,7 +129,8 @@ def _peak(study: Study, found: Response, balanced: Balanced, span: int, at: int)
         exact=exact, difference=linear / exact - 1.0 if exact else None, half_range=float(motion.half_range[span]),
         greatest=float(motion.greatest[span]), from_rest=rest, solutions=solutions, several_from=several[0],
         several_to=several[1], opens_from=opens[0], opens_to=opens[1], mode=mode, natural_frequency=frequency,
-        span=span, half_ranges=motion.half_range, greatests=motion.greatest,
+        ended=motion.ended, span=span,
+        half_ranges=band.raised(motion.half_range), greatests=band.raised(motion.greatest),
     )  # fmt: skip
 
 
@@ -152,30 +164,56 @@ class Settled:
     amplitude: float | None  # N m of the component; None where the window before differs
     half_range: FloatArray  # (spans,) N m
     greatest: FloatArray  # (spans,) N m
+    ended: bool = True
 
 
-def settled(study: Study, found: Response, span: int, at: int, w: float, window: float, *, vibrates: bool) -> Settled:
+def in_band(
+    study: Study, found: Response, span: int, at: int, w: float, window: float, band: Band
+) -> Settled:  # fmt: skip
+    """The settled motion that begins as the response is; the first that settles also says how wide a band has to be."""
+    motion = settled(study, found, span, at, w, window, band, vibrates=True)
+    while band.change is None and motion.amplitude:
+        coarse, band.modes = motion, 2 * band.modes
+        motion = settled(study, found, span, at, w, window, band, vibrates=True)
+        change = abs(coarse.amplitude / motion.amplitude - 1.0) if coarse.amplitude and motion.amplitude else math.inf
+        if change <= WIDE or band.is_whole:
+            ends = np.array([[one.half_range, one.greatest] for one in (coarse, motion)])
+            of_peaks = float((np.abs(ends[0] - ends[1]) / np.maximum(ends[1], SMALL * ends[1].max())).max())
+            band.change = 0.0 if band.is_whole else max(change, of_peaks)
+    return motion
+
+
+def settled(
+    study: Study, found: Response, span: int, at: int, w: float, window: float, band: Band, *, vibrates: bool
+) -> Settled:  # fmt: skip
     """The component of circular frequency w (rad/s) in a span over a window (s), at the speed number `at`.
 
     The motion begins with the mean torques, and as the response is where it `vibrates`; its windows are compared until
     one repeats the one before.
     """
-    windows, speed = 8, float(found.speed[at])
-    while True:
-        settings = TransientSettings.model_construct(
-            duration=windows * window, initial="steady", events=(), samples=None, modes="all"
-        )
-        built = build(replace(study, analyses={}), found.system, settings, ("analyses", "response"), speed=speed)
-        if vibrates:
-            built = vibrating(built, found, at)
-        curves = EventDrivenCurves(built, *built.run(settings.duration))
-        each = [_torques(curves, (windows - back) * window, window) for back in (2, 1)]
-        before, last = (2.0 * abs(complex(np.mean(torque[span] * np.exp(-1j * w * time)))) for time, torque in each)
-        torque, repeats = each[1][1], abs(last - before) <= SETTLED * last
-        if repeats or 2 * windows > MOST_WINDOWS:
+    speed, ends = float(found.speed[at]), [windows * window for windows in WINDOWS]
+    settings = TransientSettings.model_construct(
+        duration=ends[0], initial="steady", events=(), samples=None, modes=band.limit(ends[0])
+    )
+    built = build(replace(study, analyses={}), found.system, settings, ("analyses", "response"), speed=speed)
+    band.known(built)
+    if vibrates:
+        built = vibrating(built, found, at)
+    last, none = None, np.zeros(len(found.system.spans))
+    try:
+        for end, motion in zip(ends, built.until(ends, progress=band.spend), strict=True):
+            curves = EventDrivenCurves(built, motion, None)
+            each = [_torques(curves, end - back * window, window) for back in (2, 1)]
+            before, own = (2.0 * abs(complex(np.mean(torque[span] * np.exp(-1j * w * time)))) for time, torque in each)
+            torque, repeats = each[1][1], abs(own - before) <= SETTLED * own
             half_range = (torque.max(axis=1) - torque.min(axis=1)) / 2.0
-            return Settled(last if repeats else None, half_range, np.abs(torque).max(axis=1))
-        windows *= 2
+            last = Settled(own if repeats else None, half_range, np.abs(torque).max(axis=1))
+            if repeats:
+                return last
+    except WorkEnds:
+        return replace(last or Settled(None, none, none), amplitude=None, ended=False)
+    assert last is not None
+    return last
 
 
 def _torques(curves: EventDrivenCurves, begin: float, window: float) -> tuple[FloatArray, FloatArray]:

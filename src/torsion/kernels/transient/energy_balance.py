@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, PiecewiseTrain
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion
 from torsion.kernels.transient.linear_regime import STEPS, Regime
+from torsion.kernels.transient.piecewise_train import PiecewiseTrain
 
 GAUSS = 10  # nodes of a step: squares of its fastest motion turn by 4 rad in it
 COLUMNS = 4096  # states at once

@@ -14,10 +14,11 @@ from scipy.linalg import expm
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.transient.collocation import SAME_TIME, Law, Marched, Scheme, marched
-from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March, PiecewiseTrain, State
+from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, March
 from torsion.kernels.transient.generated_signals import POWERS
 from torsion.kernels.transient.interface_motion import Known
 from torsion.kernels.transient.linear_regime import STEPS, Regime
+from torsion.kernels.transient.piecewise_train import PiecewiseTrain, State
 from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES
 
 MOST_KEPT = 256  # influences
@@ -172,4 +173,4 @@ def event_driven_under_laws(
     z, state = march.rearm(0.0, z, state)
     taken = RegimesTaken(march, at, z, state)
     how = marched(taken, laws, scheme, progress)
-    return march.finished(taken.z, taken.state), how
+    return march.finished(taken.z, taken.state, march.duration), how

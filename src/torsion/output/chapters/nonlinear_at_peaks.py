@@ -64,7 +64,12 @@ def _notes(one: NonlinearPeak) -> Iterator[str]:
     here = f"At {rpm(one.speed)} rpm"
     if one.from_rest is not None:
         yield f"{here} the exact motion that begins without vibration settles at {number(one.from_rest)} N m."
-    if one.exact is None:
+    if not one.ended:
+        yield (
+            f"{here} the exact motion is too much work beside a response, and was not followed until it settles: "
+            "compute the motion over time there."
+        )
+    elif one.exact is None:
         yield f"{here} the motion that begins as the response is does not settle: compute the motion over time there."
     elif one.difference is not None and abs(one.difference) > DIFFERS:
         text = (
