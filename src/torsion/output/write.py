@@ -1,8 +1,8 @@
 """Writes a report so that a failed or killed run leaves the earlier one whole."""
 
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Collection, Mapping
 from datetime import date
 from pathlib import Path
@@ -35,8 +35,9 @@ def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Pat
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    workshop = Path(tempfile.mkdtemp(prefix=".report-", dir=target))
+    workshop = target / f".report-{secrets.token_hex(4)}"  # named first: a signal may come as soon as it is made
     try:
+        workshop.mkdir(mode=0o700)
         finished = [path for name, content in contents.items() for path in _finished(workshop / name, content)]
         placed = [Path(shutil.move(path, target / path.name)) for path in finished]
         if not any(path.name == SERIES for path in placed):

@@ -220,7 +220,7 @@ analyses:
   transient:
     duration: 2 s
     events:
-    - {at: p, time: 0.05 s, ice: {torque: SIZE, angle: 90 deg, turns: 2, ramp: 0.001 deg}}
+    - {at: p, time: 0.05 s, ice: {torque: SIZE, angle: 90 deg, turns: 2, ramp: 0 deg}}
 MORE"""
 FOLLOWS = """    - {at: m, start: {torque: [[0 rpm, 2.1 kN*m], [100 rpm, 1909.9 N*m], [300 rpm, 0]]}}
     - {at: p, load: {law: propeller}}

@@ -210,9 +210,9 @@ class Ice(Kind):
         inner = blade.first + ROUNDING, blade.last - ROUNDING
         kinks = [kink for kink in (self.ramp, last - self.ramp) if inner[0] < kink < inner[1]]
         edges = sorted({blade.first, blade.last, *kinks})
+        corners, levels = ([0.0, self.ramp, last - self.ramp, last], [0, 1, 1, 0]) if self.ramp else ([0.0], [1])
         for start, end in pairwise(edges):
-            level, later = (float(np.interp(x, [0.0, self.ramp, last - self.ramp, last], [0, 1, 1, 0]))
-                            for x in (start, end))  # fmt: skip
+            level, later = (float(np.interp(x, corners, levels)) for x in (start, end))
             wave = 1j * blade.torque * cmath.exp(1j * math.pi * (start - blade.first) / blade.angle)
             slope = (later - level) / (end - start) * speed
             times = begin + start / speed, begin + end / speed
