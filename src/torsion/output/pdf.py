@@ -78,5 +78,6 @@ def _table(table: Table, number: str) -> str:
         cells.extend(plain)
         cells.append(f'marked("{colour}", {last})' if colour else last)
     size = "7pt" if len(table.columns) >= WIDE else "8pt"
-    caption = words(table.caption)
-    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, ({''.join(f'{c}, ' for c in cells)}))"
+    first = "27mm" if table.marks and len(table.columns) >= WIDE else "auto"  # the words of a check
+    caption, every = words(table.caption), "".join(f"{c}, " for c in cells)
+    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, {first}, ({every}))"
