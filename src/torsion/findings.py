@@ -12,7 +12,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from torsion.fields import Declared
-from torsion.results import derived, reported, result
+from torsion.results import Displayed, derived, reported, result
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System
@@ -147,7 +147,7 @@ class Results:
 
 
 @dataclass(frozen=True)
-class Findings(Results):
+class Findings(Displayed, Results):
     """Everything that a study requests."""
 
     plan: Plan

@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from pkgutil import resolve_name
 from types import UnionType
 from typing import Any, TypeVar
 
@@ -27,6 +28,7 @@ import numpy as np
 Value = TypeVar("Value")
 Axes = tuple[str, ...]
 BY_UNIT = "*"
+NOTEBOOK = "torsion.output.notebook:html"  # a name, since outputs stand above results
 _SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
 
@@ -77,6 +79,15 @@ def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Cal
         return made
 
     return declare
+
+
+class Displayed:
+    """What a notebook shows as tables and a figure."""
+
+    def _repr_html_(self) -> str:
+        """HTML without scripts, which stands in any page."""
+        shown: str = resolve_name(NOTEBOOK)(self)
+        return shown
 
 
 def words(codes: Any, kind: type[Enum]) -> np.ndarray:

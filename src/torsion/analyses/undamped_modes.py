@@ -16,7 +16,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
-from torsion.results import derived, reported, result
+from torsion.results import Displayed, derived, reported, result
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def modes_settings(study: Study, ruled: Ruled) -> ModesSettings | None:
 
 
 @reported
-class Modes:
+class Modes(Displayed):
     """Natural frequencies with their certificate; shapes scaled to a generalised inertia of 1 kg m2."""
 
     frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies of the elastic modes, ascending")

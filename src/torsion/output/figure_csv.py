@@ -16,7 +16,7 @@ from torsion.output.csv_table import one_line
 from torsion.output.document import Document
 from torsion.output.figures.figure import Axis, Figure, Line, Panel
 
-Row = list[Any]
+Columns = list[tuple[str, FloatArray]]  # title with unit, values
 
 
 def csv_of(figure: Figure) -> str:
@@ -28,9 +28,10 @@ def csv_of(figure: Figure) -> str:
     for panel in figure.plots:
         for words in _comments(panel):
             target.write(f"# {one_line(words)}\n")
-        for table in _tables(panel):
+        for columns in tables_of(panel):
             target.write("\n")
-            rows.writerows(table)
+            rows.writerow([title for title, _ in columns])
+            rows.writerows(_rows([values for _, values in columns]))
     return target.getvalue()
 
 
@@ -58,23 +59,22 @@ def _comments(panel: Panel) -> Iterator[str]:
         yield f"{band.label or band.name}: {band.low!r} to {band.high!r} {axes[band.axis].unit}"
 
 
-def _tables(panel: Panel) -> Iterator[list[Row]]:
-    """Lines by their coordinate, marks, and the cells of a map."""
+def tables_of(panel: Panel) -> Iterator[Columns]:
+    """Lines by their coordinate, marks, and the cells of a map; NaN where there is no value."""
     left = [line for line in panel.lines if line.name or panel.x.places]
     while left:
         x = left[0].x
         mine = [line for line in left if line.x is x or np.array_equal(line.x, x, equal_nan=True)]
         left = [line for line in left if not any(line is one for one in mine)]
-        yield [[_title(panel.x), *(_column(line, panel.y) for line in mine)],
-               *_rows([x, *(line.y for line in mine)])]  # fmt: skip
+        yield [(_title(panel.x), x), *((_column(line, panel.y), line.y) for line in mine)]
     for marks in panel.marks:
         if marks.name and marks.x.size:
-            yield [[_title(panel.x), f"{marks.name}: {_title(panel.y)}"], *_rows([marks.x, marks.y])]
+            yield [(_title(panel.x), marks.x), (f"{marks.name}: {_title(panel.y)}", marks.y)]
     if panel.cells is not None:
         cells = panel.cells
         x, y = np.meshgrid(cells.x, cells.y)
-        head = [_title(panel.x), _title(panel.y), f"{cells.quantity} [{cells.unit}]"]
-        yield [head, *_rows([x.ravel(), y.ravel(), cells.values.ravel()])]
+        yield [(_title(panel.x), x.ravel()), (_title(panel.y), y.ravel()),
+               (f"{cells.quantity} [{cells.unit}]", cells.values.ravel())]  # fmt: skip
 
 
 def _title(axis: Axis) -> str:
@@ -87,7 +87,7 @@ def _column(line: Line, axis: Axis) -> str:
     return f"{own} [{axis.unit}]" if axis.unit else own or axis.quantity
 
 
-def _rows(columns: list[FloatArray]) -> Iterator[Row]:
+def _rows(columns: list[FloatArray]) -> Iterator[list[Any]]:
     """Numbers with all their digits; nothing where there is no value."""
     for row in zip(*(column.tolist() for column in columns), strict=True):
         yield ["" if math.isnan(value) else value for value in row]

@@ -1,6 +1,7 @@
 """The report as one self-contained HTML page: style, figures and their script are in the page, which prints on A4."""
 
 from base64 import b64encode
+from collections.abc import Callable
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -20,23 +21,28 @@ LONG_WORD = 20  # characters
 
 def html(document: Document) -> str:
     """The page."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True,
-    )  # fmt: skip
-    environment.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word)
     live = Page()
-    environment.filters.update(drawn=partial(_figure, live), kind=lambda block: type(block).__name__)
     style, script = (
         Markup((Path(__file__).parent / "templates" / f"report.{kind}").read_text(encoding="utf-8").strip())
         for kind in ("css", "js")
     )
     chapters = [item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1]
-    return environment.get_template("report.html").render(
+    return environment(drawn=partial(_figure, live)).get_template("report.html").render(
         cover=document.cover, body=document.body, chapters=chapters, style=style, script=script,
         digest=b64encode(sha256(f"\n{script}\n".encode()).digest()).decode(),
         coordinates=lambda: Markup(live.coordinates()),
     )  # fmt: skip
+
+
+def environment(drawn: Callable[[Figure], str]) -> Environment:
+    """Of the templates of pages: everything is escaped but what `drawn` makes of a figure."""
+    made = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True,
+    )  # fmt: skip
+    made.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word)
+    made.filters.update(drawn=lambda figure: Markup(drawn(figure)), kind=lambda block: type(block).__name__)
+    return made
 
 
 def _figure(live: Page, figure: Figure) -> Markup:

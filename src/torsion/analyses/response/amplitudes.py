@@ -15,7 +15,7 @@ from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.kernels.tree_response import Status
-from torsion.results import derived, reported, result, words
+from torsion.results import Displayed, derived, reported, result, words
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
@@ -49,7 +49,7 @@ class Balanced:
 
 
 @reported
-class Response:
+class Response(Displayed):
     """Complex amplitudes (half ranges, time factor exp(+i omega t), phase at reference angle zero)."""
 
     speed: FloatArray = result(

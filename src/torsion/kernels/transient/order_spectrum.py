@@ -19,7 +19,7 @@ SETTLED = 1e-13  # of the whole angle
 def hann(count: int) -> FloatArray:
     """(count,) of mean 1.
 
-    >>> hann(4).tolist()
+    >>> hann(4).round(12).tolist()
     [0.0, 1.0, 2.0, 1.0]
     """
     return np.asarray(1.0 - np.cos(2.0 * np.pi * np.arange(count) / count))
@@ -48,7 +48,7 @@ def leakage(off: FloatArray, revolutions: int) -> FloatArray:
     """H of the module's text, of a difference of orders, for samples without number.
 
     >>> leakage(np.array([0.0, 0.125, 0.25, 1.0]), 8).round(12).tolist()
-    [1.0, 0.5, -0.0, -0.0]
+    [1.0, 0.5, 0.0, 0.0]
     """
     x = off * revolutions
     near = np.abs(np.abs(x) - 1.0) < 1e-9

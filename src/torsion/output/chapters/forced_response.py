@@ -68,7 +68,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _peaks(findings, found, unit)
         yield _angles(findings, response)
     drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, MOST_FIGURES)
-    yield from (_figure(findings, element) for element in drawn)
+    yield from (curves(findings, element) for element in drawn)
     if len(drawn) < len(found):
         rest = ", ".join(e.name for e in found if e not in drawn)
         yield Paragraph(f"Without a figure, as they follow the others or carry less: {rest}.")
@@ -225,7 +225,8 @@ def _moving(findings: Findings) -> list[tuple[int, str]]:
     return [(k, station.name) for k, station in enumerate(findings.study.train.stations) if not station.is_ground]
 
 
-def _figure(findings: Findings, element: Element) -> Figure:
+def curves(findings: Findings, element: Element) -> Figure:
+    """The torque of an element over the speed: its strongest components, all together, and its limit."""
     response = findings.need(Response)
     parts, half = amplitude(findings, element.spans), synthesis(findings, element.spans)
     ratings = findings.study.train.parts[element.part].ratings

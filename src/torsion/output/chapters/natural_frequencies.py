@@ -46,7 +46,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(text, "note")
     if len(modes.frequency) == 0:
         return
-    yield _frequencies(modes)
+    yield frequencies(modes)
     if damped is not None:
         yield from _damped(damped)
     yield Heading("Energy shares", 2)
@@ -55,7 +55,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(HOW_TO_READ)
     for mode, frequency in enumerate(modes.frequency[:shown].tolist()):
         yield Heading(f"Mode {mode + 1}: {number(frequency)} Hz", 2)
-        yield _plot(findings, modes, mode)
+        yield plot(findings, modes, mode)
         yield from holzer_tables(findings, modes, mode)
     if shown < len(modes.frequency):
         text = f"Plots and tables of modes {shown + 1} to {len(modes.frequency)} are left out; see results.json."
@@ -74,7 +74,8 @@ def _introduction(modes: Modes) -> Paragraph:
     return Paragraph(f"{first}; {counted(len(modes.frequency), 'elastic mode')} of the undamped train. {enclosed}")
 
 
-def _frequencies(modes: Modes) -> Table:
+def frequencies(modes: Modes) -> Table:
+    """Of the undamped train, with their bounds."""
     bounds = np.transpose([modes.frequency, modes.lower, modes.upper, modes.nodes]).tolist()
     return table(
         "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | Nodes -> | "
@@ -181,7 +182,8 @@ def _settled(found: HolzerTable) -> list[list[float]]:
     return rows
 
 
-def _plot(findings: Findings, modes: Modes, mode: int) -> Figure:
+def plot(findings: Findings, modes: Modes, mode: int) -> Figure:
+    """Angle and torque of a mode, counted from 0, over the train."""
     system, place = findings.system, layout(findings.system)
     drawn = segment_groups(system, MOST_SEGMENTS)
     angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]

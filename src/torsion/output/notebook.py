@@ -1,0 +1,88 @@
+"""Findings, modes and a response as a notebook shows them: tables and one static figure, all names escaped."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings, Plan
+from torsion.output.blocks import Block, KeyValues, Paragraph, table
+from torsion.output.chapters import forced_response, natural_frequencies, plant, verdict
+from torsion.output.drawing.svg import svg
+from torsion.output.figures.figure import Figure
+from torsion.output.html import environment
+from torsion.output.numbers import NONE, rpm
+from torsion.output.reported_values import amplitude, harmonic_name
+from torsion.output.selection import NO_VALUE, elements, highest, largest, torques
+from torsion.rules.verdict_line import Checks
+from torsion.study import Study
+
+MOST_MODES = 30  # in the table of their frequencies
+
+
+def html(shown: Any) -> str:
+    """Of Findings, Modes or Response: a fragment without scripts."""
+    match shown:
+        case Findings():
+            blocks = _findings(shown)
+        case Modes():
+            blocks = _modes(shown)
+        case Response():
+            blocks = _response(shown)
+        case _:
+            raise TypeError(f"{type(shown).__name__} has no display")
+    return environment(drawn=svg).get_template("notebook.html").render(blocks=blocks)
+
+
+def _findings(findings: Findings) -> Iterator[Block]:
+    """The first chapter of the report, and its first figure."""
+    first = [*verdict.chapter(findings)] if findings.get(Checks) is not None else []
+    yield KeyValues((("Scene", findings.study.name),))
+    yield from first
+    if not any(isinstance(block, Figure) for block in first):
+        yield from (block for block in plant.chapter(findings) if isinstance(block, Figure))
+
+
+def _modes(modes: Modes) -> Iterator[Block]:
+    """The frequencies with their bounds, and the first mode over the train."""
+    if modes.frequency.size:
+        found = natural_frequencies.frequencies(modes)
+        rest = f"; the first {MOST_MODES} of {len(found.rows)}" if len(found.rows) > MOST_MODES else ""
+        yield replace(found, rows=found.rows[:MOST_MODES], caption=found.caption + rest)
+        yield natural_frequencies.plot(_alone(modes), modes, 0)
+    else:
+        yield Paragraph("no elastic modes")
+
+
+def _response(response: Response) -> Iterator[Block]:
+    """The largest harmonic component of every element, and the element that carries most over the speed."""
+    findings = _alone(response)
+    found = [e for e in elements(response.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
+    if not found:
+        yield Paragraph("nothing excites")
+        return
+    sizes = {element: amplitude(findings, element.spans) for element in found}
+    unit = torques(sizes.values())
+    rows = []
+    for element, size in sizes.items():
+        at = largest(size.ravel())
+        if at is None:
+            rows.append((element.name, NO_VALUE, NONE, NONE))
+        else:
+            speed, line = divmod(at, size.shape[1])
+            torque, name = unit.text(float(size[speed, line])), harmonic_name(response, line)
+            rows.append((element.name, torque, rpm(float(response.speed[speed])), name))
+    titles = f"< Element | Torque amplitude [{unit.unit}] | At speed [rpm] | Order"
+    yield table(titles, rows, "Largest torque amplitude of any one harmonic component")
+    yield forced_response.curves(findings, max(found, key=lambda one: highest(sizes[one]) * one.ratio))
+
+
+def _alone(result: Modes | Response) -> Findings:
+    """A result by itself, with the train that it is of."""
+    system = result.system
+    return Findings(
+        Study("", system.train), {"system": system, "result": result, "checks": Checks(())}, Plan((), (), {})
+    )
