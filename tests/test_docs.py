@@ -16,6 +16,8 @@ from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+LINKED = [*PAGES, ROOT / "CHANGELOG.md", *sorted((ROOT / "reports").glob("*.md")),
+          *sorted((ROOT / "reports" / "papers").glob("*.md"))]  # fmt: skip
 THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
 EQUATION = re.compile(r"\(T(\d+)\)")
 AROUND = """
@@ -85,10 +87,19 @@ def test_an_equation_that_is_cited_exists(path: Path) -> None:
     assert set(EQUATION.findall(path.read_text(encoding="utf-8"))) <= known
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_a_link_in_a_document_leads_to_a_file(path: Path) -> None:
-    for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8")):
-        assert (path.parent / target).exists(), target
+def anchors(page: Path) -> set[str]:
+    """The places of a page that a link can name: its headings, as GitHub and the site name them."""
+    prose = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    headings = re.findall(r"^#+ (.*)$", prose, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("path", LINKED, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_a_link_in_a_document_leads_to_a_file_and_a_heading(path: Path) -> None:
+    for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)]*))?\)", path.read_text(encoding="utf-8")):
+        page = path.parent / target if target else path
+        assert page.exists(), target
+        assert not anchor or anchor in anchors(page), f"{target}#{anchor}"
 
 
 def test_every_command_and_option_of_the_readme_exists() -> None:

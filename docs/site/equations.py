@@ -1,0 +1,112 @@
+"""Equations of the pages: subscripts and exponents are set as such, numbers are places to link to, as `(T12)` does."""
+
+import re
+from collections.abc import Iterator
+from html import escape
+
+from docutils import nodes
+from sphinx.application import Sphinx
+
+THEORY = "docs/theory"
+NUMBER = re.compile(r"\(([AT]\d+[a-z]?)\)")  # (T12), (A1), (T115a)
+NUMBERED = re.compile(r"(\S.*?) {2,}\(([AT]\d+[a-z]?)\)$")
+IN_BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
+PIECE = re.compile(
+    rf"_(?P<below>{IN_BRACKETS}|\{{[^}}]*\}}|[A-Za-z0-9α-ωΑ-Ω]+)"
+    rf"|\^(?P<above>{IN_BRACKETS}|−?[A-Za-z0-9.½⅓]+)"
+    r"|(?P<letters>(?:[A-Za-zα-ωΑ-Ω][\u0300-\u036f]*)+)"  # with their dots
+)
+UPRIGHT = {
+    "ln",
+    "Re",
+    "Im",
+    "or",
+    "of",
+    "in",
+    "at",
+    "is",
+    "by",
+    "if",
+    "as",
+    "to",
+    "on",
+    "no",
+    "up",
+    "so",
+    "kW",
+    "Σ",
+    "Π",
+    "Δ",
+}
+LONGEST_SYMBOL = 2  # Latin letters beside each other that are a product; more are a word or a function
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Acts on every page that is written."""
+    app.connect("doctree-resolved", _resolved)
+    return {"parallel_read_safe": True}
+
+
+def _resolved(app: Sphinx, doctree: nodes.document, page: str) -> None:
+    if app.builder.format != "html":
+        return
+    defined = set[str]()
+    for block in [*doctree.findall(nodes.literal_block)]:
+        if page == THEORY and block.get("language", "none") in ("none", "default"):
+            block.replace_self(nodes.raw("", rendered(block.astext(), defined), format="html"))
+    target = "" if page == THEORY else app.builder.get_relative_uri(page, THEORY)
+    for text in [*doctree.findall(nodes.Text)]:
+        if isinstance(text.parent, nodes.TextElement) and not _is_verbatim(text) and NUMBER.search(text):
+            text.parent.replace(text, list(_linked(str(text), target)))
+
+
+def _is_verbatim(text: nodes.Text) -> bool:
+    ancestor = text.parent
+    while ancestor is not None:
+        if isinstance(ancestor, nodes.literal | nodes.literal_block | nodes.raw | nodes.reference | nodes.title):
+            return True
+        ancestor = ancestor.parent
+    return False
+
+
+def _linked(text: str, page: str) -> Iterator[nodes.Node]:
+    """Text, in which the numbers of equations lead to these."""
+    place = 0
+    for found in NUMBER.finditer(text):
+        yield nodes.Text(text[place : found.start()])
+        yield nodes.reference("", found[0], refuri=f"{page}#{found[1]}", internal=True)
+        place = found.end()
+    yield nodes.Text(text[place:])
+
+
+def rendered(block: str, defined: set[str]) -> str:
+    """HTML of the lines of a block; the first line with a number is the place that it names."""
+    lines = []
+    for line in block.splitlines():
+        found = NUMBERED.search(line)
+        formula = line if found is None else line[: found.end(1)]
+        name = "" if found is None or found[2] in defined else f' id="{found[2]}"'
+        number = "" if found is None else f'<span class="number">({found[2]})</span>'
+        defined |= set() if found is None else {found[2]}
+        lines.append(f'<div class="equation"{name}><span class="formula">{typeset(formula)}</span>{number}</div>')
+    return f'<div class="equations">{"".join(lines)}</div>'
+
+
+def typeset(formula: str) -> str:
+    """A formula as the pages write it, `ω_n² = K_(r−c)/J`, in HTML.
+
+    >>> typeset("t_(i+1) < e^(−2x) sin α")
+    '<i>t</i><sub><i>i</i>+1</sub> &lt; <i>e</i><sup>−2<i>x</i></sup> sin <i>α</i>'
+    """
+    formula, made, place = formula.replace("sqrt(", "√("), list[str](), 0
+    for found in PIECE.finditer(formula):
+        made.append(escape(formula[place : found.start()], quote=False))
+        place = found.end()
+        if letters := found["letters"]:
+            is_symbol = len(letters) <= LONGEST_SYMBOL or not letters.isascii()
+            made.append(f"<i>{letters}</i>" if is_symbol and letters not in UPRIGHT else letters)
+        else:
+            kind, inside = ("sub", found["below"]) if found["below"] else ("sup", found["above"])
+            is_enclosed = inside[0] in "({" and inside[-1] in ")}"
+            made.append(f"<{kind}>{typeset(inside[1:-1] if is_enclosed else inside)}</{kind}>")
+    return "".join([*made, escape(formula[place:], quote=False)])

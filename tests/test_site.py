@@ -1,0 +1,86 @@
+"""The documentation site builds without a warning, all its links lead somewhere, and it needs no network."""
+
+import re
+import subprocess
+import sys
+from html import unescape
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+pytest.importorskip("furo", reason="the site needs pip install -e '.[docs]'")
+pytest.importorskip("myst_parser", reason="the site needs pip install -e '.[docs]'")
+
+ROOT = Path(__file__).parents[1]
+SCENES = 3  # of the gallery
+OUTSIDE = re.compile(r"[a-z]+:|//")  # another site, or data in the page
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the site, as the command of the README builds it."""
+    folder = tmp_path_factory.mktemp("site")
+    command = [
+        sys.executable, "-m", "sphinx", "-W", "--keep-going", "-n", "-q", "-c", "docs", "-d", str(folder / "pages"),
+        "-D", f"gallery_most={SCENES}", ".", str(folder / "site"),
+    ]  # fmt: skip
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert not done.stderr
+    return folder / "site"
+
+
+def pages(site: Path) -> dict[Path, str]:
+    return {path: path.read_text(encoding="utf-8") for path in sorted(site.rglob("*.html"))}
+
+
+def test_every_link_leads_to_a_file_and_a_place(site: Path) -> None:
+    found = pages(site)
+    places = {path: set(re.findall(r'\sid="([^"]+)"', text)) for path, text in found.items()}
+    count = 0
+    for path, text in found.items():
+        for link in map(unescape, re.findall(r'\s(?:href|src)="([^"]+)"', text)):
+            if not OUTSIDE.match(link):
+                file, _, anchor = link.partition("#")
+                target = (path.parent / unquote(file.partition("?")[0])).resolve() if file else path
+                assert target.is_file(), f"{path.name}: {link}"
+                assert not anchor or target not in places or unquote(anchor) in places[target], f"{path.name}: {link}"
+                count += 1
+    assert count > 1000
+
+
+def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
+    for path, text in pages(site).items():
+        loaded = re.findall(r'<(?:script|img|source|iframe)[^>]*\ssrc="([^"]+)"', text)
+        loaded += re.findall(r'<link[^>]*rel="(?:stylesheet|preload|icon)"[^>]*href="([^"]+)"', text)
+        assert not [one for one in loaded if OUTSIDE.match(one) and not one.startswith("data:")], path.name
+
+
+def test_no_page_names_a_place_of_this_machine(site: Path) -> None:
+    for path in site.rglob("*"):
+        if path.suffix in {".html", ".js", ".css", ".svg", ".yaml", ".txt"}:
+            text = path.read_text(encoding="utf-8")
+            assert str(ROOT) not in text, path
+            assert not re.search(r"(?<![\w.])/(?:home|root|tmp|work)/\w", text), path
+
+
+def test_every_numbered_equation_is_a_place_that_is_linked(site: Path) -> None:
+    theory = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+    numbers = re.findall(r"\S {2,}\(([AT]\d+[a-z]?)\)$", theory, re.MULTILINE)
+    page = (site / "docs" / "theory.html").read_text(encoding="utf-8")
+    assert numbers
+    assert {number for number in numbers if f'class="equation" id="{number}"' not in page} == set()
+    assert 'href="#T6"' in page
+    assert 'href="theory.html#T35"' in (site / "docs" / "conventions.html").read_text(encoding="utf-8")
+
+
+def test_the_gallery_has_sketch_figure_and_verdict_of_every_scene(site: Path) -> None:
+    page = (site / "docs" / "gallery.html").read_text(encoding="utf-8")
+    assert page.count('<img class="drawing"') == 2 * SCENES
+    assert len(re.findall(r'<a href="\.\./scenes/\w+\.yaml">', page)) == SCENES
+    assert page.count("No rule is requested.") + page.count("Verdict of ") == SCENES
+
+
+def test_the_first_page_is_where_a_browser_looks(site: Path) -> None:
+    assert "docs/index.html" in (site / "index.html").read_text(encoding="utf-8")
