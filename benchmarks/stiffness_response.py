@@ -43,8 +43,8 @@ def resonance(ratios: Sequence[float]) -> Sweep:
     sweep = Sweep(
         "resonance", "Response at resonance",
         "Free chain of ten discs, dampers to ground in proportion to the inertias, at the double nearest to the third "
-        "natural frequency; the largest error of the torques, over the largest torque. The dotted line is no method: "
-        "it is how far the torques at the next double frequency lie.",
+        "natural frequency; the largest error of the torques, over the largest torque. The line without points "
+        "is no method: it is how far the torques at the next double frequency lie.",
         "damping ratio",
     )  # fmt: skip
     random = np.random.default_rng(5)

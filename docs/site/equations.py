@@ -9,7 +9,7 @@ from sphinx.application import Sphinx
 
 THEORY = "docs/theory"
 NUMBER = re.compile(r"\(([AT]\d+[a-z]?)\)")  # (T12), (A1), (T115a)
-NUMBERED = re.compile(r"(\S.*?) {2,}\(([AT]\d+[a-z]?)\)$")
+NUMBERED = re.compile(r"(\S.*?) +\(([AT]\d+[a-z]?)\)$")
 IN_BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
 PIECE = re.compile(
     rf"_(?P<below>{IN_BRACKETS}|\{{[^}}]*\}}|[A-Za-z0-9α-ωΑ-Ω]+)"

@@ -82,6 +82,11 @@ def test_errors_above_a_hundredth_of_a_per_cent_are_in_per_cent() -> None:
     assert [text for _, text in found.ticks] == ["10⁻⁷", "10⁻⁶", "10⁻⁵", "0.01 %", "0.1 %", "1 %", "10 %", "100 %"]
 
 
+def test_errors_beyond_the_whole_stand_in_powers_of_ten() -> None:
+    found = scale(Axis("error", low=1e-16, high=2e3, is_log=True, is_error=True), [], 8)
+    assert [text for _, text in found.ticks] == ["10⁻¹⁵", "10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1", "10³"]
+
+
 def test_a_revolution_is_marked_in_whole_steps_and_so_are_many() -> None:
     assert degree_step(360.0, 12) == 30.0
     assert degree_step(360.0, 9) == 45.0

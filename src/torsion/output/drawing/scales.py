@@ -13,6 +13,7 @@ from torsion.output.numbers import SUPERSCRIPT
 FLAT = 1e-9  # of the values: a smaller range is a level line
 ROUND = 1e-9  # of a step, by which a number may miss it
 PLAIN = (1e-4, 1e6)  # numbers from here to there stand without a power of ten
+LEAST_SHARE, WHOLE = 0.9e-4, 1.1  # relative errors between them stand in per cent
 FEW_DECADES = 2  # from here on only whole decades have numbers
 DEGREES = (5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0, 180.0, 360.0)
 
@@ -51,7 +52,7 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
         return Scale(low, high, False, axis.places, is_reversed=axis.is_reversed)
     if axis.is_log:
         ticks, small = log_ticks(low, high, most)
-        words = [_share_words(one) if axis.is_error else _power(one) for one in ticks]
+        words = error_texts(ticks) if axis.is_error else [_power(one) for one in ticks]
         return Scale(low, high, True, tuple(zip(ticks, words, strict=True)), small, axis.is_reversed)
     step = degree_step(high - low, most) if axis.unit == "deg" else step_of(high - low, most)
     step = max(step, 1.0) if axis.is_whole else step
@@ -145,15 +146,21 @@ def texts(values: Sequence[float], step: float) -> list[str]:
     return ["0" if not one else f"{text}{behind}".replace("-", "−") for one, text in zip(values, found, strict=True)]
 
 
-def _power(value: float) -> str:
+def _power(value: float, plain: tuple[float, float] = PLAIN) -> str:
     """A number of a logarithmic axis: 0.001, 20, 10⁻⁷, 5·10⁶."""
     power = math.floor(math.log10(value) + ROUND)
-    if PLAIN[0] <= value < PLAIN[1]:
+    if plain[0] <= value < plain[1]:
         return f"{value:.6g}"
     mantissa = f"{value / 10.0**power:.3g}·"
     return f"{'' if mantissa == '1·' else mantissa}10{str(power).translate(SUPERSCRIPT)}"
 
 
-def _share_words(value: float) -> str:
-    """A relative error, above 1e-4 in per cent."""
-    return f"{100.0 * value:g} %" if value > 0.9e-4 else _power(value)
+def error_texts(values: Sequence[float]) -> list[str]:
+    """Relative errors: above 1e-4 in per cent; where one lies above 100 %, all of them in powers of ten.
+
+    >>> error_texts([1e-5, 0.001, 0.1]), error_texts([1e-12, 1e-4, 1.0, 1000.0])
+    (['10⁻⁵', '0.1 %', '10 %'], ['10⁻¹²', '10⁻⁴', '1', '10³'])
+    """
+    if max(values, default=0.0) > WHOLE:
+        return [_power(one, (1.0, 10.0)) for one in values]
+    return [f"{100.0 * one:g} %" if one > LEAST_SHARE else _power(one) for one in values]

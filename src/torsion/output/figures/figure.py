@@ -30,7 +30,7 @@ class Axis:
     high: float | None = None
     is_log: bool = False
     is_whole: bool = False  # whole numbers alone
-    is_error: bool = False  # relative: above 1e-4 in per cent
+    is_error: bool = False  # relative: above 1e-4 in per cent, but in powers of ten where it goes beyond 100 %
     places: tuple[tuple[float, str], ...] = ()  # names that stand in place of numbers
     is_reversed: bool = False
 
