@@ -84,3 +84,9 @@ def test_the_gallery_has_sketch_figure_and_verdict_of_every_scene(site: Path) ->
 
 def test_the_first_page_is_where_a_browser_looks(site: Path) -> None:
     assert "docs/index.html" in (site / "index.html").read_text(encoding="utf-8")
+
+
+def test_the_example_of_an_equation_holds() -> None:
+    module = ROOT / "docs" / "site" / "equations.py"
+    done = subprocess.run([sys.executable, "-m", "doctest", str(module)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout

@@ -28,7 +28,7 @@ import numpy as np
 Value = TypeVar("Value")
 Axes = tuple[str, ...]
 BY_UNIT = "*"
-NOTEBOOK = "torsion.output.notebook:html"  # a name, since outputs stand above results
+NOTEBOOK = "torsion.output.notebook:bundle"  # a name, since outputs stand above results
 _SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
 
@@ -82,12 +82,16 @@ def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Cal
 
 
 class Displayed:
-    """What a notebook shows as tables and a figure."""
+    """What a notebook shows as tables and a figure, and as one line where it shows text."""
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
+        """The line and the page; without it a notebook would keep every number of the arrays as text."""
+        shown: dict[str, str] = resolve_name(NOTEBOOK)(self)
+        return shown
 
     def _repr_html_(self) -> str:
         """HTML without scripts, which stands in any page."""
-        shown: str = resolve_name(NOTEBOOK)(self)
-        return shown
+        return self._repr_mimebundle_()["text/html"]
 
 
 def words(codes: Any, kind: type[Enum]) -> np.ndarray:

@@ -54,6 +54,18 @@ def test_modes_show_every_frequency_with_its_bounds(train: Findings) -> None:
     np.testing.assert_allclose(cells[:, 1:], modes.enclosure, rtol=5e-10)
 
 
+@pytest.mark.parametrize(
+    ("kind", "line"),
+    [("findings", "checks, "), ("modes", "Modes: 6 elastic modes: "), ("response", "harmonic components at ")],
+)
+def test_text_in_a_notebook_is_one_line(train: Findings, kind: str, line: str) -> None:
+    results = {"findings": train, "modes": train.need(Modes), "response": train.need(Response)}
+    text = results[kind]._repr_mimebundle_()["text/plain"]
+    assert line in text
+    assert "\n" not in text
+    assert len(text) < 500
+
+
 def test_many_modes_are_cut_and_counted(train: Findings, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(notebook, "MOST_MODES", 2)
     page = shown(train, "modes")

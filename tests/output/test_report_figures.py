@@ -21,6 +21,7 @@ def test_they_are_the_figures_of_the_page_in_its_order(train: Findings) -> None:
     assert list(found) == [one.name for one in drawn]
     assert [one.svg for one in found.values()] == [svg(one) for one in drawn]
     assert all(one._repr_svg_() == one.svg for one in found.values())
+    assert all(one._repr_mimebundle_()["text/plain"] == f"{one.name}: {one.caption}" for one in found.values())
 
 
 def test_a_figure_is_frozen(train: Findings) -> None:

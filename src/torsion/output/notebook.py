@@ -14,27 +14,43 @@ from torsion.output.chapters import forced_response, natural_frequencies, plant,
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
-from torsion.output.numbers import NONE, rpm
+from torsion.output.numbers import NONE, counted, number, rpm
 from torsion.output.reported_values import amplitude, harmonic_name
 from torsion.output.selection import NO_VALUE, elements, highest, largest, torques
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 
 MOST_MODES = 30  # in the table of their frequencies
+FEW = 6  # frequencies in a line
 
 
-def html(shown: Any) -> str:
-    """Of Findings, Modes or Response: a fragment without scripts."""
+def bundle(shown: Any) -> dict[str, str]:
+    """Of Findings, Modes or Response, by type of content: one line, and a fragment without scripts."""
     match shown:
         case Findings():
-            blocks = _findings(shown)
+            line, blocks = _findings_line(shown), _findings(shown)
         case Modes():
-            blocks = _modes(shown)
+            line, blocks = f"{counted(shown.frequency.size, 'elastic mode')}{_frequencies(shown)}", _modes(shown)
         case Response():
-            blocks = _response(shown)
+            counts = counted(len(shown.lines), "harmonic component"), counted(shown.speed.size, "speed")
+            line, blocks = " at ".join(counts), _response(shown)
         case _:
             raise TypeError(f"{type(shown).__name__} has no display")
-    return environment(drawn=svg).get_template("notebook.html").render(blocks=blocks)
+    page = environment(drawn=svg).get_template("notebook.html").render(blocks=blocks)
+    return {"text/plain": f"{type(shown).__name__}: {line}", "text/html": page}
+
+
+def _findings_line(findings: Findings) -> str:
+    checks = findings.get(Checks)
+    lines = () if checks is None else checks.lines
+    kept = f"{counted(len(lines), 'check')}, {sum(one.fails for one in lines)} not kept"
+    return f"{findings.study.name}; {kept}; results: {', '.join(findings.results)}"
+
+
+def _frequencies(modes: Modes) -> str:
+    """The first of them."""
+    more = ", …" if modes.frequency.size > FEW else ""
+    return f": {', '.join(map(number, modes.frequency[:FEW].tolist()))}{more} Hz" if modes.frequency.size else ""
 
 
 def _findings(findings: Findings) -> Iterator[Block]:

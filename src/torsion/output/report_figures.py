@@ -1,6 +1,7 @@
 """The figures of a report for Python: frozen data that draws itself, with its numbers as arrays and as CSV."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
@@ -32,6 +33,10 @@ class ReportFigure(Figure):
     def _repr_svg_(self) -> str:
         """As a notebook shows it."""
         return self.svg
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
+        """The same, and its caption where text is shown in place of all numbers."""
+        return {"text/plain": f"{self.name}: {self.caption}", "image/svg+xml": self.svg}
 
 
 def figures(findings: Findings) -> dict[str, ReportFigure]:
