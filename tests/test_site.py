@@ -72,6 +72,7 @@ def test_every_numbered_equation_is_a_place_that_is_linked(site: Path) -> None:
     assert numbers
     assert {number for number in numbers if f'class="equation" id="{number}"' not in page} == set()
     assert 'href="#T6"' in page
+    assert "Z<sub>i</sub> is the dynamic stiffness" in page
     assert 'href="theory.html#T35"' in (site / "docs" / "conventions.html").read_text(encoding="utf-8")
 
 

@@ -9,6 +9,9 @@ from sphinx.application import Sphinx
 
 THEORY = "docs/theory"
 NUMBER = re.compile(r"\(([AT]\d+[a-z]?)\)")  # (T12), (A1), (T115a)
+SYMBOL = re.compile(
+    r"(?<=[A-Za-zα-ωΑ-Ω])_(\([^()]*\)|\{[^}]*\}|[A-Za-z0-9]+)(?![\w_])"
+)  # the index of τ_C, in the text
 NUMBERED = re.compile(r"(\S.*?) +\(([AT]\d+[a-z]?)\)$")
 IN_BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
 PIECE = re.compile(
@@ -56,8 +59,10 @@ def _resolved(app: Sphinx, doctree: nodes.document, page: str) -> None:
             block.replace_self(nodes.raw("", rendered(block.astext(), defined), format="html"))
     target = "" if page == THEORY else app.builder.get_relative_uri(page, THEORY)
     for text in [*doctree.findall(nodes.Text)]:
-        if isinstance(text.parent, nodes.TextElement) and not _is_verbatim(text) and NUMBER.search(text):
-            text.parent.replace(text, list(_linked(str(text), target)))
+        if isinstance(text.parent, nodes.TextElement) and not _is_verbatim(text):
+            made = [*_linked(str(text), target, has_symbols=page == THEORY)]
+            if len(made) > 1:
+                text.parent.replace(text, made)
 
 
 def _is_verbatim(text: nodes.Text) -> bool:
@@ -69,13 +74,17 @@ def _is_verbatim(text: nodes.Text) -> bool:
     return False
 
 
-def _linked(text: str, page: str) -> Iterator[nodes.Node]:
-    """Text, in which the numbers of equations lead to these."""
+def _linked(text: str, page: str, *, has_symbols: bool) -> Iterator[nodes.Node]:
+    """Text, in which the numbers of equations lead to these, and symbols have their indices."""
+    found = [*NUMBER.finditer(text), *(SYMBOL.finditer(text) if has_symbols else ())]
     place = 0
-    for found in NUMBER.finditer(text):
-        yield nodes.Text(text[place : found.start()])
-        yield nodes.reference("", found[0], refuri=f"{page}#{found[1]}", internal=True)
-        place = found.end()
+    for one in sorted(found, key=lambda match: match.start()):
+        yield nodes.Text(text[place : one.start()])
+        if one.re is NUMBER:
+            yield nodes.reference("", one[0], refuri=f"{page}#{one[1]}", internal=True)
+        else:
+            yield nodes.subscript("", one[1].strip("(){}"))
+        place = one.end()
     yield nodes.Text(text[place:])
 
 
