@@ -122,7 +122,7 @@ def _long(folder: Path) -> list[Path]:
         excited = {
             **plain,
             "operation": {"speeds": {"from": "600 rpm", "to": "1800 rpm", "steps": 301}},
-            "excitations": [{"at": "disc-1", "harmonics": [[order, 10.0, "0 deg"] for order in ORDERS]}],
+            "excitations": [{"at": "disc-1", "order": order, "torque": 10.0} for order in ORDERS],
         }
         for name, data in ((f"{size} modes", plain), (f"{size} response", excited)):
             found.append(folder / f"{name}.yaml")
