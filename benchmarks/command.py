@@ -1,62 +1,165 @@
-"""The whole command beside the bare imports: `python -m benchmarks.command`.
+"""What the whole command costs: `python -m benchmarks.command [--quick]`.
 
-`torsion solve scene --json` of a scene of discs and springs, against a fresh interpreter that imports numpy,
-scipy.linalg, pydantic, yaml and pint and ends. Runs are paired, one of each in turn; the ratio is the median of the
-pairs' ratios.
+`torsion solve` of scenes beside `torsion solve --json` of the same, which draws and writes nothing, in turn; where the
+time of each goes; long trains; and `--json` beside the bare imports. Every run is a fresh process. Writes
+reports/command.md; `--quick` takes half a minute, fewer runs and no long trains, and prints without writing.
 """
 
-import argparse
+import json
+import os
 import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
-from benchmarks import cases, machine
-from benchmarks.page_file import verdict
+from benchmarks import cases
+from benchmarks.page_file import Report, verdict
+from benchmarks.papers.writing import table
 from benchmarks.scenes import scene
 
-TARGET = 1.5
-IMPORTS = "import numpy, scipy.linalg, pydantic, yaml, pint"
+SPECS = Path(__file__).parents[1] / "shafting_specs"
+SCENES = ("haixun_06402", "usv", "cardan_bearings", "pump_1200kw", "six_cylinder")
+LIMITED = SCENES[:2]  # scenes with a target
+MOST, HEAVIEST = 1.6, 450.0  # of solve / --json, and kB of the first scene's page
+BESIDE, LARGE = 5.0, 2000.0  # s more than --json, and kB of the page, of long trains
+IMPORTS, BARE = "import numpy, scipy.linalg, pydantic, yaml, pint", 1.5  # and the ratio of --json to them
+LONG = (1_000, 10_000)  # stations
+ORDERS = (1, 2)
+
+HOW = """\
+Times are of whole processes, from start to end, in s: the least of the runs, which take turns (`solve`, `--json`,
+`solve`, ...), and in brackets the processor's. `solve` draws every figure and writes the page, the tables and
+results.json; `--json` solves the same and prints results.json. A ratio above its target is MISSED."""
+PARTS = """\
+Where the time goes, ms of one process: the median of the runs. `read` holds the import of the schema, `solve` that of
+the analyses which the scene needs; `blocks` are tables and figures as data, `page` draws and renders them."""
 
 
-def main() -> int:
-    """Measures and prints; the exit status is 1 where the command itself failed."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--pairs", type=int, default=11)
-    parser.add_argument("--size", type=int, default=6, help="discs in the scene")
-    chosen = parser.parse_args()
-    print("\n".join(machine.lines()))
-    with tempfile.TemporaryDirectory() as folder:
-        command = _command(chosen.size, Path(folder))
-        failure = _run(command)[1]
-        if failure:
-            print(f"torsion solve failed: {failure}")
-            return 1
-        pairs = [(_run(command)[0], _run([sys.executable, "-c", IMPORTS])[0]) for _ in range(chosen.pairs)]
+def main() -> None:
+    """Measures, and writes the page."""
+    report = Report(__doc__, "command", "three runs each, no long trains", runs=7)
+    quick, runs = report.chosen.quick, 3 if report.chosen.quick else report.chosen.runs
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        pairs = [_pair(SPECS / f"{one}.yaml", folder, runs) for one in SCENES]
+        parts = [_median_parts(SPECS / f"{one}.yaml", runs) for one in SCENES]
+        long = [] if quick else [_pair(file, folder, 2) for file in _long(folder)]
+        bare = _beside_imports(folder, runs)
+    sections = [
+        HOW, table(HEAD, map(_row, pairs)), _scene_verdicts(pairs),
+        "## Where it goes", PARTS, table(("scene", *parts[0]), _part_rows(parts)),
+    ]  # fmt: skip
+    if long:
+        sections += ["## Long trains", LONG_TRAINS, table(HEAD, map(_row, long)), _long_verdicts(long)]
+    report.publish("The command", [*sections, "## Beside the bare imports", bare])
+
+
+HEAD = ("scene", "solve", "--json", "ratio", "solve - json", "page kB", "results kB")
+LONG_TRAINS = f"""\
+Chains of equal discs and couplings with 1 % loss, by number of stations: modes alone, and with the response to
+orders {" and ".join(map(str, ORDERS))} at 301 speeds. Two runs in turn."""
+
+
+def _pair(file: Path, folder: Path, runs: int) -> dict[str, Any]:
+    """Least seconds of both forms of the command, which take turns, and the weight of what the report holds."""
+    out = folder / file.stem
+    forms = {"solve": ["solve", str(file), "-o", str(out)], "json": ["solve", str(file), "--json"]}
+    times = [{name: _run(words) for name, words in forms.items()} for _ in range(runs)]
+    least = {name: tuple(min(one[name][k] for one in times) for k in (0, 1)) for name in forms}
+    print(f"{file.stem}: {least}", file=sys.stderr, flush=True)
+    weight = {name: (out / name).stat().st_size / 1e3 for name in ("report.html", "results.json")}
+    return {"scene": file.stem, **least, **weight}
+
+
+def _run(words: Sequence[str]) -> tuple[float, float]:
+    """Seconds by the clock and of the processor; a failed check (status 1) and no answer (3) are answers too."""
+    start, before = perf_counter(), os.times()
+    done = subprocess.run([sys.executable, "-m", "torsion", *words], capture_output=True, text=True, check=False)
+    seconds, after = perf_counter() - start, os.times()
+    if done.returncode not in (0, 1, 3) or "Traceback" in done.stderr:
+        sys.exit(f"torsion {' '.join(words)} failed: {done.stderr[-300:]}")
+    processor = after.children_user + after.children_system - before.children_user - before.children_system
+    return seconds, processor
+
+
+def _row(pair: dict[str, Any]) -> tuple[str, ...]:
+    solve, plain = pair["solve"], pair["json"]
+    times = (f"{clock:.2f} ({processor:.2f})" for clock, processor in (solve, plain))
+    weights = (f"{pair[name]:.0f}" for name in ("report.html", "results.json"))
+    return pair["scene"], *times, f"{solve[0] / plain[0]:.2f}", f"{solve[0] - plain[0]:.2f}", *weights
+
+
+def _scene_verdicts(pairs: Sequence[dict[str, Any]]) -> str:
+    worst = max(pair["solve"][0] / pair["json"][0] for pair in pairs if pair["scene"] in LIMITED)
+    heaviest = pairs[0]["report.html"]
+    return (
+        f"- largest ratio of {' and '.join(LIMITED)}: {worst:.2f}, meant <= {MOST}: {verdict(worst <= MOST)}\n"
+        f"- page of {SCENES[0]}: {heaviest:.0f} kB, meant <= {HEAVIEST:.0f}: {verdict(heaviest <= HEAVIEST)}"
+    )
+
+
+def _long_verdicts(pairs: Sequence[dict[str, Any]]) -> str:
+    more = max(pair["solve"][0] - pair["json"][0] for pair in pairs)
+    heaviest = max(pair["report.html"] for pair in pairs)
+    return (
+        f"- most beyond `--json`: {more:.1f} s, meant <= {BESIDE}: {verdict(more <= BESIDE)}\n"
+        f"- heaviest page: {heaviest:.0f} kB, meant <= {LARGE:.0f}: {verdict(heaviest <= LARGE)}"
+    )
+
+
+def _long(folder: Path) -> list[Path]:
+    """Scenes of long chains: modes alone, and with a response."""
+    found = []
+    for size in LONG:
+        plain = json.loads(scene(cases.undamped(cases.chain(size, stiff=False)), folder).read_text())
+        for part in plain["train"]:
+            if "coupling" in part:
+                part["coupling"]["loss_factor"] = 0.01
+        excited = {
+            **plain,
+            "operation": {"speeds": {"from": "600 rpm", "to": "1800 rpm", "steps": 301}},
+            "excitations": [{"at": "disc-1", "order": order, "torque": 10.0} for order in ORDERS],
+        }
+        for name, data in ((f"{size} modes", plain), (f"{size} response", excited)):
+            found.append(folder / f"{name}.yaml")
+            found[-1].write_text(json.dumps({**data, "name": name}))
+    return found
+
+
+def _median_parts(file: Path, runs: int) -> dict[str, float]:
+    """Median seconds of every part of fresh processes."""
+    command = [sys.executable, "-m", "benchmarks.command_parts", str(file)]
+    done = [json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout) for _ in range(runs)]
+    return {name: statistics.median(one[name] for one in done) for name in done[0]}
+
+
+def _part_rows(parts: Sequence[dict[str, float]]) -> list[tuple[str, ...]]:
+    return [
+        (name, *(f"{1e3 * seconds:.0f}" for seconds in one.values()))
+        for name, one in zip(SCENES, parts, strict=True)
+    ]  # fmt: skip
+
+
+def _beside_imports(folder: Path, runs: int) -> str:
+    """`--json` of six discs beside an interpreter that imports the libraries it needs and ends."""
+    file = scene(cases.undamped(cases.chain(6, stiff=False)), folder)
+    pairs = []
+    for _ in range(runs):
+        own = _run(["solve", str(file), "--json"])[0]
+        start = perf_counter()
+        subprocess.run([sys.executable, "-c", IMPORTS], check=True)
+        pairs.append((own, perf_counter() - start))
     ratio = statistics.median(own / bare for own, bare in pairs)
     own, bare = (statistics.median(times) for times in zip(*pairs, strict=True))
-    print(f"torsion solve --json, {chosen.size} discs: {own * 1e3:.0f} ms; {IMPORTS}: {bare * 1e3:.0f} ms (medians)")
-    print(f"ratio, median of {chosen.pairs} pairs: {ratio:.2f}, meant <= {TARGET}: {verdict(ratio <= TARGET)}")
-    return 0
-
-
-def _command(size: int, folder: Path) -> list[str]:
-    file = scene(cases.undamped(cases.chain(size, stiff=False)), folder)
-    program = Path(sys.executable).with_name("torsion")
-    return [str(program), "solve", str(file), "--json"]
-
-
-def _run(command: list[str]) -> tuple[float, str]:
-    """Seconds, and the last line of what went wrong; a failed check (status 1) is an answer too."""
-    start = perf_counter()
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    seconds = perf_counter() - start
-    if done.returncode == 0 or (done.returncode == 1 and "Traceback" not in done.stderr):
-        return seconds, ""
-    return seconds, (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
+    return (
+        f"`torsion solve --json` of six discs takes {own * 1e3:.0f} ms, `{IMPORTS}` {bare * 1e3:.0f} ms (medians); "
+        f"ratio, median of the pairs: {ratio:.2f}, meant <= {BARE}: {verdict(ratio <= BARE)}"
+    )
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
