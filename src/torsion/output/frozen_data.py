@@ -5,6 +5,7 @@ is in a mapping by its name. Arrays stand in a list of their own, each once, and
 """
 
 import math
+import re
 import zlib
 from base64 import b64decode, b64encode
 from collections.abc import Callable, Sequence
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 DTYPES = {"f": "<f8", "i": "<i8", "u": "<i8", "b": "|b1"}  # of an array as it is kept, by the kind of its own
 MOST_BYTES = 1_000_000_000  # of an array that is read
+CONTROL = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff]")  # signs that no text of a scene has
 PLAIN: tuple[Any, ...] = (str, int, float, bool, NoneType)  # what a default may be
 
 
@@ -117,9 +119,11 @@ def _simple(kind: Any) -> Form:
     if kind is bool:
         holds = lambda value: isinstance(value, bool | np.bool_)  # noqa: E731
         return Form(holds, lambda value, _: bool(value), _checked(lambda v: type(v) is bool, "true or false"))
-    if kind in (str, NoneType, None):
-        wanted = NoneType if kind is None else kind
-        return _plain(lambda value: isinstance(value, wanted), "text" if kind is str else "nothing")
+    if kind is str:
+        read = _checked(lambda value: isinstance(value, str) and not CONTROL.search(value), "text")
+        return Form(lambda value: isinstance(value, str), lambda value, _: value, read)
+    if kind in (NoneType, None):
+        return _plain(lambda value: value is None, "nothing")
     raise TypeError(f"{kind} has no form as data")
 
 

@@ -63,11 +63,10 @@ def _restored(file: Path, kept: object) -> Document:
         here = f"this is torsion {torsion.__version__}, which reads format {FORMAT}"
         raise _refused(file, f"holds a report in format {kept['format']} of {by}; {here}", "install that version")
     content = kept.get("content")
-    if kept["format"] < 1 or not isinstance(content, dict) or _checksum(_text(content)) != kept.get("sha256"):
-        raise _refused(
-            file, "holds a report that is damaged or was changed after it was written", "solve the scene again"
-        )
     try:
+        if kept["format"] < 1 or not isinstance(content, dict) or _checksum(_text(content)) != kept.get("sha256"):
+            again = "solve the scene again"
+            raise _refused(file, "holds a report that is damaged or was changed after it was written", again)
         made: Document = form(Document).read(content.get("document"), _arrays(content.get("arrays")))
         made.report  # noqa: B018  its name is one of REPORTS
     except (ValueError, TypeError, LookupError, RecursionError) as error:

@@ -10,7 +10,7 @@ from pathlib import Path
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document, document
-from torsion.output.renderers import Content, files
+from torsion.output.renderers import OUTPUTS, Content, files
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import SERIES
 
@@ -35,6 +35,7 @@ def redraw(document: Document, folder: str | Path, *, also: Collection[str] = ()
     Raises OSError where the folder cannot be written, InputError where the report cannot be drawn.
     """
     try:
+        OUTPUTS["terminal"](document)
         contents = files(document, also=also)
     except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as error:
         message = f"the report cannot be drawn: {type(error).__name__}, {error}"
