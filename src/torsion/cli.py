@@ -2,7 +2,7 @@
 
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from torsion.errors import InputError, SolveError
+from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
 
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
 
-SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status
 SCHEMA_FILE = "torsion.schema.json"  # beside a new scene, whose first line names it to editors
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
@@ -127,6 +126,28 @@ def study(
 
 
 @app.command()
+def report(
+    results: Annotated[Path, typer.Argument(help="results.json, or the folder that holds it.", show_default=False)],
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report (default: the same).")] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
+    csv: Annotated[
+        bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
+    ] = False,
+) -> None:
+    """Draw the report again from its results, without solving: the page, and what the options name.
+
+    Exit status: that of the command which wrote the results, or 2 where they hold no report.
+    """
+    from torsion import commands
+    from torsion.output.terminal import show
+
+    with _refusals(results):
+        made, folder = commands.report(results, out, also=commands.outputs(pdf=pdf, figures=csv, tables=csv))
+        show(made, folder)
+    _end(made.ending.unanswered, made.ending.status)
+
+
+@app.command()
 def plan(file: File) -> None:
     """Print what `solve` would compute of a scene, with sizes and reasons; nothing is solved.
 
@@ -196,14 +217,14 @@ def _report(
             show(commands.write(findings, folder, report, also=also), folder)
         if matrices is not None:
             typer.echo(commands.write_matrices(findings, matrices))
-    unanswered = findings.plan.unanswered
-    for one in unanswered:
-        typer.echo(f"no answer: {one.what}\n{one.text}", err=True)
-    if any(one.is_input for one in unanswered):
-        raise typer.Exit(BAD_INPUT)
-    if any(one.is_named for one in unanswered):
-        raise typer.Exit(REFUSED)
-    raise typer.Exit(FAILED_CHECK if findings.failed else SOLVED)
+    _end(findings.plan.without_answer, findings.exit_status)
+
+
+def _end(unanswered: Iterable[str], status: int) -> NoReturn:
+    """Say on the error stream what has no answer, and end with the exit status."""
+    for words in unanswered:
+        typer.echo(words, err=True)
+    raise typer.Exit(status)
 
 
 def _progress() -> "AbstractContextManager[Progress]":

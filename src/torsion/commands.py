@@ -76,8 +76,26 @@ def write(findings: Findings, folder: Path, report: str = "solve", *, also: Coll
         return write_report(findings, folder, report, also=also)
 
 
+def report(
+    results: str | Path, out: str | Path | None = None, *, also: Collection[str] = ()
+) -> "tuple[Document, Path]":
+    """Draw the report again that a file of results, or the results.json of a folder, holds; nothing is solved.
+
+    Writes its page, and `also` those of outputs on request that it alone makes, into `out` (default: beside the
+    results). The report and its folder. Raises InputError.
+    """
+    from torsion.output.stored_report import opened
+    from torsion.output.write import redraw
+
+    place = Path(results)
+    made, folder = opened(place), Path(out) if out is not None else place if place.is_dir() else place.parent
+    with _writing(None, "the report", folder, OTHER_FOLDER):
+        redraw(made, folder, also=also)
+    return made, folder
+
+
 @contextmanager
-def _writing(study: Study, what: str, place: Path, remedy: str = "") -> Iterator[None]:
+def _writing(study: Study | None, what: str, place: Path, remedy: str = "") -> Iterator[None]:
     """Raise InputError where something cannot be written to its place; locate other faults in the file."""
     try:
         yield
@@ -85,7 +103,7 @@ def _writing(study: Study, what: str, place: Path, remedy: str = "") -> Iterator
         message = f"{what} cannot be written to {place}: {error.strerror or error}"
         raise InputError([Fault((), message)], message + remedy) from None
     except InputError as error:
-        raise located(error, study) from None
+        raise error if study is None else located(error, study) from None
 
 
 def joint(file: str | Path, *, turns: int | None = None, progress: Progress = silent) -> Findings:

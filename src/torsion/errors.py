@@ -4,6 +4,7 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status of the commands
 Path = tuple[str | int, ...]  # keys and list positions from the top of the file, e.g. ("train", 2, "shaft", "length")
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from importlib import metadata
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
+from torsion.errors import BAD_INPUT, FAILED_CHECK, REFUSED, SOLVED
 from torsion.fields import Declared
 from torsion.results import Displayed, derived, reported, result
 
@@ -75,6 +76,11 @@ class Plan:
     versions: dict[str, str] = result("", (), "versions of the libraries")
 
     unanswered: tuple[Unanswered, ...] = result("", (), "analyses without an answer", default=())
+
+    @property
+    def without_answer(self) -> tuple[str, ...]:
+        """Every analysis without an answer, with its cause, as the commands say it."""
+        return tuple(f"no answer: {one.what}\n{one.text}" for one in self.unanswered)
 
     @derived("", (), "what was left out, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:
@@ -156,6 +162,15 @@ class Findings(Displayed, Results):
     def failed(self) -> bool:
         """A limit, of a rule or of the comparison of the models, is not kept."""
         return any(getattr(found, "fails", False) for found in self.results.values())
+
+    @property
+    def exit_status(self) -> int:
+        """What a command ends with that printed them."""
+        if any(one.is_input for one in self.plan.unanswered):
+            return BAD_INPUT
+        if any(one.is_named for one in self.plan.unanswered):
+            return REFUSED
+        return FAILED_CHECK if self.failed else SOLVED
 
 
 @dataclass(frozen=True)

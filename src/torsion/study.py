@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from torsion import fields
 from torsion.arrays import FloatArray
@@ -128,6 +128,50 @@ class ShaftModel(Declared):
             raise refuse(message, "write `model: fem` too, or leave `fem` out", "fem")
 
 
+def _one_line(value: str) -> str:
+    if not value.strip() or not value.isprintable():
+        raise refuse("the text is empty" if not value.strip() else "the text is not on one line", "a few words")
+    return value
+
+
+def _imo_number(value: Any) -> str:
+    """Seven digits, the last of which is that of 7 a + 6 b + 5 c + 4 d + 3 e + 2 f (IMO resolution A.1117(30))."""
+    digits = re.sub(r"^IMO *", "", value.strip()) if isinstance(value, str) else str(value)
+    if isinstance(value, bool) or not re.fullmatch("[0-9]{7}", digits):
+        raise refuse(f"{fields.shown(value)} is no IMO number", "seven digits, as 9074729")
+    total = sum(weight * int(digit) for weight, digit in zip(range(7, 1, -1), digits, strict=False))
+    if total % 10 != int(digits[6]):
+        message = f"{digits} is no IMO number: the last digit checks the others, and behind {digits[:6]} it is"
+        raise refuse(
+            f"{message} {total % 10}",
+            "compare it with the register: a digit is wrong, or two are in each other's place",
+        )
+    return digits
+
+
+Words = Annotated[str, Field(max_length=100), AfterValidator(_one_line)]
+Label = Annotated[str, Field(max_length=50), AfterValidator(_one_line)]
+ImoNumber = Annotated[str, BeforeValidator(_imo_number, int | Annotated[str, Field(pattern="^(IMO *)?[0-9]{7}$")])]
+
+
+class FrontMatter(Declared):
+    """What the cover and the running head of a submission say; all of it is optional."""
+
+    vessel: Words | None = given("name of the vessel, or of the plant", examples=["Example Star"])
+    yard: Words | None = given("yard and number of the building", examples=["Example Yard, hull 123"])
+    imo_number: ImoNumber | None = given("IMO number of the vessel; its check digit is checked", examples=[9074729])
+    society: Words | None = given("the classification society that it is submitted to", examples=["Lloyd's Register"])
+    document_number: Label | None = given("number of the document, on every page", examples=["TVC-0123"])
+    revision: Label | None = given("its revision, on every page", examples=["B"])
+    prepared: Words | None = given("who prepared it, beside a line for the signature", examples=["A. Engineer"])
+    checked: Words | None = given("who checked it", examples=["B. Engineer"])
+    approved: Words | None = given("who approved it", examples=["C. Engineer"])
+    logo: str | None = given(
+        "picture on the cover: a PNG, JPEG or SVG file of at most 300 kB, its path from the folder of this file",
+        examples=["logo.png"],
+    )
+
+
 @dataclass(frozen=True)
 class Study:
     """A scene: everything that a file says."""
@@ -143,6 +187,8 @@ class Study:
     file: str = ""
     text: str = ""  # the file as read
     memory: float = MEMORY  # bytes that a response may need
+    document: FrontMatter | None = None
+    logo: str = ""  # its picture as a data URI
 
     @property
     def has_supports(self) -> bool:

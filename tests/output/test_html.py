@@ -20,7 +20,6 @@ from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.document import Cover, Document, Numbered, document, numbered
 from torsion.output.html import anchor, css_text, has_long_word, html
 from torsion.output.numbers import number
-from torsion.output.reports import REPORTS
 from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
 
@@ -100,7 +99,7 @@ def test_an_anchor_is_the_number_in_small_letters() -> None:
 
 def test_the_contents_list_the_chapters_alone_and_the_page_has_no_blank_lines(bare: Findings) -> None:
     blocks = [Heading("One"), Paragraph("p"), Heading("Within", 2), Heading("Two")]
-    page = html(Document(Cover("t", "s", ()), tuple(numbered(blocks)), bare, REPORTS["solve"]))
+    page = html(Document(Cover("t", "s", ()), tuple(numbered(blocks))))
     assert page.count("Within") == 1
     assert (page.count("One"), page.count("Two")) == (2, 2)
     body = page[page.index("<body") :]

@@ -8,12 +8,11 @@ import typst
 from torsion.output.blocks import Block, Column, Figure, Heading, KeyValues, Paragraph, Points, Table, Verbatim
 from torsion.output.document import Cover, Document, numbered
 from torsion.output.pdf import pdf, text, words
-from torsion.output.reports import REPORTS
 
 
 def made(*blocks: Block) -> Document:
     cover = Cover("Title", "scene", (("Date", "today"),), "as it is")
-    return Document(cover, tuple(numbered(blocks)), None, REPORTS["solve"])
+    return Document(cover, tuple(numbered(blocks)))
 
 
 @pytest.fixture
@@ -40,7 +39,7 @@ def test_names_that_look_like_markup_do_not_stop_the_pdf(nasty: str) -> None:
     table = Table((Column(nasty, "N m"), Column("b")), ((nasty, "1"),), nasty, ("fail",))
     blocks = [Heading(nasty), Paragraph(nasty, "note"), Points((nasty,)), table, Verbatim(nasty + "\n#let x = 1")]
     cover = Cover(nasty, nasty, ((nasty, nasty),))
-    assert pdf(Document(cover, tuple(numbered(blocks)), None, REPORTS["solve"])).startswith(b"%PDF-")
+    assert pdf(Document(cover, tuple(numbered(blocks)))).startswith(b"%PDF-")
 
 
 def test_a_subscript_is_set_as_one() -> None:
@@ -61,7 +60,7 @@ def test_every_kind_of_block_is_set_by_its_number(source) -> None:
     )  # fmt: skip
     assert plot.name == "one"
     assert lines == [
-        '#cover("Title", "scene", (("Date", "today"), ), "as it is")', '#title(1, "1", text("A"))',
+        '#cover("Title", "scene", (("Date", "today"), ), (), "as it is", (), "")', '#title(1, "1", text("A"))',
         '#title(2, "1.1", text("B"))', '#sentences("note", text("p"))', '#points((text("x"), text("y"), ))',
         '#facts((("k", "v"), ))', '#verbatim("v")',
     ]  # fmt: skip

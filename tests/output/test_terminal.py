@@ -11,7 +11,6 @@ from rich.console import Console
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Table
 from torsion.output.document import Cover, Document, document, numbered
-from torsion.output.reports import REPORTS
 from torsion.output.terminal import progress, screen, show
 
 COLUMNS = (Column("Shaft", short="shaft", align="left"), Column("Left out"), Column("Torque", "N m", short="N m"))
@@ -21,7 +20,7 @@ def printed(blocks: Sequence[Block], findings: Findings, width: int = 60) -> lis
     """The lines of a console, without what is empty."""
     stream = io.StringIO()
     console = Console(file=stream, width=width, color_system=None)
-    made = Document(Cover("title", "scene", ()), tuple(numbered(blocks)), findings, REPORTS["solve"])
+    made = Document(Cover("title", "scene", ()), tuple(numbered(blocks)))
     for item in screen(made):
         console.print(item)
     return [line.rstrip() for line in stream.getvalue().splitlines() if line.strip()]
@@ -84,7 +83,7 @@ def test_a_column_of_empty_words_is_printed(bare: Findings) -> None:
 def test_marks_colour_the_last_cell_of_their_row(bare: Findings) -> None:
     stream = io.StringIO()
     marked = Table(COLUMNS, (("a", "", "1"), ("b", "", "2"), ("c", "", "3")), short="t", marks=("", "fail", "pass"))
-    made = Document(Cover("title", "scene", ()), tuple(numbered([marked])), bare, REPORTS["solve"])
+    made = Document(Cover("title", "scene", ()), tuple(numbered([marked])))
     Console(file=stream, width=60, force_terminal=True, color_system="standard").print(*screen(made)[1:])
     text = stream.getvalue()
     assert re.findall(r"\x1b\[([\d;]+)m +(\d)\x1b", text) == [("1;31", "2"), ("32", "3")]

@@ -3,11 +3,13 @@
 import math
 import re
 from collections.abc import Callable
+from datetime import date
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.contracts.frozen_pages import terminal as lines_of
 
 import torsion
 from torsion.analyses.joints.joint_results import Joints
@@ -17,6 +19,14 @@ from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
+from torsion.output.document import Document, document
+from torsion.output.figure_csv import csv_of
+from torsion.output.figures.figure import Figure
+from torsion.output.html import html
+from torsion.output.pdf import source
+from torsion.output.results_json import rendered
+from torsion.output.stored_report import opened
+from torsion.output.table_files import archive
 from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source
@@ -110,6 +120,28 @@ def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str,
         assert np.all(np.isfinite(total.half_range))
         assert np.all(total.half_range <= total.bound * (1 + 1e-12))
         assert np.all(total.rms <= total.bound)
+
+
+@every_scene
+def test_the_report_drawn_from_its_results_is_the_one_drawn_by_solve(scene: str, solved, tmp_path: Path) -> None:
+    """Page, source and figures of the PDF, terminal and tables, byte for byte."""
+    made = document(solved(scene), date(2026, 11, 22))
+    rendered(made, solved(scene))(tmp_path / "results.json")
+    again = opened(tmp_path)
+    assert html(again) == html(made)
+    assert typeset(again, tmp_path / "again") == typeset(made, tmp_path / "made")
+    assert lines_of(again) == lines_of(made)
+    assert archive(again) == archive(made)
+    figures = zip(again.body, made.body, strict=True)
+    assert all(csv_of(one.block) == csv_of(two.block) for one, two in figures if isinstance(two.block, Figure))
+    assert (again.ending, again.report) == (made.ending, made.report)
+
+
+def typeset(made: Document, folder: Path) -> dict[str, str]:
+    """The source of the PDF and every drawing beside it."""
+    folder.mkdir()
+    found = {"report.typ": source(made, folder)}
+    return found | {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
 
 
 @every_scene

@@ -7,16 +7,17 @@ from pkgutil import resolve_name
 import numpy as np
 
 import torsion
+from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.scene import checksum
 
 
-def csv_text(document: Document) -> str | None:
+def csv_text(document: Document, findings: Findings) -> str | None:
     """One row a place of the axis that all columns run over; None where the report has no columns."""
     if not document.report.columns:
         return None
-    columns = resolve_name(f"torsion.output.chapters.{document.report.columns}")(document.findings)
-    study = document.findings.study
+    columns = resolve_name(f"torsion.output.chapters.{document.report.columns}")(findings)
+    study = findings.study
     target = io.StringIO()
     target.write(f"# scene: {one_line(study.name)}\n")
     if study.text:

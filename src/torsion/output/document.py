@@ -1,5 +1,6 @@
 """The whole report for any renderer: a cover, and blocks with their numbers."""
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -22,14 +23,41 @@ DISCLAIMER = (
 )
 
 
+LABEL = {"document_number": "", "revision": "revision "}  # of the document, with words before them
+FRONT_MATTER = {"vessel": "Vessel", "yard": "Yard", "imo_number": "IMO number", "society": "Society"}
+SIGNED = {"prepared": "Prepared", "checked": "Checked", "approved": "Approved"}
+LONG = 60  # characters of a fact that needs a row of its own
+SHORT = 12  # digits of the SHA-256 that stand on every page
+LOGO = re.compile(r"data:image/(png|jpeg|svg\+xml);base64,[A-Za-z0-9+/]*=*")
+
+
 @dataclass(frozen=True)
 class Cover:
-    """Title, facts and disclaimer."""
+    """Title, facts, disclaimer, lines for signatures, and what stands at the head of every page."""
 
     title: str
     subtitle: str
     facts: tuple[tuple[str, str], ...]
     disclaimer: str = DISCLAIMER
+    identity: str = ""  # number and revision of the document, else the name of the scene; at the head of every page
+    origin: str = ""  # the first digits of the SHA-256 of the input; beside it
+    signatures: tuple[tuple[str, str], ...] = ()  # what was done, and by whom
+    logo: str = ""  # a data URI
+
+    def __post_init__(self) -> None:
+        if self.logo and not LOGO.fullmatch(self.logo):
+            raise ValueError("a logo is a picture in base64")
+
+    @property
+    def facts_by_length(self) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+        """The facts that stand two in a row, and those that need a row of their own."""
+        short, long = ([fact for fact in self.facts if (len(fact[1]) > LONG) is is_long] for is_long in (False, True))
+        return short, long
+
+    @property
+    def numbered(self) -> bool:
+        """The document has a number or a revision."""
+        return self.identity not in ("", self.subtitle)
 
 
 @dataclass(frozen=True)
@@ -41,13 +69,27 @@ class Numbered:
 
 
 @dataclass(frozen=True)
+class Ending:
+    """How the command ends that prints the report."""
+
+    status: int = 0  # its exit status
+    work: str = ""  # what was done, and in what time
+    unanswered: tuple[str, ...] = ()  # what has no answer, and why
+
+
+@dataclass(frozen=True)
 class Document:
-    """A report before it is rendered."""
+    """A report before it is rendered: all that its page, its PDF, its tables and the terminal are made of."""
 
     cover: Cover
     body: tuple[Numbered, ...]
-    findings: Findings
-    report: Report
+    name: str = "solve"  # of its report in REPORTS
+    ending: Ending = Ending()
+
+    @property
+    def report(self) -> Report:
+        """What it is a report of, and the names of its files."""
+        return REPORTS[self.name]
 
 
 def document(
@@ -56,23 +98,37 @@ def document(
 ) -> Document:  # fmt: skip
     """The report of the findings, `also` with the chapters of those outputs, and behind the blocks `before` them."""
     body = tuple(numbered([*before, *chapters(findings, report, also)]))
-    return Document(_cover(findings, today, report.title), body, findings, report)
+    name = next(name for name, one in REPORTS.items() if one is report)
+    return Document(_cover(findings, today, report.title), body, name, _ending(findings))
+
+
+def _ending(findings: Findings) -> Ending:
+    done = findings.plan.done
+    work = f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s" if done else ""
+    return Ending(findings.exit_status, work, findings.plan.without_answer)
 
 
 def _cover(findings: Findings, today: date | None, title: str) -> Cover:
     """The cover of a report; without a date it bears none."""
-    study = findings.study
+    study, front, sha = findings.study, findings.study.document, checksum(findings.study) or ""
+    stated = {} if front is None else front.model_dump(exclude_none=True)
+    label = [words + stated[key] for key, words in LABEL.items() if key in stated]
     facts = [
-        ("Scene", study.name),
+        ("Document", ", ".join(label)),
+        *((words, stated.get(key, "")) for key, words in FRONT_MATTER.items()),
         ("Description", study.description.strip()),
         ("Input file", study.file),
-        ("SHA-256 of the input", checksum(study) or ""),
+        ("Input SHA-256", sha),
         ("Operation", _operation(findings)),
         ("Rules", ", ".join(name for name, _ in study.rules) or "none requested"),
         ("Computed by", f"torsion {torsion.__version__}"),
         ("Date", today.isoformat() if today else ""),
     ]
-    return Cover(title, study.name, tuple(fact for fact in facts if fact[1]))
+    return Cover(
+        title, study.name, tuple(fact for fact in facts if fact[1]), identity=" · ".join(label) or study.name,
+        origin=f"input SHA-256 {sha[:SHORT]}" if sha else "", logo=study.logo,
+        signatures=() if front is None else tuple((words, stated.get(key, "")) for key, words in SIGNED.items()),
+    )  # fmt: skip
 
 
 def _operation(findings: Findings) -> str:

@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from torsion.analyses.transient.transient_motion import TransientMotion
 
 
-def motion(document: Document) -> Callable[[Path], list[Path]] | None:
+def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path]] | None:
     """What writes the motions that the file exports; None where it exports none."""
-    found = document.findings.results.get("transient")
+    found = findings.results.get("transient")
     if found is None:
         return None
     from torsion.analyses.transient.transient_settings import cases
 
-    forms = {one.name: one.export for one, _ in cases(document.findings.study)}
+    forms = {one.name: one.export for one, _ in cases(findings.study)}
     each = [one for one in found.each if forms[one.name]]
     if not each or document.report.keys:
         return None
-    return partial(_written, document.findings, each, forms)
+    return partial(_written, findings, each, forms)
 
 
 def _written(

@@ -2,8 +2,10 @@
 
 import json
 import tempfile
+from base64 import b64decode
 from pathlib import Path
 
+from torsion.errors import Fault, InputError
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Table, Verbatim
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.svg import svg
@@ -16,15 +18,29 @@ WIDE = 8  # columns from which a table is set smaller
 
 def pdf(document: Document) -> bytes:
     """The file; the figures are drawn beside its source for the time of its setting."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            return _set(source(document, Path(folder)), Path(folder))
+        except RuntimeError:
+            _try_logo(Path(folder))
+            raise
+
+
+def _set(source: str, folder: Path) -> bytes:
+    """The PDF of a source; raises RuntimeError where Typst cannot set it."""
     import typst
 
-    style = (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8")
-    with tempfile.TemporaryDirectory() as folder:
-        source, figures = Path(folder) / "report.typ", list[Path]()
-        body = [_block(item, Path(folder), figures) for item in document.body]
-        source.write_text("\n".join([style, _cover(document), *body]), encoding="utf-8")
-        made: bytes = typst.compile(str(source), root=folder)
+    path = folder / "report.typ"
+    path.write_text(source, encoding="utf-8")
+    made: bytes = typst.compile(str(path), root=str(folder))
     return made
+
+
+def source(document: Document, folder: Path) -> str:
+    """What Typst sets; the figures and the logo are written into the folder."""
+    style, figures = (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8"), list[Path]()
+    body = [_block(item, folder, figures) for item in document.body]
+    return "\n".join([_running_head(document), style, _cover(document, folder), *body])
 
 
 def text(value: str) -> str:
@@ -39,10 +55,32 @@ def words(value: str) -> str:
     return " + ".join(parts) or '""'
 
 
-def _cover(document: Document) -> str:
+def _try_logo(folder: Path) -> None:
+    """Raise InputError where the logo is what cannot be set."""
+    for logo in folder.glob("logo.*"):
+        try:
+            _set(f"#image({text(logo.name)})", folder)
+        except RuntimeError as error:
+            fault = Fault(("document", "logo"), f"this picture cannot be set in a PDF: {error}", "save it again as PNG")
+            raise InputError([fault]) from None
+
+
+def _running_head(document: Document) -> str:
     cover = document.cover
-    facts = "".join(f"({text(key)}, {text(value)}), " for key, value in cover.facts)
-    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, ({facts}), {text(cover.disclaimer)})"
+    return f"#let running = ({text(f'{cover.title} · {cover.identity}')}, {text(cover.origin)})"
+
+
+def _cover(document: Document, folder: Path) -> str:
+    """The cover, with its logo in a file beside the source."""
+    cover, logo = document.cover, ""
+    if cover.logo:
+        kind, _, content = cover.logo.partition(";base64,")
+        logo = "logo." + kind.removeprefix("data:image/").removesuffix("+xml")
+        (folder / logo).write_bytes(b64decode(content))
+    pairs = (*cover.facts_by_length, cover.signatures)
+    short, long, signed = ("".join(f"({text(key)}, {text(value)}), " for key, value in some) for some in pairs)
+    words = f"{text(cover.title)}, {text(cover.subtitle)}, ({short}), ({long}), {text(cover.disclaimer)}"
+    return f"#cover({words}, ({signed}), {text(logo)})"
 
 
 def _block(item: Numbered, folder: Path, figures: list[Path]) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
+from torsion.findings import Findings
 from torsion.output.document import Document
 
 Content = str | bytes | Callable[[Path], list[Path]]  # or what writes it into a file, and others beside it
@@ -13,36 +14,40 @@ Content = str | bytes | Callable[[Path], list[Path]]  # or what writes it into a
 
 @dataclass(frozen=True)
 class Output:
-    """A form of a report, rendered by `module:function` of a document; None where the document has nothing for it."""
+    """A form of a report, rendered by `module:function` of a document; None where there is nothing for it."""
 
     render: str
     suffix: str = ""  # of its file; "" for what is printed
     on_request: bool = False  # written where it is requested by its name
+    of_findings: bool = False  # rendered of a document and the findings that it reports
 
-    def __call__(self, document: Document) -> Any:
+    def __call__(self, document: Document, *findings: Findings) -> Any:
         """The document in this form: text, bytes, or what the terminal prints."""
-        return resolve_name(self.render)(document)
+        return resolve_name(self.render)(document, *findings)
 
 
 OUTPUTS = {
-    "json": Output("torsion.output.results_json:rendered", ".json"),
+    "json": Output("torsion.output.results_json:rendered", ".json", of_findings=True),
     "html": Output("torsion.output.html:html", ".html"),
-    "csv": Output("torsion.output.csv_table:csv_text", ".csv"),
-    "motion": Output("torsion.output.motion_files:motion", ".npz"),
+    "csv": Output("torsion.output.csv_table:csv_text", ".csv", of_findings=True),
+    "motion": Output("torsion.output.motion_files:motion", ".npz", of_findings=True),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
-    "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True),
+    "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True, of_findings=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),
     "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
     "terminal": Output("torsion.output.terminal:screen"),
 }
 
 
-def files(document: Document, also: Collection[str] = ()) -> dict[str, Content]:
-    """Name and content of every file of a report, `also` of the outputs that are written on request."""
+def files(document: Document, findings: Findings | None = None, also: Collection[str] = ()) -> dict[str, Content]:
+    """Name and content of every file of a report, `also` of the outputs that are written on request.
+
+    Without the findings: of every file that the document alone makes.
+    """
     found = {}
     for name, output in OUTPUTS.items():
-        if output.suffix and (not output.on_request or name in also):
-            content = output(document)
+        if output.suffix and (not output.on_request or name in also) and not (output.of_findings and findings is None):
+            content = output(document, *([findings] if output.of_findings and findings else []))
             if content is not None:
                 found[document.report.files.get(name, document.report.stem + output.suffix)] = content
     return found

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+KEY = "report"  # of a report in a file of results
+
 
 @dataclass(frozen=True)
 class Report:

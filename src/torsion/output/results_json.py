@@ -20,6 +20,7 @@ import torsion
 from torsion.analyses import ANALYSES
 from torsion.assembly.system import MOST_GROUPS
 from torsion.findings import Findings, Plan
+from torsion.output import reports
 from torsion.output.plain import LISTED, plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
 from torsion.output.selection import Selection
@@ -50,9 +51,15 @@ def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str 
     return values
 
 
+class Written(str):
+    """What is JSON text already."""
+
+
 def pieces(values: Any) -> Iterator[str]:
     """The data as JSON text, piece by piece, so that long arrays are never in memory as text or lists."""
-    if not _has_long(values):
+    if isinstance(values, Written):
+        yield values
+    elif not _has_long(values):
         yield _dumped(values)
     elif isinstance(values, Mapping):
         yield from _joined("{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items()))
@@ -156,6 +163,7 @@ FIXED = (
     Key("program.name", "", (), "torsion"),
     Key("program.version", "", (), "version of the program"),
     Key("legend", "", (), "conventions in words"),
+    Key(reports.KEY, "", (), "in files alone: the report, from which `torsion report` draws it again"),
 )
 
 
@@ -174,9 +182,12 @@ def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]
     return lines((key, make()) for key, make in _made(findings, only).items())
 
 
-def rendered(document: "Document") -> Callable[[Path], list[Path]]:
-    """What writes the results that a report is of into a file, and very long arrays into another beside it."""
-    return partial(write_json, _made(document.findings, document.report.keys))
+def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[Path]]:
+    """What writes the results and their report into a file, and very long arrays into another beside it."""
+    from torsion.output.stored_report import stored
+
+    made = _made(findings, document.report.keys)
+    return partial(write_json, made | {reports.KEY: lambda: Written(stored(document))})
 
 
 def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:

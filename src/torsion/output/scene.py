@@ -22,6 +22,7 @@ class Scene:
     rated_speed: float | None = result("rad/s", (), "rated speed, or null")
     rated_power: float | None = result("W", (), "rated power, or null")
     rules: tuple[str, ...] = result("", (), "rules that the file names")
+    document: dict[str, str] = result("", (), "texts of its front matter, by the keys of the file")
 
 
 @reported
@@ -81,6 +82,7 @@ def scene(study: Study) -> Scene:
         rated_speed=None if rated is None else rated.speed,
         rated_power=None if rated is None else rated.power,
         rules=tuple(name for name, _ in study.rules),
+        document={} if study.document is None else study.document.model_dump(exclude_none=True),
     )
 
 

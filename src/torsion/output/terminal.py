@@ -31,9 +31,8 @@ def show(document: Document, folder: Path | None = None, console: Console | None
     printed = console or Console()
     for item in OUTPUTS["terminal"](document):
         printed.print(item)
-    done = document.findings.plan.done
-    if done:
-        printed.print(Text(f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s"))
+    if document.ending.work:
+        printed.print(Text(document.ending.work))
     if folder is not None:
         printed.print(Text(f"Report: {folder / document.report.stem}.html"))
 
@@ -41,6 +40,8 @@ def show(document: Document, folder: Path | None = None, console: Console | None
 def screen(document: Document) -> list[RenderableType]:
     """Everything that is printed; the verdict last, where the eye is."""
     first: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
+    if document.cover.numbered:
+        first.append(Text(f"{document.cover.identity}, {document.cover.origin}"))
     last, words = list[RenderableType](), list[RenderableType]()  # of the verdict: its tables, then its sentences
     chapter = said = first
     for block in (item.block for item in document.body):

@@ -7,9 +7,10 @@ from collections.abc import Collection, Mapping
 from datetime import date
 from pathlib import Path
 
+from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document, document
-from torsion.output.renderers import Content, files
+from torsion.output.renderers import OUTPUTS, Content, files
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import SERIES
 
@@ -24,8 +25,22 @@ def write(
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    write_texts(files(made, also), folder)
+    write_texts(files(made, findings, also), folder)
     return made
+
+
+def redraw(document: Document, folder: str | Path, *, also: Collection[str] = ()) -> None:
+    """Write every file that a report alone makes, `also` those of outputs on request.
+
+    Raises OSError where the folder cannot be written, InputError where the report cannot be drawn.
+    """
+    try:
+        OUTPUTS["terminal"](document)
+        contents = files(document, also=also)
+    except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as error:
+        message = f"the report cannot be drawn: {type(error).__name__}, {error}"
+        raise InputError([Fault((), message, "solve the scene again")]) from None
+    write_texts(contents, folder)
 
 
 def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Path]:
@@ -40,7 +55,8 @@ def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Pat
         workshop.mkdir(mode=0o700)
         finished = [path for name, content in contents.items() for path in _finished(workshop / name, content)]
         placed = [Path(shutil.move(path, target / path.name)) for path in finished]
-        if not any(path.name == SERIES for path in placed):
+        names = {path.name for path in placed}
+        if SERIES not in names and any(name.endswith(".json") for name in names):
             (target / SERIES).unlink(missing_ok=True)  # of an earlier report
         return placed
     finally:

@@ -192,6 +192,8 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
             return f"{shown(value)} is neither true nor false", "write true or false"
         case "string_type":
             return f"{shown(value)} is not text", "put it in quotes" if isinstance(value, int | float) else ""
+        case "string_too_long":
+            return f"the text is too long: {len(str(value))} characters", f"at most {context['max_length']}"
         case "tuple_type":
             return f"{shown(value)} is not a list", ""
         case "missing" | "too_short" | "too_long":

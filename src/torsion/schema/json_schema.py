@@ -81,6 +81,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         settings[name] = {"anyOf": [refs[name], {"type": "null"}], "description": ANALYSES[name].title}
         settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
     return {
+        "document": refs["document"],
         "materials": {"type": "object", "additionalProperties": refs["material"]},
         "operation": refs["operation"],
         "damping": refs["damping"],

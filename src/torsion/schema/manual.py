@@ -23,7 +23,7 @@ from torsion.rules import settings as rule_settings
 from torsion.schema import template
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 from torsion.schema.scene_reader import LINKS, Scene
-from torsion.study import FiniteElements, ModalDamping, Operation
+from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
 
 PLAIN = {
     str: "text", bool: "`true` or `false`", int: "a whole number", float: "a number",
@@ -96,6 +96,7 @@ def manual() -> str:
     return Template(template("manual.md")).substitute(
         quantities=_quantities(),
         top=_table(Scene).replace("see meaning", "section below"),
+        document=_table(FrontMatter),
         material=_table(Material),
         steel=f"G {STEEL.shear_modulus / 1e9:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, "
         f"rho {STEEL.density:g} kg/m**3",
@@ -147,6 +148,7 @@ def declarations() -> dict[str, type[Declared]]:
     """Every declaration of the format by its word in the file."""
     return {
         **{kind: component(kind) for kind in KINDS},
+        "document": FrontMatter,
         "material": Material, "operation": Operation, "damping": ModalDamping, "excitation": Excitation,
         "fem": FiniteElements,
         **settings_classes(), **{name: rule_settings(name) for name in RULES},

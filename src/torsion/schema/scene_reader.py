@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, TypeVar
 
 from torsion.analyses import ANALYSES, UNBUILT
 from torsion.components import KINDS, component
@@ -26,10 +26,11 @@ from torsion.schema.missing_marks import without_mark
 from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
-from torsion.study import FiniteElements, ModalDamping, Operation, Several, ShaftModel, Study
+from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
 from torsion.train import Link, Train, lowered, name_fault, taken
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
+Section = TypeVar("Section", bound=Declared)
 EXAMPLES = {  # of the sections that are mappings of names, and of those that are lists
     "materials": (dict, "`my-steel: {shear_modulus: 79.3 GPa, ...}`"),
     "links": (list, "`- {between: [a, b], coupling: {stiffness: 2e4}}`"),
@@ -44,6 +45,7 @@ class Scene(Declared):
 
     name: str = required("title of the scene")
     description: str = given("free text", "")
+    document: Any = given("the front matter of a submission: what cover and running head say")
     materials: Any = given("materials by name; `steel` exists")
     operation: Any = given("speeds, rated point and law of load")
     damping: Any = given("damping by mode, in place of that of the components: {modal: 2 %}")
@@ -77,6 +79,10 @@ def _study(source: Source) -> Study:
     if study is not None:
         if "train" not in _faulty(faults):
             study = _with_meshes(study, faults)
+        if study.document is not None and study.document.logo is not None:
+            from torsion.schema.logo import with_logo
+
+            study = with_logo(study, study.document.logo, faults)
         faults += study_faults(study, _faulty(faults))
     if faults or study is None:
         raise input_error(faults, source)
@@ -115,9 +121,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     materials = _materials(data, faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
     analyses, model, rules = _analyses(data, faults), _shaft_model(data, faults), _rules(data, faults)
-    damping = None
-    if data.get("damping") is not None:
-        damping = declared(ModalDamping, data["damping"], ("damping",), faults)
+    damping, document = _section(ModalDamping, data, "damping", faults), _section(FrontMatter, data, "document", faults)
     train = _train(data, materials, operation, faults)
     if train is None:
         return None
@@ -134,7 +138,13 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         rules=tuple(rules),
         file=source.name,
         text=source.text,
+        document=document,
     )
+
+
+def _section(kind: type[Section], data: dict[str, Any], name: str, faults: list[Fault]) -> Section | None:
+    """A section that is one mapping; None where it is not there."""
+    return None if data.get(name) is None else declared(kind, data[name], (name,), faults)
 
 
 def _outside_train(fault: Fault) -> Fault:

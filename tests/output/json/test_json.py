@@ -18,6 +18,7 @@ KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
     "frequency_response", "check.", "checks[].barred", "checks[].times", "lateral", "joints.lines[].optimum",
     "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks",
+    "report",  # in files alone
 )  # fmt: skip
 LIGHT = """
 import sys, torsion

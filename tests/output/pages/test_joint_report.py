@@ -104,7 +104,7 @@ def terminal(findings: Findings, width: int = 80) -> str:
 
 def table_of_numbers(findings: Findings) -> tuple[list[str], list[str], np.ndarray]:
     """Comments, titles and values of the CSV."""
-    lines = csv_text(joint_document(findings)).splitlines()
+    lines = csv_text(joint_document(findings), findings).splitlines()
     comments = [line for line in lines if line.startswith("#")]
     head, *rows = csv.reader(lines[len(comments) :])
     return comments, head, np.array(rows, dtype=float)

@@ -33,7 +33,7 @@ print("meshio" in sys.modules)
 
 def back(findings: Findings, folder: Path) -> meshio.Mesh:
     file = folder / "modes.vtu"
-    file.write_bytes(vtu.vtu(document(findings)))
+    file.write_bytes(vtu.vtu(document(findings), findings))
     return meshio.read(file)
 
 
@@ -98,7 +98,7 @@ def test_a_small_room_takes_fewer_points_and_a_smaller_one_is_refused(
     assert len(back(bare, tmp_path).points) < whole
     monkeypatch.setattr(vtu, "MOST_NUMBERS", 31 * 10 * 11)
     with pytest.raises(torsion.InputError, match="fewer modes"):
-        vtu.vtu(document(bare))
+        vtu.vtu(document(bare), bare)
 
 
 def test_the_folder_holds_the_surface_with_the_report(bare: Findings, tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_a_failed_run_leaves_the_earlier_report_whole(
     write(bare, tmp_path, also=("vtu",))
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
-    def fail(document: Document) -> None:
+    def fail(document: Document, findings: Findings) -> None:
         raise RuntimeError("in the middle")
 
     monkeypatch.setattr(vtu, "vtu", fail)

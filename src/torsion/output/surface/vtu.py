@@ -16,11 +16,10 @@ AROUND, LEAST_AROUND = 48, 12  # points on a ring
 MOST_NUMBERS = 30_000_000  # in the file
 
 
-def vtu(document: Document) -> bytes:
+def vtu(_document: Document, findings: Findings) -> bytes:
     """The file; raises InputError where there is no mode, or more than such a file can hold."""
     import meshio
 
-    findings = document.findings
     modes, found = shapes(findings), rings(findings.system, axes(findings.system))
     count = modes.frequency.size
     made = surface(found, _around(findings, found, count))

@@ -1,0 +1,78 @@
+"""The picture on the cover: read, checked, and as a data URI, so that a page holds it."""
+
+import re
+import zlib
+from base64 import b64encode
+from dataclasses import replace
+from pathlib import Path
+
+from torsion.errors import Fault, InputError
+from torsion.study import Study
+
+MOST = 300_000  # bytes: it stands in the page and in results.json
+PLACE = ("document", "logo")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def read_logo(file: Path) -> str:
+    """The data URI; raises InputError where the file is missing, too large, damaged, or of another form."""
+    try:
+        if not file.is_file():
+            raise _refused(f"{file} is {'a folder' if file.is_dir() else 'not there'}", "a PNG, JPEG or SVG file")
+        if file.stat().st_size > MOST:
+            size = f"{file} has {file.stat().st_size / 1e3:.0f} kB"
+            raise _refused(size, f"at most {MOST / 1e3:.0f} kB: it stands in every page that is made")
+        content = file.read_bytes()
+    except (OSError, ValueError) as error:
+        raise _refused(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", "") from None
+    for kind, begins, is_whole in FORMS:
+        if content.startswith(begins):
+            if is_whole(content):
+                return f"data:image/{kind};base64,{b64encode(content).decode()}"
+            if begins:
+                raise _refused(f"{file} is a damaged {kind.upper()} file", "save it again")
+    raise _refused(f"{file} is no picture that can be read", "a PNG, JPEG or SVG file, with its marks")
+
+
+def with_logo(study: Study, file: str, faults: list[Fault]) -> Study:
+    """The study with the picture of a file, found from the folder of its own; a faulty one is noted."""
+    try:
+        return replace(study, logo=read_logo(Path(study.file).parent / file))
+    except InputError as error:
+        faults += error.faults
+        return study
+
+
+def _refused(message: str, hint: str) -> InputError:
+    return InputError([Fault(PLACE, message, hint)])
+
+
+def _is_png(content: bytes) -> bool:
+    """Every chunk has its checksum, and the last one is there."""
+    place, kind = len(PNG), b""
+    while kind != b"IEND":
+        size, kind = int.from_bytes(content[place : place + 4], "big"), content[place + 4 : place + 8]
+        data, check = content[place + 4 : place + 8 + size], content[place + 8 + size : place + 12 + size]
+        if len(check) != 4 or zlib.crc32(data) != int.from_bytes(check, "big"):
+            return False
+        place += 12 + size
+    return True
+
+
+def _is_jpeg(content: bytes) -> bool:
+    return content.rstrip(b"\0").endswith(b"\xff\xd9")
+
+
+def _is_svg(content: bytes) -> bool:
+    """A document of XML without entities of its own, whose root is svg."""
+    if re.search(rb"<!ENTITY", content, re.IGNORECASE) or b"<" not in content:
+        return False
+    from xml.etree import ElementTree
+
+    try:
+        return ElementTree.fromstring(content).tag in ("svg", "{http://www.w3.org/2000/svg}svg")
+    except (ElementTree.ParseError, ValueError, LookupError):
+        return False
+
+
+FORMS = (("png", PNG, _is_png), ("jpeg", b"\xff\xd8\xff", _is_jpeg), ("svg+xml", b"", _is_svg))  # how each begins

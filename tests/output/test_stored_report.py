@@ -1,0 +1,231 @@
+"""A report kept as data: every value of every type comes back, and what is damaged or foreign is refused in words."""
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.arrays import FloatArray
+from torsion.findings import Findings
+from torsion.output.document import Cover, Document, document
+from torsion.output.frozen_data import Arrays, DamagedDataError, form
+from torsion.output.html import html
+from torsion.output.reports import REPORTS
+from torsion.output.stored_report import _checksum, _text, opened, stored
+from torsion.output.write import redraw
+
+
+@dataclass(frozen=True)
+class Inner:
+    size: float
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Other:
+    size: float
+
+
+@dataclass(frozen=True)
+class Outer:
+    either: Inner | Other
+    pen: int | Literal["limit", "rated"] = 0
+    pairs: tuple[tuple[float, str], ...] = ()
+    values: FloatArray | None = None
+    flag: bool = False
+
+
+def there_and_back(value: Any) -> Any:
+    arrays = Arrays()
+    data = json.loads(json.dumps([form(type(value)).write(value, arrays), arrays.kept], allow_nan=False))
+    return form(type(value)).read(data[0], Arrays(data[1]))
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        Outer(Inner(1.5)), Outer(Other(1.5)), Outer(Inner(-0.0, "ψ\u2028\"'"), "limit"), Outer(Other(3), 7, flag=True),
+        Outer(Other(0.1), pairs=((1e-320, "a"), (2, ""))), Outer(Other(math.inf)), Outer(Other(-math.inf)),
+    ],
+)  # fmt: skip
+def test_a_value_of_every_type_comes_back(value: Outer) -> None:
+    back = there_and_back(value)
+    assert back == value
+    assert repr(back) == repr(value)
+
+
+def test_what_is_no_number_comes_back_as_such() -> None:
+    assert math.isnan(there_and_back(Outer(Other(math.nan))).either.size)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.array([0.1, -0.0, np.nan, np.inf, 5e-324]), np.zeros(0), np.zeros((0, 3)), np.arange(12.0).reshape(3, 4).T,
+        np.arange(5), np.array([True, False]), np.arange(6.0)[::-2], np.array(2.5), np.arange(3, dtype=np.int32),
+    ],
+    ids=lambda array: f"{array.dtype}{array.shape}",
+)  # fmt: skip
+def test_every_bit_of_an_array_comes_back(array: np.ndarray) -> None:
+    found = there_and_back(Outer(Other(1.0), values=array)).values
+    assert found.shape == array.shape
+    assert found.dtype.kind == array.dtype.kind
+    assert found.tobytes() == np.ascontiguousarray(array, dtype=found.dtype).tobytes()
+
+
+def test_an_array_is_kept_once_and_comes_back_as_one() -> None:
+    arrays, x = Arrays(), np.linspace(0.0, 1.0, 50)
+    kind = tuple[Outer, ...]
+    data = form(kind).write([Outer(Other(1.0), values=x), Outer(Other(2.0), values=x.copy())], arrays)
+    assert len(arrays.kept) == 1
+    one, two = form(kind).read(data, Arrays(arrays.kept))
+    assert one.values is two.values
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        {}, [], None, {"either": {"Other": {"size": 1}}, "more": 1}, {"either": {"size": 1}}, {"either": {"Third": {}}},
+        {"either": {"Other": {"size": "1"}}}, {"either": {"Other": {"size": True}}},
+        {"either": {"Other": {"size": 1}}, "pen": 1.5}, {"either": {"Other": {"size": 1}}, "pen": "other"},
+        {"either": {"Other": {"size": 1}}, "pen": True}, {"either": {"Other": {"size": 1}}, "pairs": [[1]]},
+        {"either": {"Other": {"size": 1}}, "values": 0}, {"either": {"Other": {"size": 1}}, "values": -1},
+        {"either": {"Other": {"size": 1}}, "flag": 1},
+    ],
+)  # fmt: skip
+def test_what_the_types_do_not_allow_is_refused(data: Any) -> None:
+    with pytest.raises(DamagedDataError):
+        form(Outer).read(data, Arrays())
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("type", "O"), ("type", "<f4"), ("shape", [4]), ("shape", [-5]), ("shape", [10**12]), ("shape", [5.0]),
+        ("bytes", "????"), ("bytes", "AAAA"), ("shape", [6]), ("bytes", 5),
+    ],
+)  # fmt: skip
+def test_a_damaged_array_is_refused(key: str, value: Any) -> None:
+    arrays = Arrays()
+    arrays.place(np.arange(5.0))
+    with pytest.raises(DamagedDataError):
+        Arrays([arrays.kept[0] | {key: value}]).at(0)
+
+
+def kept_in(folder: Path, made: Document) -> dict[str, Any]:
+    """What stands in a file of results under the key of the report."""
+    kept: dict[str, Any] = json.loads(stored(made))
+    (folder / "results.json").write_text(json.dumps({"report": kept}), encoding="utf-8")
+    return kept
+
+
+@pytest.mark.parametrize(("report", "also"), [("solve", ("vtu",)), ("joint", ())])
+def test_a_report_with_every_sort_of_figure_is_drawn_the_same(
+    report: str, also: tuple[str, ...], train: Findings, tmp_path: Path
+) -> None:
+    made = document(train, also=also, report=REPORTS[report])
+    kept_in(tmp_path, made)
+    assert html(opened(tmp_path)) == html(made)
+    assert opened(tmp_path / "results.json").name == report
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("name: a scene\n", r"is not JSON \(line 1, column 1\)"), ('{"report": NaN}', "is not JSON"),
+        ("[" * 10**6, "is not JSON"),
+        ("{}", "holds no report"), ("[1]", "holds no report"), ('{"report": 5}', "holds no report"),
+        ('{"report": {"format": 2, "program": "9.0"}}', r"format 2 of torsion 9.0; this is torsion .* reads format 1"),
+        ('{"report": {"format": 1, "content": {}, "sha256": ""}}', "damaged or was changed"),
+        ('{"report": {"format": 0, "content": {}, "sha256": ""}}', "damaged or was changed"),
+        ("1" * 5000, "is not JSON"), ('{"report": {"format": 1, "content": {"a": 1e999}}}', "is none to torsion"),
+    ],
+    ids=range(11),
+)  # fmt: skip
+def test_a_foreign_or_damaged_file_is_refused_in_words(text: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "results.json").write_text(text, encoding="utf-8")
+    with pytest.raises(torsion.InputError, match=words):
+        opened(tmp_path)
+
+
+def test_a_file_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(torsion.InputError, match="No such file"):
+        opened(tmp_path)
+    (tmp_path / "results.json").write_bytes(b"\xff\xfe{")
+    with pytest.raises(torsion.InputError, match="UTF-8"):
+        opened(tmp_path / "results.json")
+
+
+def test_a_figure_that_was_changed_by_hand_is_noticed(bare: Findings, tmp_path: Path) -> None:
+    kept_in(tmp_path, document(bare))
+    file = tmp_path / "results.json"
+    text = file.read_text(encoding="utf-8")
+    assert '"120"' in text
+    file.write_text(text.replace('"120"', '"130"'), encoding="utf-8")
+    with pytest.raises(torsion.InputError, match="was changed after"):
+        opened(file)
+
+
+def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Every place in nested lists and mappings."""
+    yield path
+    for step in data if isinstance(data, dict) else range(len(data)) if isinstance(data, list) else ():
+        yield from places(data[step], (*path, step))
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("instead", [None, 7, -1, "x", [], {}, [[]], True, "inf", "nan", "\ud800", "\x1b[31m"])
+def test_whatever_stands_in_its_place_there_is_a_report_or_a_refusal(
+    instead: Any, bare: Findings, tmp_path: Path
+) -> None:
+    """Every place of a report in turn holds something else, with the checksum of that: it is drawn, or refused."""
+    kept, drawn, refused = kept_in(tmp_path, document(bare)), 0, 0
+    every = list(places(kept["content"]))
+    for path in every[:: max(1, len(every) // 150)]:
+        changed = json.loads(json.dumps(kept["content"]))
+        inside = changed
+        for step in path[:-1]:
+            inside = inside[step]
+        if path:
+            inside[path[-1]] = instead
+        else:
+            changed = {"document": instead}
+        report = kept | {"content": changed, "sha256": _checksum(_text(changed))}
+        (tmp_path / "results.json").write_text(json.dumps({"report": report}), encoding="utf-8")
+        try:
+            redraw(opened(tmp_path), tmp_path / "out")
+            drawn += 1
+        except torsion.InputError:
+            refused += 1
+    assert drawn + refused >= 100
+    assert refused > 10
+
+
+def test_nothing_of_a_foreign_report_is_anything_but_text(nasty: str, tmp_path: Path) -> None:
+    made = Document(Cover(nasty, nasty, ((nasty, nasty),), nasty, nasty, nasty, ((nasty, nasty),)), ())
+    kept_in(tmp_path, made)
+    page = html(opened(tmp_path))
+    assert "<b>#1" not in page
+    assert page.count("&lt;b&gt;#1") >= 7
+    with pytest.raises(ValueError, match="picture"):
+        Cover("a", "b", (), logo="https://example.com/a.png")
+    with pytest.raises(ValueError, match="picture"):
+        Cover("a", "b", (), logo='data:image/png;base64,AAAA" onerror="x')
+
+
+def test_every_type_of_a_report_has_a_form() -> None:
+    """Also those of figures that none of these scenes has."""
+    from torsion.output import blocks
+    from torsion.output.figures import figure
+
+    for module in (blocks, figure):
+        for kind in vars(module).values():
+            if isinstance(kind, type) and is_dataclass(kind):
+                assert form(kind).holds is not None
+                assert fields(kind)
