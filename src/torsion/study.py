@@ -142,6 +142,7 @@ class Study:
     rules: tuple[tuple[str, Declared], ...] = ()  # (rule, its settings)
     file: str = ""
     text: str = ""  # the file as read
+    tables: tuple[tuple[str, str], ...] = ()  # the tables that it names: file, text as read
     memory: float = MEMORY  # bytes that a response may need
 
     @property

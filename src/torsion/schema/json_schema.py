@@ -10,12 +10,20 @@ from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.components import KINDS, component
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
+from torsion.schema.csv_tables import MAPPINGS, PAIRS
 from torsion.schema.manual import EXAMPLES, declarations
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.yaml_source import parse_source
 from torsion.study import ShaftModel
 
 Schema = dict[str, Any]
+TABLE: Schema = {
+    "description": "a CSV file whose rows stand here, its path counted from the folder of this file",
+    "type": "object",
+    "properties": {"table": {"type": "string", "description": "the file", "examples": ["line.csv"]}},
+    "required": ["table"],
+    "additionalProperties": False,
+}
 
 
 class _Declarations(GenerateJsonSchema):
@@ -51,10 +59,28 @@ def json_schema() -> Schema:
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
-    train = _list_of(_one_of({kind: _kind(kind, refs[kind]) for kind in KINDS}))
+    named = {"description": "a CSV file whose rows stand here, one component each", "type": "string"}
+    train = _or_table(_list_of(_one_of({**{kind: _kind(kind, refs[kind]) for kind in KINDS}, "table": named})))
+    _add_tables(shared["$defs"])
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
-    schema["$defs"] = {"train": {"description": "components in a row", **train}, **parts}
+    schema["$defs"] = {"train": {"description": "components in a row", **train}, "table": TABLE, **parts}
     return schema
+
+
+def _or_table(body: Schema) -> Schema:
+    """A list, or the file of a table whose rows are its entries."""
+    return {"anyOf": [body, {"$ref": "#/$defs/table"}]}
+
+
+def _add_tables(models: Schema) -> None:
+    """Offer a table wherever the reader takes one; every other word of such a key stays."""
+    for model in models.values():
+        for key in {*MAPPINGS, *PAIRS} & set(model.get("properties", {})):
+            body = model["properties"][key]
+            lists = [one for one in (body, *body.get("anyOf", ())) if one.get("type") == "array"]
+            if lists and lists[0]["items"] != {"type": "number"}:
+                words = {word: body.pop(word) for word in ("description", "default") if word in body}
+                model["properties"][key] = _or_table(body) | words
 
 
 def _kind(kind: str, body: Schema) -> Schema:
@@ -86,7 +112,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "damping": refs["damping"],
         "train": {"$ref": "#/$defs/train"},
         "links": _list_of(link),
-        "excitations": _list_of(refs["excitation"]),
+        "excitations": _or_table(_list_of(refs["excitation"])),
         "analyses": _mapping({"model": {"enum": list(MODELS), "description": model}, **settings}),
         "rules": _list_of(rule),
     }
