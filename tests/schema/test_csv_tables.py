@@ -20,7 +20,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Paragraph, Verbatim
 from torsion.output.chapters.provenance import input_file
 from torsion.output.results_json import results
-from torsion.schema.csv_tables import MAPPINGS, PAIRS
+from torsion.schema.csv_tables import MAPPINGS, PAIRS, with_tables
 from torsion.schema.scene_reader import located
 from torsion.schema.yaml_source import parse_source
 from torsion.study import Study
@@ -75,7 +75,7 @@ def row(kind: str, body: dict[str, Any] | None) -> dict[str, Any]:
 
 def in_table(scene: str, dialect: str, folder: Path, text: str) -> Study:
     """A scene whose train stands in a table, and its excitations in another."""
-    data = parse_source(text, scene).data
+    data = with_tables(parse_source(text, str(SCENES[scene]))).data
     (folder / "line.csv").write_text(
         as_csv([row(*entry) for one in data["train"] for entry in one.items()], *DIALECTS[dialect]),
         encoding="utf-8-sig",

@@ -84,8 +84,8 @@ NOTES = {  # what the keys of a kind need of each other
     "with stages.",
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "
     "where the gear has `teeth`.\n\nA `module` beside `teeth`, or `pitch_diameter`, gives the nominal forces on the "
-    "teeth at the rated torque: F_t = 2 T/d, F_r = F_t tan(alpha_n)/cos(beta), F_a = F_t tan(beta), without K_A. Where both "
-    "are given they agree to 0.1 %. Wheels in `branches` have the module and angles of the gear.",
+    "teeth at the rated torque: F_t = 2 T/d, F_r = F_t tan(alpha_n)/cos(beta), F_a = F_t tan(beta), without K_A. "
+    "Where both are given they agree to 0.1 %. Wheels in `branches` have the module and angles of the gear.",
     "joint": "`plane` and `phase` count from the joint before it on the same shaft line. Behind a gear a joint is "
     "again the first, and has no `plane`; on a branch a first joint has no `phase` either. A cross joint excites at "
     "order 2 of its driving shaft, a tripod at order 3. A tripod needs `radius` and `arm`; its yoke is its first arm, "
