@@ -6,13 +6,15 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
 from pydantic_core import core_schema
 
+from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.components import KINDS, component
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
 from torsion.schema.csv_tables import MAPPINGS, PAIRS
-from torsion.schema.manual import EXAMPLES, declarations
+from torsion.schema.manual import EXAMPLES, SETTINGS, declarations
 from torsion.schema.scene_reader import LINKS, Scene
+from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
 from torsion.study import ShaftModel
 
@@ -34,7 +36,7 @@ class _Declarations(GenerateJsonSchema):
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
         inner, default = self.generate_inner(schema["schema"]), schema.get("default")
-        is_plain = isinstance(default, str | bool | int) or (isinstance(default, float) and default != 0.0)
+        is_plain = isinstance(default, str | bool | int | float) and inner.get("x-unit") is None
         return inner | {"default": default} if is_plain and "$ref" not in inner else inner
 
     def field_title_should_be_set(self, schema: Any) -> bool:
@@ -64,7 +66,23 @@ def json_schema() -> Schema:
     _add_tables(shared["$defs"])
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
     schema["$defs"] = {"train": {"description": "components in a row", **train}, "table": TABLE, **parts}
+    schema["$defs"] |= _with_patterns(schema)
     return schema
+
+
+def _with_patterns(body: Any) -> Schema:
+    """Refer every text with a unit to the definition of its quantity; these definitions by name."""
+    found: Schema = {}
+    if isinstance(body, dict):
+        expected = body.pop("x-unit", None)
+        if expected is not None:
+            name = " or ".join(units.speak(unit).removeprefix("a ").removeprefix("an ") for unit in expected)
+            name = name.replace(" ", "-")
+            body["$ref"] = f"#/$defs/{name}"
+            found[name] = definition(tuple(expected))
+    for part in list(body.values()) if isinstance(body, dict) else body if isinstance(body, list) else ():
+        found |= _with_patterns(part)
+    return found
 
 
 def _or_table(body: Schema) -> Schema:
@@ -93,7 +111,12 @@ def _kind(kind: str, body: Schema) -> Schema:
 def _rule(name: str, body: Schema) -> Schema:
     """The settings of a rule with what it judges, in the words of its module."""
     words = import_module(RULES[name].partition(":")[0]).__doc__ or ""
-    return body | {"description": words.strip().splitlines()[0].partition(": ")[2]}
+    return body | {"description": words.strip().splitlines()[0].partition(": ")[2]} | _examples(name)
+
+
+def _examples(name: str) -> Schema:
+    """An example of the settings of an analysis or a rule, where the manual has one."""
+    return {"examples": [parse_source(SETTINGS[name], name).data[name]]} if name in SETTINGS else {}
 
 
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
@@ -104,7 +127,8 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": {"anyOf": [refs["fem"], {"type": "null"}], "description": fem}}
     for name in settings_classes():
-        settings[name] = {"anyOf": [refs[name], {"type": "null"}], "description": ANALYSES[name].title}
+        words = {"description": ANALYSES[name].title, **_examples(name)}
+        settings[name] = {"anyOf": [refs[name], {"type": "null"}], **words}
         settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
     return {
         "materials": {"type": "object", "additionalProperties": refs["material"]},

@@ -49,6 +49,20 @@ EXAMPLES = {
     "joint": "- joint: {angle: 5 deg, phase: 90 deg}\n"
     "- joint: {kind: tripod, angle: 10 deg, radius: 30 mm, arm: 600 mm}",
 }
+SETTINGS = {  # an example of every analysis and rule
+    "modes": "modes: {count: 8}",
+    "response": "response: {orders: [2, 21/8], frequencies: {from: 1 Hz, to: 200 Hz, steps: 400}}",
+    "stability": "stability: {speeds: {from: 300 rpm, to: 1800 rpm}, map: {over: angle, from: 1 deg, to: 20 deg}}",
+    "joints": "joints: {optimise: phase, torque: 800 N*m}",
+    "lateral": "lateral: {modes: 4, shear: true}",
+    "transient": "transient: {duration: 2 s, events: [{at: motor-1, time: 0.1 s, step: {torque: 100 N*m}}]}",
+    "check": "check: {models: [lumped, exact], tolerance: 0.1 %}",
+    "iacs-m68": "iacs-m68: {drive: electric, tachometer: 2 %}",
+    "coupling-maker": "coupling-maker: {continuous: {from: 400 rpm, to: 1800 rpm}}",
+    "gear-hammer": "gear-hammer: {limit: 0.35}",
+    "ice": "ice: {factor: 1.3}",
+    "universal-joints": "universal-joints: {speed_angle: 17000}",
+}
 NOTES = {  # what the keys of a kind need of each other
     "disc": "Give `inertia`, or `held: true`.",
     "motor": "Give `inertia`, or `held: true` (and then no `ripple`). The mean torque enters at the motors; "
@@ -127,7 +141,8 @@ def _kind(kind: str) -> str:
 
 def _settings(what: str, name: str, declared: type[Declared]) -> str:
     """The section of an analysis or a rule."""
-    return f"### {what} `{name}`\n\n{_with_parts(declared)}"
+    example = f"\n```yaml\n{SETTINGS[name]}\n```\n" if name in SETTINGS else ""
+    return f"### {what} `{name}`\n\n{_with_parts(declared)}{example}"
 
 
 def _with_parts(declared: type[Declared], common: type[Declared] | None = None) -> str:
