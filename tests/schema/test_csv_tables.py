@@ -307,3 +307,16 @@ def test_no_table_ends_in_a_traceback(tmp_path_factory: pytest.TempPathFactory, 
     for table in ("".join(pieces), GOOD.partition("\n")[0] + "\n" + "".join(pieces)):
         with contextlib.suppress(InputError):
             study(folder, table)
+
+
+@pytest.mark.parametrize(
+    ("train", "expected"),
+    [
+        ("train: [table: 5]\n", "scene.yaml:3:9: unknown component `table` (`- table: line.csv` names a file alone)"),
+        ("train: {table: line.csv, disc: {inertia: 1}}\n", "scene.yaml:3:26: a mapping is not a list of components"),
+        ("train: [coupling: {table: line.csv}]\n", "scene.yaml:3:20: `table` is part of the format but not built yet"),
+        ("train: {table: line.csv}\nrules: {table: line.csv}\n", "scene.yaml:4:8: a mapping is not a list"),
+    ],
+)  # fmt: skip
+def test_a_table_where_none_can_stand_is_refused(tmp_path: Path, train: str, expected: str) -> None:
+    assert any(fault.startswith(expected) for fault in faults(tmp_path, GOOD, train))

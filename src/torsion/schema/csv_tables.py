@@ -207,7 +207,7 @@ class _Rows:
         if expected - {"1"} and any(
             place < len(row) and _is_number(self._plain(row[place].text)) for row in self.rows[1:]
         ):
-            unit = min(expected - {"1"})
+            unit = units.example(min(expected - {"1"})).partition(" ")[2]
             self.fault(cell, f"the column `{column.key}` has no unit", f"write `{column.key} [{unit}]`")
 
     def _one_decimal_sign(self) -> None:
