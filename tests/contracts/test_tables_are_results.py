@@ -167,7 +167,7 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Critical speeds in", "Distance"): distances,
     ("Harmonic components", "Order"): key("response.lines[].order"),
     ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
-    ("Mean torque at", "Largest"): key("mean.torque_Nm"),
+    ("Mean torque at", "Largest"): lambda found, row: (abs(one) for one in at(found, "mean.torque_Nm")),
     ("Largest vibratory torque", "Synthesis"): largest("synthesis.half_range_Nm"),
     ("Largest vibratory torque", "At speed"): key(f"response.{RPM}"),
     ("Largest vibratory torque", "Its torque"): amplitudes("torque"),

@@ -11,6 +11,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Heading, Paragraph, Table
 from torsion.output.chapters.data_sheets import NO_FORCE, chapter
 from torsion.output.numbers import number
+from torsion.output.results_json import documented, results
 
 TEXT = """
 name: all that has a data sheet
@@ -80,6 +81,11 @@ def test_forces_on_teeth_are_those_of_one_force_normal_to_the_flank() -> None:
         *(number(1e-3 * force) for force in (main.tangential, main.radial, main.axial)),
     )  # fmt: skip
     assert not any(isinstance(block, Paragraph) for block in chapter(found))
+    stated = results(found)["tooth_forces"][0]
+    assert {f"tooth_forces[].{key}" for key in stated} == {
+        key.path for key in documented() if key.path.startswith("tooth_forces")
+    }
+    assert stated["radial_N"] == main.radial
 
 
 @pytest.mark.parametrize(
