@@ -169,7 +169,7 @@ class Quantity:
     ) -> JsonSchemaValue:
         usual = self.usual_words()
         meaning = f"a number with a unit; in SI: {self.unit}" + (f"; usually {usual}" if usual else "")
-        text = {"type": "string", "description": meaning}
+        text = {"type": "string", "description": meaning, "x-unit": [self.unit]}
         plain = text if units.needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
         return plain | {"x-usual": list(self.usual)} if usual else plain
 
@@ -272,8 +272,14 @@ _exact = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"
 _of_mean = {
     "type": "object",
     "required": ["of_mean"],
-    "properties": {"of_mean": {"description": "share of the mean torque, %", "x-usual": list(SHARE_OF_MEAN.usual)}},
+    "properties": {
+        "of_mean": {
+            "description": "share of the mean torque, %",
+            "anyOf": [{"type": "number"}, {"type": "string", "x-unit": ["1"]}],
+            "x-usual": list(SHARE_OF_MEAN.usual),
+        }
+    },
 }
-_amount = {"anyOf": [{"type": "number"}, {"type": "string"}, _of_mean]}
+_amount = {"anyOf": [{"type": "number"}, {"type": "string", "x-unit": ["N*m", "1"]}, _of_mean]}
 Exact = Annotated[Fraction, _read_by(read_exact), WithJsonSchema(_exact)]
 TorqueAmount = Annotated[Amount, _read_by(read_amount), WithJsonSchema(_amount)]

@@ -83,6 +83,16 @@ class Bar:
 
 
 @dataclass(frozen=True, slots=True)
+class Toothing:
+    """The size of the teeth of a mesh, as far as its forces need it."""
+
+    diameter: float  # m, pitch (reference) diameter of the driving wheel
+    helix: float  # rad
+    pressure_angle: float  # rad, normal
+    module: float | None  # m, normal; None where the diameter is given
+
+
+@dataclass(frozen=True, slots=True)
 class Constraint:
     """Driven angle = driving angle * ratio + error: a gear mesh or a universal joint.
 
@@ -98,6 +108,7 @@ class Constraint:
     error: tuple[tuple[int, complex], ...] = ()  # (order, rad)
     after: int | None = None  # of a joint: the part of the joint before it on the same shaft line
     teeth: tuple[int, ...] = ()  # of a mesh: driving and driven; () where its ratio is given
+    toothing: Toothing | None = None  # of a mesh whose pitch diameter is known
 
 
 @dataclass(frozen=True, slots=True)

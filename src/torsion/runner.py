@@ -71,7 +71,7 @@ def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError |
     )
     why = "; ".join(fault.message.removeprefix(f"{analysis.title}: ") for fault in known.faults)
     remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
-    line = next((fault.line for fault in known.faults), None)
+    line = next((fault.line for fault in known.faults if not fault.file), None)
     return Unanswered(name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known))
 
 

@@ -186,6 +186,7 @@ class Study:
     rules: tuple[tuple[str, Declared], ...] = ()  # (rule, its settings)
     file: str = ""
     text: str = ""  # the file as read
+    tables: tuple[tuple[str, str], ...] = ()  # the tables that it names: file, text as read
     memory: float = MEMORY  # bytes that a response may need
     document: FrontMatter | None = None
     logo: str = ""  # its picture as a data URI

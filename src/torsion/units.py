@@ -124,6 +124,11 @@ def speak(unit: str) -> str:
     return _KINDS[unit][0] if unit in _KINDS else "a quantity"
 
 
+def example(unit: str) -> str:
+    """A quantity in the SI unit `unit`, as it is written: '20 kN*m/rad'."""
+    return _KINDS[unit][1]
+
+
 def _expected(unit: str) -> str:
     return speak(unit) if unit == "1" else f"{speak(unit)} in {unit}"
 

@@ -167,7 +167,7 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Critical speeds in", "Distance"): distances,
     ("Harmonic components", "Order"): key("response.lines[].order"),
     ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
-    ("Mean torque at", "Largest"): key("mean.torque_Nm"),
+    ("Mean torque at", "Largest"): lambda found, row: (abs(one) for one in at(found, "mean.torque_Nm")),
     ("Largest vibratory torque", "Synthesis"): largest("synthesis.half_range_Nm"),
     ("Largest vibratory torque", "At speed"): key(f"response.{RPM}"),
     ("Largest vibratory torque", "Its torque"): amplitudes("torque"),
@@ -256,6 +256,14 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Largest errors against", "Frequency"): key("check.models[].largest_frequency_error"),
     ("Largest errors against", "1 − MAC"): key("check.models[].largest_shape_error"),
     ("Largest errors against", "Torques"): key("check.models[].largest_torque_error"),
+    ("Tooth forces", "m_{n}"): key("tooth_forces[].module_m"),
+    ("Tooth forces", "Helix"): key("tooth_forces[].helix_angle_rad"),
+    ("Tooth forces", "Pressure angle"): key("tooth_forces[].pressure_angle_rad"),
+    ("Tooth forces", "d driving"): key("tooth_forces[].pitch_diameter_m"),
+    ("Tooth forces", "d driven"): key("tooth_forces[].driven_pitch_diameter_m"),
+    ("Tooth forces", "F_{t}"): key("tooth_forces[].tangential_N"),
+    ("Tooth forces", "F_{r}"): key("tooth_forces[].radial_N"),
+    ("Tooth forces", "F_{a}"): key("tooth_forces[].axial_N"),
     ("Steps that were done", "Time"): key("plan.done[].seconds"),
 }
 # the figures of the file, checked by their chapters

@@ -5,8 +5,13 @@ import io
 import zipfile
 from pathlib import Path
 
+import pytest
+from tests.contracts.frozen import SCENES
+
 import torsion
 from torsion.output.blocks import Table
+from torsion.output.chapters import chapters
+from torsion.output.csv_table import one_line
 from torsion.output.document import document
 from torsion.output.table_files import archive, plain_figure
 from torsion.output.write import write
@@ -36,3 +41,15 @@ def test_every_table_with_a_number_is_a_file_with_its_rows(tmp_path: Path) -> No
     assert not (tmp_path / "tables.zip").exists()
     write(found, tmp_path, also=("tables",))
     assert zipfile.is_zipfile(tmp_path / "tables.zip")
+
+
+@pytest.mark.parametrize("scene", ["haixun_06402", "usv", "cardan_bearings", "twin_motor_ferry", "dredge_pump_line"])
+def test_the_archive_of_a_report_holds_all_of_its_tables_and_all_of_their_cells(scene: str) -> None:
+    found = torsion.run(torsion.read(SCENES[scene]))
+    tables = [block for block in chapters(found) if isinstance(block, Table)]
+    with zipfile.ZipFile(io.BytesIO(archive(document(found)))) as files:
+        written = [files.read(name).decode().splitlines() for name in files.namelist()]
+    assert len(tables) == len(written) > 15
+    for table, (caption, _, *lines) in zip(tables, written, strict=True):
+        assert caption.endswith(f": {one_line(table.caption)}")
+        assert list(csv.reader(lines)) == [[plain_figure(cell) for cell in row] for row in table.rows]

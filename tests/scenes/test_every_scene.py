@@ -15,6 +15,7 @@ import torsion
 from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.analyses.tooth_forces import ToothForces
 from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
@@ -200,6 +201,30 @@ def test_pump_shaft_carries_the_rated_power_at_504_rpm(solved) -> None:
     found = solved("pump_1200kw")
     pump = found.need(Steady).torque[span(found, "pump shaft"), at_rated(found)]
     assert pump == pytest.approx(1200e3 / (504.0 * RPM), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("scene", "failing"), [("twin_motor_ferry", []), ("dredge_pump_line", [("rubber coupling", "T_KW", "fail")])]
+)
+def test_scenes_of_many_checks_fail_as_they_say(scene: str, failing: list[tuple[str, str, str]], solved) -> None:
+    found = solved(scene)
+    checks = found.need(Checks).lines
+    assert len(checks) > 30
+    assert [(one.where, one.clause, one.verdict) for one in checks if one.verdict != "pass"] == failing
+    assert found.failed == bool(failing)
+
+
+def test_two_motors_share_the_power_and_their_pinions_the_force(solved) -> None:
+    found = solved("twin_motor_ferry")
+    rated, steady = at_rated(found), found.need(Steady)
+    for motor in ("port motor", "starboard motor"):
+        assert steady.applied[station(found, motor), rated] == pytest.approx(900e3 / (1200.0 * RPM), rel=1e-13)
+    port, starboard = found.need(ToothForces).meshes
+    assert starboard.tangential == pytest.approx(port.tangential, rel=1e-12)
+    assert port.tangential == pytest.approx(900e3 / (1200.0 * RPM) * 2 * math.cos(math.radians(12)) / 0.168, rel=1e-13)
+    assert {propeller.ratio for propeller in found.study.train.parts if propeller.kind == "propeller"} == {
+        Fraction(21, 100)
+    }
 
 
 def order_two(second_joint: str) -> np.ndarray:

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from torsion.analyses import settings_classes
 from torsion.components import KINDS, component
+from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.json_schema import json_schema
+from torsion.schema.manual import SETTINGS, declarations
 from torsion.schema.yaml_source import parse_source
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -80,7 +83,7 @@ def test_structural_fault_is_refused(validator, good, bad):
 def test_every_key_of_every_kind_is_offered_with_its_meaning():
     definitions = json_schema()["$defs"]
     for kind in KINDS:
-        entry = definitions["train"]["items"]["properties"][kind]
+        entry = definitions["train"]["anyOf"][0]["items"]["properties"][kind]
         keys = definitions[entry["$ref"].removeprefix("#/$defs/")]["properties"]
         assert set(keys) == {field.alias or name for name, field in component(kind).model_fields.items()}
         assert [key for key, body in keys.items() if not body.get("description")] == []
@@ -118,11 +121,38 @@ def test_nothing_in_the_schema_lacks_a_description(validator):
 
 def test_every_kind_has_examples_that_are_valid_and_defaults_are_said(validator):
     schema = json_schema()
-    kinds = schema["$defs"]["train"]["items"]["properties"]
+    kinds = schema["$defs"]["train"]["anyOf"][0]["items"]["properties"]
     for kind in KINDS:
         assert kinds[kind]["examples"]
         for body in kinds[kind]["examples"]:
             scene = {"name": "x", "train": [{"disc": {"inertia": 1}}, {kind: body}]}
             assert [error.message for error in validator.iter_errors(scene)] == []
+    analyses = schema["properties"]["analyses"]["properties"]
+    rules = schema["properties"]["rules"]["items"]["anyOf"][1]["properties"]
+    for name in settings_classes():
+        for body in analyses[name]["examples"]:
+            scene = {"name": "x", "train": [{"disc": {"inertia": 1}}], "analyses": {name: body}}
+            assert [error.message for error in validator.iter_errors(scene)] == []
+            assert settings_classes()[name].model_validate(parse_source(SETTINGS[name], "f").data[name])
+    for name in RULES:
+        for body in rules[name]["examples"]:
+            scene = {"name": "x", "train": [{"disc": {"inertia": 1}}], "rules": [{name: body}]}
+            assert [error.message for error in validator.iter_errors(scene)] == []
+            assert settings(name).model_validate(body)
     assert schema["$defs"]["SpeedRange"]["properties"]["steps"]["default"] == 201
     assert schema["$defs"]["Shaft"]["properties"]["material"]["default"] == "steel"
+
+
+def test_every_default_of_a_declaration_is_that_of_the_schema_unless_it_needs_a_unit():
+    schema = json_schema()
+    found = 0
+    for kind in declarations().values():
+        body = schema["$defs"].get(kind.__name__, {}).get("properties", {})
+        for name, field in kind.model_fields.items():
+            written = body.get(field.alias or name)
+            if written is None or not isinstance(field.default, str | bool | int | float):
+                continue
+            found += "default" in written
+            needs_unit = "#/$defs/" in written.get("$ref", "") and written["type"] == "string"
+            assert needs_unit or written["default"] == field.default, (kind, name)
+    assert found > 30

@@ -86,6 +86,11 @@ ANALYSES: dict[str, Analysis] = {
         "mean torque", "torsion.analyses.steady", needs=("segment groups",), results={"mean": "Steady"}, wanted=always,
         chapters=("mean_torques",), place=("operation",),
     ),
+    "tooth forces": Analysis(
+        "tooth forces", "torsion.analyses.tooth_forces", needs=("steady",), results={"tooth_forces": "ToothForces"},
+        wanted=lambda study: any(mesh.toothing is not None for mesh in study.train.constraints),
+        chapters=("data_sheets",), place=("operation", "rated"),
+    ),
     "response": Analysis(
         "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,

@@ -1,5 +1,6 @@
 """A gear: a change of speed, with the inertias of its wheels and any further wheels on the same driving gear."""
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 from typing import Annotated, Literal
@@ -11,9 +12,14 @@ from torsion.components.component import Component, Line, lower_branch
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Arrival, Lowering
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
-from torsion.primitives import Constraint
+from torsion.primitives import Constraint, Toothing
 
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
+Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
+Pressure = Annotated[float, Quantity("rad", above=0, below=math.pi / 2)]
+Module = Annotated[float, Quantity("m", above=0, usual=(None, 0.2), slip=("mm",))]
+PRESSURE_ANGLE = math.radians(20.0)  # of the basic rack, ISO 53
+SAME_SIZE = 1e-3  # relative, of two diameters that drawings print to a tenth of a millimetre
 
 
 class GearBranch(Declared):
@@ -48,9 +54,16 @@ class Gear(Component, keyword="gear", sort="link"):
         "K_A of the gear rating"
     )
     max_torque: fields.Torque | None = given("greatest torque of its rating, at the driving gear, in motion over time")
+    module: Module | None = given("normal module m_n; with `teeth` it makes the pitch diameters m_n z/cos(beta)")
+    pitch_diameter: Annotated[tuple[fields.Across, ...], Field(min_length=2, max_length=2)] | None = given(
+        "pitch (reference) diameters d of the [driving, driven] wheels, for the forces on the teeth"
+    )
+    helix_angle: Helix | None = given("beta (default: 0 deg, spur teeth)")
+    pressure_angle: Pressure | None = given("alpha_n, normal (default: 20 deg)")
 
     def refuse_clashes(self) -> None:
         _one_ratio(self)
+        _refuse_sizes_that_clash(self)
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
@@ -78,7 +91,19 @@ class Gear(Component, keyword="gear", sort="link"):
         """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
         teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
-        return Constraint(name, part, *ends, self._speed(wheel), flexibility, teeth=teeth)
+        toothing = self._toothing(wheel, teeth)
+        return Constraint(name, part, *ends, self._speed(wheel), flexibility, teeth=teeth, toothing=toothing)
+
+    def _toothing(self, wheel: "Gear | GearBranch", teeth: tuple[int, ...]) -> Toothing | None:
+        """Of a wheel on the driving gear, or on one of its own beside it, whose size follows from the module alone."""
+        helix = self.helix_angle or 0.0
+        angle = PRESSURE_ANGLE if self.pressure_angle is None else self.pressure_angle
+        on_driving_gear = not teeth or self.teeth is None or teeth[0] == self.teeth[0]
+        if self.pitch_diameter is not None and on_driving_gear:
+            return Toothing(self.pitch_diameter[0], helix, angle, self.module)
+        if self.module is not None and teeth:
+            return Toothing(self.module * teeth[0] / math.cos(helix), helix, angle, self.module)
+        return None
 
     def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
         """Speed after / speed before, of a wheel on this gear."""
@@ -90,6 +115,31 @@ class Gear(Component, keyword="gear", sort="link"):
         """Of the driving gear, where it meshes with a wheel that has teeth."""
         teeth = wheel.teeth or (1,)
         return teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
+
+
+def _refuse_sizes_that_clash(gear: Gear) -> None:
+    """Refuse a module and diameters that are not those of the teeth, and what says nothing alone."""
+    sizes = gear.pitch_diameter
+    for key in ("helix_angle", "pressure_angle"):
+        if getattr(gear, key) is not None and sizes is None and gear.module is None:
+            raise refuse(f"`{key}` says nothing alone", "give `module`, or `pitch_diameter`", key)
+    if gear.module is not None and gear.teeth is None:
+        raise refuse("a `module` needs `teeth`", "or give `pitch_diameter: [driving, driven]`", "module")
+    if sizes is None or (gear.ratio is None and gear.teeth is None):
+        return
+    ratio = gear.ratio if gear.ratio is not None else Fraction(gear.teeth[1], gear.teeth[0]) if gear.teeth else 0
+    if abs(sizes[1] / sizes[0] - ratio) > SAME_SIZE * ratio:
+        message = f"the pitch diameters are as 1 to {sizes[1] / sizes[0]:.6g}, the speeds as {float(ratio):.6g} to 1"
+        raise refuse(message, "reference diameters d = m_n z/cos(beta), not those of the tips", "pitch_diameter")
+    for teeth, size in zip(gear.teeth or (), sizes, strict=False):
+        if gear.module is None:
+            return
+        made = gear.module * teeth / math.cos(gear.helix_angle or 0.0)
+        if abs(made - size) > SAME_SIZE * size:
+            message = (
+                f"m_n z/cos(beta) is {made * 1e3:.6g} mm for {teeth} teeth, the pitch diameter {size * 1e3:.6g} mm"
+            )
+            raise refuse(message, "mend one of module, teeth, helix angle and diameter", "pitch_diameter")
 
 
 def _one_ratio(gear: Gear | GearBranch) -> None:

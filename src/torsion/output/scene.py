@@ -15,7 +15,8 @@ class Scene:
     name: str = result("", (), "name of the scene")
     description: str = result("", (), "its description")
     file: str = result("", (), "the file it was read from")
-    sha256: str | None = result("", (), "SHA-256 of the file's text, or null")
+    sha256: str | None = result("", (), "SHA-256 of the file's text and those of its tables behind it, or null")
+    tables: tuple[str, ...] = result("", (), "CSV files that the file names, in that order")
     model: str = result("", (), "lumped, fem or exact")
     reference: str = result("", (), "component whose speed is the speed axis, per whose revolution orders count")
     speed_range: tuple[float, float] | None = result("rad/s", (), "[from, to], or null")
@@ -76,6 +77,7 @@ def scene(study: Study) -> Scene:
         description=study.description,
         file=study.file,
         sha256=checksum(study),
+        tables=tuple(name for name, _ in study.tables),
         model=study.model,
         reference=study.operation.at or study.train.parts[0].name,
         speed_range=None if speeds is None else (speeds.first, speeds.last),
@@ -87,8 +89,12 @@ def scene(study: Study) -> Scene:
 
 
 def checksum(study: Study) -> str | None:
-    """SHA-256 of the input as read, in UTF-8; None where it was not read from a text."""
-    return hashlib.sha256(study.text.encode("utf-8")).hexdigest() if study.text else None
+    """SHA-256 of the input as read, in UTF-8: the scene and its tables one behind the other; None without a text.
+
+    `cat scene.yaml line.csv | sha256sum` gives it.
+    """
+    texts = (study.text, *(text for _, text in study.tables))
+    return hashlib.sha256("".join(texts).encode("utf-8")).hexdigest() if study.text else None
 
 
 def station_rows(selection: Selection) -> tuple[StationRow, ...]:

@@ -24,6 +24,7 @@ class Node:
     keys: dict[str, tuple[int, int]] = field(default_factory=dict)
     size: int = 1  # values in it and itself, aliases written out
     height: int = 0  # lists and mappings within each other
+    source: "Source | None" = None  # of a value that a table states: the text of that table
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,8 @@ class Source:
     name: str
     text: str
     root: Node = field(default_factory=lambda: Node(None, 1, 1))  # nothing, of a text to quote from alone
+    tables: "tuple[tuple[str, Source], ...]" = ()  # every table by the name that the text gives it
+    faults: tuple[Fault, ...] = ()  # of its tables, which can be read all the same
 
     @property
     def data(self) -> Any:
@@ -44,15 +47,23 @@ class Source:
 
     def place(self, path: Path, key: bool = False) -> tuple[int, int]:
         """Line and column, from 1, of the value (or its key) at `path`, or of the nearest parent that exists."""
-        node = self.root
+        return self.found(path, key)[1]
+
+    def found(self, path: Path, key: bool = False) -> tuple["Source", tuple[int, int]]:
+        """The text in which the value at `path` stands, this one or a table's, and its place there."""
+        node, source = self.root, self
         label = node.line, node.column
         for step in path:
             part = node.parts.get(step)
             if part is None:
                 break
             label = node.keys.get(str(step), (part.line, part.column))
-            node = part
-        return self.within(label if key else (node.line, node.column))
+            node, source = part, part.source or source
+        return source, source.within(label if key else (node.line, node.column))
+
+    def of_file(self, file: str) -> "Source":
+        """The table of that file name, or the text itself."""
+        return next((table for _, table in self.tables if file and table.name == file), self)
 
     def within(self, place: tuple[int, int]) -> tuple[int, int]:
         """The place, or the end of the text if it lies behind it (where the parser puts what is missing there)."""
@@ -66,9 +77,16 @@ def end_of(text: str) -> tuple[int, int]:
 
 
 def locate(faults: Iterable[Fault], source: Source) -> list[Fault]:
-    """The faults with line and column, in the order of the file, each once."""
-    located = dict.fromkeys(_located(fault, source) for fault in faults)
-    return sorted(located, key=lambda fault: (fault.line or 0, fault.column or 0))
+    """The faults with line and column, in the order of the file and then of its tables, each once.
+
+    Where a fault was located before, as a reader of text does, nothing else is said of that place.
+    """
+    given = list(faults)
+    known = {(fault.file, fault.line, fault.column) for fault in given if fault.line is not None}
+    each = ((fault.line is not None, _located(fault, source)) for fault in given)
+    located = dict.fromkeys(one for stated, one in each if stated or (one.file, one.line, one.column) not in known)
+    order = {table.name: place for place, (_, table) in enumerate(source.tables, start=1)}
+    return sorted(located, key=lambda fault: (order.get(fault.file, 0), fault.line or 0, fault.column or 0))
 
 
 def input_error(faults: Iterable[Fault], source: Source) -> InputError:
@@ -83,18 +101,19 @@ def input_error(faults: Iterable[Fault], source: Source) -> InputError:
 def _located(fault: Fault, source: Source) -> Fault:
     if fault.line is not None:
         return fault
-    line, column = source.place(fault.path, key=fault.at_key)
+    where, (line, column) = source.found(fault.path, key=fault.at_key)
     message = fault.message
     if fault.other:
-        there = source.place(fault.other)[0]
-        quoted = printable(re.sub(r"\s", " ", source.lines[there - 1]).strip(), _WIDTH // 2)
-        message += f" in line {there}" + ("" if there == line else f", `{quoted}`")
-    return replace(fault, message=message, line=line, column=column)
+        holds, (there, _) = source.found(fault.other)
+        quoted = printable(re.sub(r"\s", " ", holds.lines[there - 1]).strip(), _WIDTH // 2)
+        message += f" in line {there}" + ("" if holds is where else f" of {holds.name}")
+        message += "" if (holds, there) == (where, line) else f", `{quoted}`"
+    return replace(fault, message=message, line=line, column=column, file="" if where is source else where.name)
 
 
 def _text(fault: Fault, source: Source) -> str:
     """The fault, its line, cut around the column if it is long, and the caret under it (a tab stays a tab in both)."""
-    line, column = fault.line or 1, fault.column or 1
+    line, column, source = fault.line or 1, fault.column or 1, source.of_file(fault.file)
     head = f"{source.name}:{line}:{column}: {fault.message}" + (f" ({fault.hint})" if fault.hint else "")
     quoted = source.lines[line - 1] if 1 <= line <= len(source.lines) else ""
     if not quoted.strip():

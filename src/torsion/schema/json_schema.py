@@ -6,16 +6,26 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
 from pydantic_core import core_schema
 
+from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.components import KINDS, component
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
-from torsion.schema.manual import EXAMPLES, declarations
+from torsion.schema.csv_tables import MAPPINGS, PAIRS
+from torsion.schema.manual import EXAMPLES, SETTINGS, declarations
 from torsion.schema.scene_reader import LINKS, Scene
+from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
 from torsion.study import ShaftModel
 
 Schema = dict[str, Any]
+TABLE: Schema = {
+    "description": "a CSV file whose rows stand here, its path counted from the folder of this file",
+    "type": "object",
+    "properties": {"table": {"type": "string", "description": "the file", "examples": ["line.csv"]}},
+    "required": ["table"],
+    "additionalProperties": False,
+}
 
 
 class _Declarations(GenerateJsonSchema):
@@ -26,7 +36,7 @@ class _Declarations(GenerateJsonSchema):
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
         inner, default = self.generate_inner(schema["schema"]), schema.get("default")
-        is_plain = isinstance(default, str | bool | int) or (isinstance(default, float) and default != 0.0)
+        is_plain = isinstance(default, str | bool | int | float) and inner.get("x-unit") is None
         return inner | {"default": default} if is_plain and "$ref" not in inner else inner
 
     def field_title_should_be_set(self, schema: Any) -> bool:
@@ -51,10 +61,44 @@ def json_schema() -> Schema:
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
-    train = _list_of(_one_of({kind: _kind(kind, refs[kind]) for kind in KINDS}))
+    named = {"description": "a CSV file whose rows stand here, one component each", "type": "string"}
+    train = _or_table(_list_of(_one_of({**{kind: _kind(kind, refs[kind]) for kind in KINDS}, "table": named})))
+    _add_tables(shared["$defs"])
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
-    schema["$defs"] = {"train": {"description": "components in a row", **train}, **parts}
+    schema["$defs"] = {"train": {"description": "components in a row", **train}, "table": TABLE, **parts}
+    schema["$defs"] |= _with_patterns(schema)
     return schema
+
+
+def _with_patterns(body: Any) -> Schema:
+    """Refer every text with a unit to the definition of its quantity; these definitions by name."""
+    found: Schema = {}
+    if isinstance(body, dict):
+        expected = body.pop("x-unit", None)
+        if expected is not None:
+            name = " or ".join(units.speak(unit).removeprefix("a ").removeprefix("an ") for unit in expected)
+            name = name.replace(" ", "-")
+            body["$ref"] = f"#/$defs/{name}"
+            found[name] = definition(tuple(expected))
+    for part in list(body.values()) if isinstance(body, dict) else body if isinstance(body, list) else ():
+        found |= _with_patterns(part)
+    return found
+
+
+def _or_table(body: Schema) -> Schema:
+    """A list, or the file of a table whose rows are its entries."""
+    return {"anyOf": [body, {"$ref": "#/$defs/table"}]}
+
+
+def _add_tables(models: Schema) -> None:
+    """Offer a table wherever the reader takes one; every other word of such a key stays."""
+    for model in models.values():
+        for key in {*MAPPINGS, *PAIRS} & set(model.get("properties", {})):
+            body = model["properties"][key]
+            lists = [one for one in (body, *body.get("anyOf", ())) if one.get("type") == "array"]
+            if lists and lists[0]["items"] != {"type": "number"}:
+                words = {word: body.pop(word) for word in ("description", "default") if word in body}
+                model["properties"][key] = _or_table(body) | words
 
 
 def _kind(kind: str, body: Schema) -> Schema:
@@ -67,7 +111,12 @@ def _kind(kind: str, body: Schema) -> Schema:
 def _rule(name: str, body: Schema) -> Schema:
     """The settings of a rule with what it judges, in the words of its module."""
     words = import_module(RULES[name].partition(":")[0]).__doc__ or ""
-    return body | {"description": words.strip().splitlines()[0].partition(": ")[2]}
+    return body | {"description": words.strip().splitlines()[0].partition(": ")[2]} | _examples(name)
+
+
+def _examples(name: str) -> Schema:
+    """An example of the settings of an analysis or a rule, where the manual has one."""
+    return {"examples": [parse_source(SETTINGS[name], name).data[name]]} if name in SETTINGS else {}
 
 
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
@@ -78,7 +127,8 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": {"anyOf": [refs["fem"], {"type": "null"}], "description": fem}}
     for name in settings_classes():
-        settings[name] = {"anyOf": [refs[name], {"type": "null"}], "description": ANALYSES[name].title}
+        words = {"description": ANALYSES[name].title, **_examples(name)}
+        settings[name] = {"anyOf": [refs[name], {"type": "null"}], **words}
         settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
     return {
         "document": refs["document"],
@@ -87,7 +137,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "damping": refs["damping"],
         "train": {"$ref": "#/$defs/train"},
         "links": _list_of(link),
-        "excitations": _list_of(refs["excitation"]),
+        "excitations": _or_table(_list_of(refs["excitation"])),
         "analyses": _mapping({"model": {"enum": list(MODELS), "description": model}, **settings}),
         "rules": _list_of(rule),
     }

@@ -43,10 +43,25 @@ EXAMPLES = {
     "- coupling: {stiffness: 2 MN*m/rad, clearance: {angle: 0.2 deg, viscous: 40}}\n"
     "- coupling: {stiffness: 950, hysteresis_torque: 7 N*m, stages: [{from: 12 deg, stiffness: 4000}]}\n"
     "- coupling: {stiffness: 80 kN*m/rad, capacity: 400 N*m}",
-    "gear": "- gear: {teeth: [31, 93], inertia: [0.25, 14], branches: [{teeth: 62, train: [disc: {inertia: 2}]}]}",
+    "gear": "- gear: {teeth: [31, 93], inertia: [0.25, 14], branches: [{teeth: 62, train: [disc: {inertia: 2}]}]}\n"
+    "- gear: {teeth: [19, 57], module: 8 mm, helix_angle: 12 deg, pressure_angle: 20 deg}",
     "branch": "- branch: {train: [coupling: {stiffness: 20 kN*m/rad}, disc: {inertia: 1}]}",
     "joint": "- joint: {angle: 5 deg, phase: 90 deg}\n"
     "- joint: {kind: tripod, angle: 10 deg, radius: 30 mm, arm: 600 mm}",
+}
+SETTINGS = {  # an example of every analysis and rule
+    "modes": "modes: {count: 8}",
+    "response": "response: {orders: [2, 21/8], frequencies: {from: 1 Hz, to: 200 Hz, steps: 400}}",
+    "stability": "stability: {speeds: {from: 300 rpm, to: 1800 rpm}, map: {over: angle, from: 1 deg, to: 20 deg}}",
+    "joints": "joints: {optimise: phase, torque: 800 N*m}",
+    "lateral": "lateral: {modes: 4, shear: true}",
+    "transient": "transient: {duration: 2 s, events: [{at: motor-1, time: 0.1 s, step: {torque: 100 N*m}}]}",
+    "check": "check: {models: [lumped, exact], tolerance: 0.1 %}",
+    "iacs-m68": "iacs-m68: {drive: electric, tachometer: 2 %}",
+    "coupling-maker": "coupling-maker: {continuous: {from: 400 rpm, to: 1800 rpm}}",
+    "gear-hammer": "gear-hammer: {limit: 0.35}",
+    "ice": "ice: {factor: 1.3}",
+    "universal-joints": "universal-joints: {speed_angle: 17000}",
 }
 NOTES = {  # what the keys of a kind need of each other
     "disc": "Give `inertia`, or `held: true`.",
@@ -82,7 +97,9 @@ NOTES = {  # what the keys of a kind need of each other
     "`clearance` and `stages` exclude each other, and `capacity` all others; `psi`, `loss_factor` and `magnifier` go "
     "with stages.",
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "
-    "where the gear has `teeth`.",
+    "where the gear has `teeth`.\n\nA `module` beside `teeth`, or `pitch_diameter`, gives the nominal forces on the "
+    "teeth at the rated torque: F_t = 2 T/d, F_r = F_t tan(alpha_n)/cos(beta), F_a = F_t tan(beta), without K_A. "
+    "Where both are given they agree to 0.1 %. Wheels in `branches` have the module and angles of the gear.",
     "joint": "`plane` and `phase` count from the joint before it on the same shaft line. Behind a gear a joint is "
     "again the first, and has no `plane`; on a branch a first joint has no `phase` either. A cross joint excites at "
     "order 2 of its driving shaft, a tripod at order 3. A tripod needs `radius` and `arm`; its yoke is its first arm, "
@@ -125,7 +142,8 @@ def _kind(kind: str) -> str:
 
 def _settings(what: str, name: str, declared: type[Declared]) -> str:
     """The section of an analysis or a rule."""
-    return f"### {what} `{name}`\n\n{_with_parts(declared)}"
+    example = f"\n```yaml\n{SETTINGS[name]}\n```\n" if name in SETTINGS else ""
+    return f"### {what} `{name}`\n\n{_with_parts(declared)}{example}"
 
 
 def _with_parts(declared: type[Declared], common: type[Declared] | None = None) -> str:

@@ -7,6 +7,7 @@ KIND_FOR = {
     "generator": ABSORBS, "alternator": ABSORBS, "pump": ABSORBS, "fan": ABSORBS, "impeller": ABSORBS,
     "compressor": ABSORBS, "turbine": ABSORBS, "flywheel": "`disc: {inertia: ...}`",
     "spring": "`coupling: {stiffness: ...}`", "clutch": "`coupling: {stiffness: ..., capacity: ...}`",
+    "table": "`- table: line.csv` names a file alone",
     "gearbox": "`gear: {ratio: ...}`", "cardan": "`joint: {angle: ...}`",
 }  # fmt: skip
 RULE_FOR = {

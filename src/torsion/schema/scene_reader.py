@@ -3,7 +3,6 @@
 The kind of every entry of a train is decided first; the entry is then read in the words of that kind.
 """
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -25,9 +24,10 @@ from torsion.schema.fault_text import Source, input_error
 from torsion.schema.missing_marks import without_mark
 from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
+from torsion.schema.train_names import kinds_by_name, repeated_names
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
-from torsion.train import Link, Train, lowered, name_fault, taken
+from torsion.train import Link, Train, lowered, name_fault
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 Section = TypeVar("Section", bound=Declared)
@@ -70,11 +70,21 @@ def located(error: InputError, study: Study) -> InputError:
     """The same faults with the places in the study's file and the lines quoted; for what is found after reading."""
     if not study.text or all(fault.line for fault in error.faults):
         return error
-    return input_error(list(error.faults), parse_source(study.text, study.file))
+    return input_error(list(error.faults), _whole(parse_source(study.text, study.file), dict(study.tables)))
+
+
+def _whole(source: Source, tables: dict[str, str] | None = None) -> Source:
+    """The source with the rows of the tables that it names, from their files or as they were read before."""
+    if "table" not in source.text:
+        return source
+    from torsion.schema.csv_tables import with_tables
+
+    return with_tables(source, tables)
 
 
 def _study(source: Source) -> Study:
-    faults: list[Fault] = []
+    source = _whole(source)
+    faults = list(source.faults)
     study = _sections(source, faults)
     if study is not None:
         if "train" not in _faulty(faults):
@@ -139,6 +149,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         file=source.name,
         text=source.text,
         document=document,
+        tables=tuple((name, table.text) for name, table in source.tables),
     )
 
 
@@ -301,50 +312,6 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
         return ()
     read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
     return tuple(found for found in read if found is not None)
-
-
-def repeated_names(entries: object) -> Iterator[Fault]:
-    """Faults of names that are given twice, for a train that is too faulty to be looked at as a whole."""
-    seen: dict[str, Path] = {}
-    for name, path in _names(entries, ("train",)):
-        if name in seen:
-            yield taken(name, path[:-1], seen[name])
-        seen.setdefault(name, path[:-1])
-
-
-def _names(body: object, path: Path) -> Iterator[tuple[str, Path]]:
-    for step, item in entries_of(body):
-        if step == "name" and isinstance(item, str):
-            yield item, (*path, step)
-        yield from _names(item, (*path, step))
-
-
-def kinds_by_name(entries: object) -> dict[str, tuple[str, bool]] | None:
-    """The kind of every component by the name it goes by, and whether it is a point, of a train too faulty to lower.
-
-    None where that is not known: a kind is unknown, and so what the others are numbered.
-    """
-    found: dict[str, tuple[str, bool]] = {}
-    return found if _named(entries, found, Counter()) else None
-
-
-def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter[str]) -> bool:
-    for entry in entries if isinstance(entries, list) else [None]:
-        kind, body = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else (None, None)
-        if kind not in KINDS or not isinstance(body, dict | None):
-            return False
-        numbers[kind] += 1
-        given = (body or {}).get("name")
-        name = given if isinstance(given, str) else f"{kind}-{numbers[kind]}"
-        is_point = component(kind).sort == "point"
-        if name not in found or is_point:
-            found[name] = kind, is_point
-        branches = (body or {}).get("branches")
-        inner = [body, *(branches if isinstance(branches, list) else [])]
-        trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]
-        if not all(_named(train, found, numbers) for train in trains):
-            return False
-    return True
 
 
 def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:

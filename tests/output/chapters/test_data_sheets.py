@@ -5,10 +5,13 @@ import math
 import pytest
 
 import torsion
+from torsion.analyses.tooth_forces import ToothForces
+from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.output.blocks import Heading, Paragraph, Table
 from torsion.output.chapters.data_sheets import NO_FORCE, chapter
 from torsion.output.numbers import number
+from torsion.output.results_json import documented, results
 
 TEXT = """
 name: all that has a data sheet
@@ -52,8 +55,79 @@ def test_data_sheets_say_what_the_file_says_and_the_torque_at_the_rated_point(fo
     assert made["Propellers and other absorbers"].rows == (
         ("screw", "4", "1.2", "0.9", "0.6", "4", "1", "5", "frahm", "3", "not stated"),
     )
-    assert list(chapter(found))[-1] == Paragraph(NO_FORCE)
+    assert list(chapter(found))[-1] == Paragraph(NO_FORCE.format("g, g wheel 2"))
     assert next(iter(chapter(found))) == Heading("Data sheets")
+
+
+HELICAL = "name: g, teeth: [21, 63], module: 8 mm, helix_angle: 12 deg, pressure_angle: 22.5 deg"
+
+
+def test_forces_on_teeth_are_those_of_one_force_normal_to_the_flank() -> None:
+    """F_n on a flank inclined by alpha_n and beta: F_n (cos a cos b, sin a, cos a sin b), its moment the torque."""
+    found = torsion.run(torsion.parse(TEXT.replace("name: g, teeth: [21, 63]", HELICAL)))
+    mean, a, b = 60e3 / (900 * math.pi / 30), math.radians(22.5), math.radians(12.0)
+    diameter = 8e-3 * 21 / math.cos(b)
+    normal = mean / (diameter / 2) / (math.cos(a) * math.cos(b))
+    main, wheel = found.need(ToothForces).meshes
+    assert (main.tangential, main.radial, main.axial) == pytest.approx(
+        (normal * math.cos(a) * math.cos(b), normal * math.sin(a), normal * math.cos(a) * math.sin(b)), rel=1e-14
+    )
+    assert main.driven_diameter == pytest.approx(8e-3 * 63 / math.cos(b), rel=1e-15)
+    assert (wheel.diameter, wheel.driven_diameter) == pytest.approx((diameter, 2 * diameter), rel=1e-15)
+    assert (wheel.tangential, wheel.torque) == (0.0, 0.0)
+    (row, _) = sheets(found)["Tooth forces at the rated torque, without K_{A}"].rows
+    assert row == (
+        "g", "8", "12", "22.5", number(1e3 * diameter), number(3e3 * diameter),
+        *(number(1e-3 * force) for force in (main.tangential, main.radial, main.axial)),
+    )  # fmt: skip
+    assert not any(isinstance(block, Paragraph) for block in chapter(found))
+    stated = results(found)["tooth_forces"][0]
+    assert {f"tooth_forces[].{key}" for key in stated} == {
+        key.path for key in documented() if key.path.startswith("tooth_forces")
+    }
+    assert stated["radial_N"] == main.radial
+
+
+@pytest.mark.parametrize(
+    ("keys", "diameter"),
+    [
+        ("ratio: 3, pitch_diameter: [100 mm, 300 mm]", 0.1),
+        ("teeth: [20, 60], module: 5 mm", 0.1),
+        ("teeth: [20, 60], module: 5 mm, pitch_diameter: [100.05 mm, 300 mm]", 0.10005),
+    ],
+)
+def test_spur_teeth_push_at_the_pitch_diameter(keys: str, diameter: float) -> None:
+    text = TEXT.replace("name: g, teeth: [21, 63]", f"name: g, {keys}").replace("teeth: 42", "ratio: 2")
+    force = torsion.run(torsion.parse(text)).need(ToothForces).meshes[0]
+    mean = 60e3 / (900 * math.pi / 30)
+    assert force.tangential == pytest.approx(2 * mean / diameter, rel=1e-14)
+    assert (force.radial, force.axial) == (pytest.approx(force.tangential * math.tan(math.pi / 9), rel=1e-14), 0.0)
+
+
+def test_forces_on_teeth_are_left_out_without_a_rated_torque() -> None:
+    text = "name: x\ntrain: [motor: {inertia: 1}, gear: {teeth: [20, 50], module: 4 mm}, disc: {inertia: 2}]\n"
+    found = torsion.run(torsion.parse(text))
+    assert found.get(ToothForces) is None
+    assert ("tooth forces", "the mean torque at the rated point is not known") in found.plan.left_out
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ("ratio: 3, module: 5 mm", "a `module` needs `teeth`"),
+        ("teeth: [20, 60], helix_angle: 12 deg", "`helix_angle` says nothing alone"),
+        ("teeth: [20, 60], pitch_diameter: [100 mm, 310 mm]", "the pitch diameters are as 1 to 3.1, the speeds as 3"),
+        ("ratio: 3, pitch_diameter: [300 mm, 100 mm]", "the pitch diameters are as 1 to 0.333333"),
+        ("teeth: [20, 60], module: 5 mm, helix_angle: 12 deg, pitch_diameter: [100 mm, 300 mm]",
+         r"m_n z/cos\(beta\) is 102.234 mm for 20 teeth, the pitch diameter 100 mm"),
+        ("teeth: [20, 60], module: 5", "5 m is outside the usual range .* mm"),
+        ("teeth: [20, 60], module: 5 mm, helix_angle: 90 deg", "out of range"),
+    ],
+)  # fmt: skip
+def test_sizes_of_teeth_that_do_not_fit_are_refused(keys: str, expected: str) -> None:
+    text = f"name: x\ntrain: [motor: {{inertia: 1}}, gear: {{{keys}}}, disc: {{inertia: 2}}]\n"
+    with pytest.raises(InputError, match=expected):
+        torsion.parse(text)
 
 
 def test_a_train_of_discs_has_no_data_sheets() -> None:

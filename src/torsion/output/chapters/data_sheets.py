@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from torsion.analyses.tooth_forces import ToothForces
 from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
@@ -12,18 +13,22 @@ from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
 from torsion.output.reported_values import mean_torque_at_rated, rated, source
 
 MOST_DIGITS = 8  # significant digits of a figure of the file
-NO_FORCE = "Tooth forces are not stated: the file has no pitch diameters and angles of the gears."
+NO_FORCE = "Tooth forces are not stated of {}: the file has no pitch diameter, or no rated torque."
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing of a kind that the train does not have."""
-    made = [one for one in (_motors(findings), _couplings(findings), _gears(findings), _propellers(findings)) if one]
+    sheets = _motors, _couplings, _gears, _tooth_forces, _propellers
+    made = [one for sheet in sheets if (one := sheet(findings)) is not None]
     if not made:
         return
     yield Heading("Data sheets")
     yield from made
-    if any(findings.study.train.of_kind("gear")):
-        yield Paragraph(NO_FORCE)
+    train, forces = findings.study.train, findings.get(ToothForces)
+    known = {force.mesh for force in forces.meshes} if forces is not None else set()
+    without = [one.name for one in train.constraints if train.parts[one.part].kind == "gear" and one.name not in known]
+    if without:
+        yield Paragraph(NO_FORCE.format(", ".join(without)))
 
 
 def _figure(value: float | None, factor: float = 1.0) -> str:
@@ -110,6 +115,29 @@ def _gears(findings: Findings) -> Table | None:
         f"[{unit.unit}] | Mesh stiffness, driving side [N m/rad] | < Source",
         rows,
         "Gears",
+    )
+
+
+def _tooth_forces(findings: Findings) -> Table | None:
+    """Size and nominal forces of every mesh with a pitch diameter."""
+    found = findings.get(ToothForces)
+    meshes = () if found is None else found.meshes
+    unit = scale("N", [force.tangential for force in meshes])
+    rows = (
+        (
+            force.mesh, _figure(force.module, 1e3), _figure(np.degrees(force.helix)),
+            _figure(np.degrees(force.pressure_angle)),
+            number(force.diameter * 1e3), number(force.driven_diameter * 1e3),
+            *map(unit.text, (force.tangential, force.radial, force.axial)),
+        )
+        for force in meshes
+    )  # fmt: skip
+    return _sheet(
+        "< Mesh | m_{n} [mm] | Helix β [deg] | Pressure angle α_{n} [deg] | d driving [mm] | d driven [mm] | "
+        f"F_{{t}} [{unit.unit}] | F_{{r}} [{unit.unit}] | F_{{a}} [{unit.unit}]",
+        rows,
+        "Tooth forces at the rated torque, without K_{A}: F_{t} = 2 T/d, F_{r} = F_{t} tan α_{n}/cos β, "
+        "F_{a} = F_{t} tan β (ISO 6336-1, reference cylinder)",
     )
 
 

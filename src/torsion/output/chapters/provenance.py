@@ -32,7 +32,12 @@ def input_file(findings: Findings) -> Iterator[Block]:
     meshes = "".join(f"; {file}, SHA-256 {hashlib.sha256(Path(file).read_bytes()).hexdigest()}" for file in files)
     also = f" and the meshes that it names{meshes}." if meshes else "."
     study = findings.study
-    words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}. The whole report was computed from this text"
+    behind = " (of this text and of its tables behind it)" if study.tables else ""
+    words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}{behind}. The whole report was computed from this text"
+    words += ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
     yield Heading("Appendix: the input as read")
     yield Paragraph(words + also)
     yield Verbatim(text)
+    for name, table_text in study.tables:
+        yield Paragraph(f"Table {name}, SHA-256 {hashlib.sha256(table_text.encode()).hexdigest()}:")
+        yield Verbatim(table_text)
