@@ -79,6 +79,12 @@ ANALYSES: dict[str, Analysis] = {
         "damped modes", "torsion.analyses.damped_modes", needs=("modes",), results={"damped_modes": "DampedModes"},
         wanted=always, chapters=("natural_frequencies",), place=("analyses", "modes", "damped"),
     ),
+    "dampers": Analysis(
+        "optimum of the dampers", "torsion.analyses.damper_optimum", needs=("modes",), results={"dampers": "Dampers"},
+        chapters=("dampers",),
+        wanted=lambda study: any(part.kind == "damper" for part in study.train.parts),
+        place=("train",),
+    ),
     "segment groups": Analysis(
         "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
     ),

@@ -8,12 +8,12 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
+from torsion.components.losses import MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
 from torsion.components.lowering import CouplingRatings, Lowering, NonlinearRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Spring
 
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
-DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
 
 
 Angle = Annotated[float, Quantity("rad", above=0)]
@@ -64,12 +64,8 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
     loss_factor: fields.LossFactor | None = given("loss factor eta: k (1 + i eta)")
-    psi: Annotated[float, Quantity("1", at_least=0, usual=(None, 4.0 * math.pi), slip=("%",))] | None = given(
-        "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
-    )
-    magnifier: Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken="a loss factor")] | None = given(
-        "dynamic magnifier M; eta = 1/M"
-    )
+    psi: Psi | None = given(PSI)
+    magnifier: Magnifier | None = given(MAGNIFIER)
     rated_torque: fields.Torque | None = given("T_KN of the maker")
     vibratory_torque: fields.Torque | None = given("T_KW of the maker: permissible vibratory torque, half range")
     max_torque: fields.Torque | None = given(
@@ -96,10 +92,7 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
         if (self.stiffness is None) == (self.flexibility is None):
             what = "`stiffness` or `flexibility` is missing" if self.stiffness is None else "both are given"
             raise refuse(what, "give one of `stiffness` and `flexibility` (0 = rigid)")
-        found = [key for key in DAMPINGS if getattr(self, key) is not None]
-        if len(found) > 1:
-            raise refuse(f"{' and '.join(found)} exclude each other", "give one kind of damping", found[1])
-        if self.flexibility == 0 and found:
+        if (found := given_damping(self)) and self.flexibility == 0:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
         if self.max_torque_rare is not None and self.max_torque is None:
             hint = "`max_torque` too: T_Kmax1, that of normal operation"
@@ -114,7 +107,7 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
             self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance,
             self.max_torque_rare, self.max_torque_range,
         )  # fmt: skip
-        damping = next(((key, value) for key in DAMPINGS if (value := getattr(self, key)) is not None), None)
+        damping = given_damping(self)
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
@@ -125,9 +118,7 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
         nonlinear = _nonlinear_record(self, stiffness, scale)
         build.record(nonlinear=nonlinear)
         viscous = build.own(self.viscous or 0.0) if nonlinear is None or not nonlinear.play else nonlinear.viscous
-        loss = 1.0 / self.magnifier if self.magnifier is not None else self.loss_factor or 0.0
-        loss = self.psi / (2.0 * math.pi) if self.psi is not None else loss
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss))
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss_factor(damping)))
 
 
 def _refuse_nonlinear_clashes(coupling: Coupling) -> None:

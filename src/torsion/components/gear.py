@@ -11,6 +11,7 @@ from torsion import fields
 from torsion.components.component import Component, Line, lower_branch
 from torsion.components.coupling import Pair
 from torsion.components.lowering import Arrival, Lowering
+from torsion.components.planetary import Planetary
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
 from torsion.primitives import Constraint, Toothing
 
@@ -19,6 +20,10 @@ Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
 Pressure = Annotated[float, Quantity("rad", above=0, below=math.pi / 2)]
 Module = Annotated[float, Quantity("m", above=0, usual=(None, 0.2), slip=("mm",))]
 PRESSURE_ANGLE = math.radians(20.0)  # of the basic rack, ISO 53
+BESIDE_NO_PLANETARY = frozenset((
+    "ratio", "teeth", "inertia", "mesh_stiffness", "sense", "branches", "module", "pitch_diameter", "helix_angle",
+    "pressure_angle",
+))  # fmt: skip
 SAME_SIZE = 1e-3  # relative, of two diameters that drawings print to a tenth of a millimetre
 
 
@@ -41,6 +46,7 @@ class Gear(Component, keyword="gear", sort="link"):
 
     ratio: fields.Exact | None = given("speed before / speed after")
     teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given("[driving, driven]")
+    planetary: Planetary | None = given("a planetary stage, in place of `ratio` or `teeth`")
     inertia: Pair | None = given("[driving, driven] wheels")
     mesh_stiffness: fields.Stiffness | None = given("torsional, at the driving gear's speed (default: rigid)")
     sense: Literal[-1, 1] = given("-1: the driven shaft turns the other way", -1)
@@ -62,7 +68,11 @@ class Gear(Component, keyword="gear", sort="link"):
     pressure_angle: Pressure | None = given("alpha_n, normal (default: 20 deg)")
 
     def refuse_clashes(self) -> None:
-        _one_ratio(self)
+        if self.planetary is None:
+            _one_ratio(self)
+        elif clashes := sorted(BESIDE_NO_PLANETARY & self.model_fields_set):
+            hint = "its own keys say it" if clashes[0] != "branches" else "give them a gear of their own"
+            raise refuse(f"`planetary` and `{clashes[0]}` exclude each other", hint, clashes[0])
         _refuse_sizes_that_clash(self)
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
@@ -72,9 +82,11 @@ class Gear(Component, keyword="gear", sort="link"):
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)
         before, part, gear = build.at, build.part, build.parts[-1]
         referred_to = before.ratio if self.referred and before.referred_to is None else before.referred_to
-        driving, driven = build.link(
-            self._speed(self), self.sense, self.inertia, "wheel", referred_to=referred_to, yoke=None
-        )
+        stage = self.planetary
+        sense, halves, half = self.sense, self.inertia, "wheel"
+        if stage is not None:
+            sense, halves, half = 1 if stage.speed > 0 else -1, stage.halves, "member"
+        driving, driven = build.link(self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None)
         build.add(self._mesh(self, gear.name, part, (driving, driven), before))
         main = build.at
         for position, branch in enumerate(self.branches):
@@ -90,6 +102,8 @@ class Gear(Component, keyword="gear", sort="link"):
     def _mesh(self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival) -> Constraint:
         """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
+        if isinstance(wheel, Gear) and wheel.planetary is not None:
+            flexibility = at.scale * wheel.planetary.flexibility
         teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
         toothing = self._toothing(wheel, teeth)
         return Constraint(name, part, *ends, self._speed(wheel), flexibility, teeth=teeth, toothing=toothing)
@@ -107,6 +121,8 @@ class Gear(Component, keyword="gear", sort="link"):
 
     def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
         """Speed after / speed before, of a wheel on this gear."""
+        if isinstance(wheel, Gear) and wheel.planetary is not None:
+            return abs(wheel.planetary.speed)
         if wheel.ratio is not None:
             return 1 / wheel.ratio
         return Fraction(self._driving_teeth(wheel), (wheel.teeth or (1,))[-1])

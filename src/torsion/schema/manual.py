@@ -97,8 +97,11 @@ NOTES = {  # what the keys of a kind need of each other
     "`clearance` and `stages` exclude each other, and `capacity` all others; `psi`, `loss_factor` and `magnifier` go "
     "with stages.",
     "gear": "Give `ratio` or `teeth`, here and in each of `branches`; there the teeth of the wheel alone are enough "
-    "where the gear has `teeth`.\n\nA `module` beside `teeth`, or `pitch_diameter`, gives the nominal forces on the "
-    "teeth at the rated torque: F_t = 2 T/d, F_r = F_t tan(alpha_n)/cos(beta), F_a = F_t tan(beta), without K_A. "
+    "where the gear has `teeth`.\n\n`planetary` makes it a planetary stage with one member fixed; its ratio "
+    "follows from the teeth, and the speeds and the mass of the planets are referred to the carrier (of a fixed "
+    "carrier, to the driven member). Its meshes yield in series.\n\nA `module` beside `teeth`, or "
+    "`pitch_diameter`, gives the nominal forces on the teeth at the rated torque: F_t = 2 T/d, F_r = F_t "
+    "tan(alpha_n)/cos(beta), F_a = F_t tan(beta), without K_A. "
     "Where both are given they agree to 0.1 %. Wheels in `branches` have the module and angles of the gear.",
     "joint": "`plane` and `phase` count from the joint before it on the same shaft line. Behind a gear a joint is "
     "again the first, and has no `plane`; on a branch a first joint has no `phase` either. A cross joint excites at "

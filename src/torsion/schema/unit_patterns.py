@@ -14,6 +14,7 @@ _ANGLE = "(?:m?rad|deg|°|turn|rev)"
 _MASS = "(?:kg|g|t|lb)"
 _TIME = "(?:ms|s)"
 _TORQUE = f"{_FORCE}{_AND}{_LENGTH}"
+_MOMENTUM = f"(?:[kMG]?Nm{_TIME}|{_TORQUE}(?: ?[*·⋅×-] ?| ){_TIME})"  # `lbf ins` is a torque: pint knows plurals
 _SPELLINGS = {  # SI unit: its usual spellings; those that stand for two quantities, as 1/min, stand nowhere
     "1": "(?:%|ppm)",
     "rad": _ANGLE,
@@ -23,7 +24,7 @@ _SPELLINGS = {  # SI unit: its usual spellings; those that stand for two quantit
     "degC": "(?:°C|degC|K)",
     "N*m/rad": f"{_TORQUE}{_PER}{_ANGLE}",
     "rad/(N*m)": f"{_ANGLE}{_PER}(?:{_FORCE}{_LENGTH}|\\({_TORQUE}\\))",
-    "N*m*s/rad": f"{_TORQUE}{_AND}{_TIME}{_PER}{_ANGLE}",
+    "N*m*s/rad": f"{_MOMENTUM}{_PER}{_ANGLE}",
     "kg*m**2": f"{_MASS}{_AND}{_LENGTH}(?:\\*\\*|\\^)?[2²]",
     "N*m": f"(?:{_TORQUE}|[kM]?J)",
     "W": "(?:[kM]?W|PS|hp)",
@@ -37,7 +38,7 @@ _SPELLINGS = {  # SI unit: its usual spellings; those that stand for two quantit
     "N/m": f"{_FORCE}{_PER}{_LENGTH}",
     "N*s/m": f"{_FORCE}{_AND}{_TIME}{_PER}{_LENGTH}",
     "Pa": f"(?:[kMG]?Pa|bar|{_FORCE}{_PER}{_LENGTH}(?:\\*\\*|\\^)?[2²])",
-    "N*m*s": f"{_TORQUE}{_AND}{_TIME}",
+    "N*m*s": _MOMENTUM,
 }
 _NUMBER = "[+−-]?(?:[0-9][0-9_]*\\.?[0-9_]*|\\.[0-9][0-9_]*)(?:[eE][+-]?[0-9]+)?"
 
