@@ -96,8 +96,8 @@ def test_every_example_of_the_manual_is_valid(validator) -> None:
     assert len(blocks) > 20
     for block in blocks:
         data = parse_source(block, "format.md").data
-        parts = [{"train": data}, {"links": data}, {"excitations": data}, {"analyses": data}, {"rules": [data]}]
+        parts = [{"train": data}, {"links": data}, {"excitations": data}, {"analyses": data}, {"rules": [data]}, data]
         whole = [data] if isinstance(data, dict) and "train" in data else [
-            {"name": "x", "train": [{"disc": {"inertia": 1}}], **part} for part in parts
+            {"name": "x", "train": [{"disc": {"inertia": 1}}], **part} for part in parts if isinstance(part, dict)
         ]  # fmt: skip
         assert any(validator.is_valid(scene) for scene in whole), block
