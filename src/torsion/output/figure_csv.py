@@ -4,7 +4,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,34 +14,41 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.output.csv_table import one_line
 from torsion.output.document import Document
-from torsion.output.figures.figure import Axis, Figure, Line, Panel
+from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
 
-Row = list[Any]
+Piece = str | tuple[FloatArray, ...] | Cells  # text as it stands, columns of numbers, a map
 
 
 def csv_of(figure: Figure) -> str:
     """Comments with the caption, limits and ranges; then tables, apart by an empty line. A place without a value is
     empty; a figure without axes has no table."""
-    target = io.StringIO()
-    rows = csv.writer(target, lineterminator="\n")
-    target.write(f"# {one_line(figure.caption)}\n")
+    return "".join(one if isinstance(one, str) else _written(_rows(one)) for one in pieces(figure))
+
+
+def pieces(figure: Figure) -> Iterator[Piece]:
+    """What the file consists of, one after another."""
+    yield f"# {one_line(figure.caption)}\n"
     for panel in figure.plots:
         for words in _comments(panel):
-            target.write(f"# {one_line(words)}\n")
-        for table in _tables(panel):
-            target.write("\n")
-            rows.writerows(table)
-    return target.getvalue()
+            yield f"# {one_line(words)}\n"
+        for titles, values in _tables(panel):
+            yield "\n" + _written([titles])
+            yield values
 
 
 def tables(document: Document) -> Callable[[Path], list[Path]] | None:
     """What writes a file for every figure with axes, beside the place given; None where there is none."""
     figures = [item.block for item in document.body if isinstance(item.block, Figure) and item.block.plots]
-    return partial(_written, figures) if figures else None
+    return partial(_files, figures) if figures else None
 
 
-def _written(figures: list[Figure], target: Path) -> list[Path]:
-    made = [target.with_name("figure-" + re.sub(r"[^\w.-]+", "-", figure.name) + ".csv") for figure in figures]
+def file_name(figure: Figure) -> str:
+    """Of its file."""
+    return "figure-" + re.sub(r"[^\w.-]+", "-", figure.name) + ".csv"
+
+
+def _files(figures: list[Figure], target: Path) -> list[Path]:
+    made = [target.with_name(file_name(figure)) for figure in figures]
     for path, figure in zip(made, figures, strict=True):
         path.write_text(csv_of(figure), encoding="utf-8")
     return made
@@ -58,23 +65,20 @@ def _comments(panel: Panel) -> Iterator[str]:
         yield f"{band.label or band.name}: {band.low!r} to {band.high!r} {axes[band.axis].unit}"
 
 
-def _tables(panel: Panel) -> Iterator[list[Row]]:
-    """Lines by their coordinate, marks, and the cells of a map."""
+def _tables(panel: Panel) -> Iterator[tuple[list[str], tuple[FloatArray, ...] | Cells]]:
+    """Lines by their coordinate, marks, and the cells of a map: the titles, and what is below them."""
     left = [line for line in panel.lines if line.name or panel.x.places]
     while left:
         x = left[0].x
         mine = [line for line in left if line.x is x or np.array_equal(line.x, x, equal_nan=True)]
         left = [line for line in left if not any(line is one for one in mine)]
-        yield [[_title(panel.x), *(_column(line, panel.y) for line in mine)],
-               *_rows([x, *(line.y for line in mine)])]  # fmt: skip
+        yield [_title(panel.x), *(_column(line, panel.y) for line in mine)], (x, *(line.y for line in mine))
     for marks in panel.marks:
         if marks.name and marks.x.size:
-            yield [[_title(panel.x), f"{marks.name}: {_title(panel.y)}"], *_rows([marks.x, marks.y])]
+            yield [_title(panel.x), f"{marks.name}: {_title(panel.y)}"], (marks.x, marks.y)
     if panel.cells is not None:
         cells = panel.cells
-        x, y = np.meshgrid(cells.x, cells.y)
-        head = [_title(panel.x), _title(panel.y), f"{cells.quantity} [{cells.unit}]"]
-        yield [head, *_rows([x.ravel(), y.ravel(), cells.values.ravel()])]
+        yield [_title(panel.x), _title(panel.y), f"{cells.quantity} [{cells.unit}]"], cells
 
 
 def _title(axis: Axis) -> str:
@@ -87,7 +91,16 @@ def _column(line: Line, axis: Axis) -> str:
     return f"{own} [{axis.unit}]" if axis.unit else own or axis.quantity
 
 
-def _rows(columns: list[FloatArray]) -> Iterator[Row]:
+def _rows(values: tuple[FloatArray, ...] | Cells) -> Iterator[list[Any]]:
     """Numbers with all their digits; nothing where there is no value."""
-    for row in zip(*(column.tolist() for column in columns), strict=True):
+    if isinstance(values, Cells):
+        x, y = np.meshgrid(values.x, values.y)
+        values = x.ravel(), y.ravel(), values.values.ravel()
+    for row in zip(*(np.asarray(column, dtype=float).tolist() for column in values), strict=True):
         yield ["" if math.isnan(value) else value for value in row]
+
+
+def _written(rows: Iterable[list[Any]]) -> str:
+    target = io.StringIO()
+    csv.writer(target, lineterminator="\n").writerows(rows)
+    return target.getvalue()
