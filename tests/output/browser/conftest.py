@@ -2,11 +2,12 @@
 
 import shutil
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 from tests.output.browser.opened import Opened, Report, report
+
+VIEW = {"width": 900, "height": 900}  # px
 
 
 @pytest.fixture(scope="session")
@@ -16,7 +17,7 @@ def browser() -> Iterator[Any]:
     if chromium is None:
         pytest.skip("no Chromium on the path: apt install chromium")
     with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        opened = running.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
         yield opened
         opened.close()
 
@@ -34,27 +35,39 @@ def reports(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[
     return found
 
 
+@pytest.fixture(scope="session")
+def tabs(browser: Any) -> Callable[..., Any]:
+    """An empty tab of a browser set up in some way: one of each way for all tests, as a new one is slow."""
+    made = dict[str, Any]()
+
+    def tab(**context: Any) -> Any:
+        if (way := str(sorted(context.items()))) not in made:
+            made[way] = browser.new_context(**{"viewport": VIEW, **context}).new_page()
+        tab = made[way]
+        tab.goto("about:blank")
+        tab.emulate_media(media="null", color_scheme=context.get("color_scheme", "light"))
+        tab.set_viewport_size(context.get("viewport", VIEW))
+        return tab
+
+    return tab
+
+
 @pytest.fixture
-def opens(browser: Any, reports: Callable[[str], Report]) -> Iterator[Callable[..., Opened]]:
+def opens(tabs: Callable[..., Any], reports: Callable[[str], Report]) -> Iterator[Callable[..., Opened]]:
     """Opens the page of a scene from its file; in the end no page has said anything or requested anything else."""
     shown = list[Opened]()
 
     def opened(scene: str, **context: Any) -> Opened:
-        shown.append(Opened(browser, reports(scene), **context))
+        shown.append(Opened(tabs(**context), reports(scene)))
         return shown[-1]
 
     yield opened
     for one in shown:
+        one.close()
         assert one.messages == []
         assert {url for url in one.requests if not url.startswith("blob:")} == {one.report.file.as_uri()}
-        one.page.context.close()
 
 
 @pytest.fixture
 def usv(opens: Callable[..., Opened]) -> Opened:
     return opens("usv")
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return tmp_path

@@ -1,6 +1,7 @@
 """A page in a browser, and what a reader does with it."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +23,11 @@ class Report:
     document: Document
     file: Path
 
-    @property
+    @cached_property
     def figures(self) -> dict[str, Figure]:
         return {item.block.name: item.block for item in self.document.body if isinstance(item.block, Figure)}
 
-    @property
+    @cached_property
     def results(self) -> dict[str, Any]:
         """As in results.json."""
         return results(self.document.findings)
@@ -43,15 +44,24 @@ def report(scene: str, folder: Path) -> Report:
 class Opened:
     """A page with everything that a reader sees and does."""
 
-    def __init__(self, browser: Any, report: Report, **context: Any) -> None:
-        self.report, self.messages, self.requests = report, list[str](), list[str]()
-        self.page = browser.new_context(**{"viewport": {"width": 900, "height": 900}, **context}).new_page()
-        self.page.on("console", lambda message: self.messages.append(message.text))
-        self.page.on("pageerror", lambda error: self.messages.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(report.file.as_uri())
-        if context.get("java_script_enabled", True):
-            self.page.wait_for_selector("html.live", state="attached")
+    def __init__(self, tab: Any, report: Report) -> None:
+        self.report, self.page = report, tab
+        self.messages, self.requests = list[str](), list[str]()
+        self._listeners = {
+            "console": lambda message: self.messages.append(message.text),
+            "pageerror": lambda error: self.messages.append(str(error)),
+            "request": lambda request: self.requests.append(request.url),
+        }
+        for event, listener in self._listeners.items():
+            tab.on(event, listener)
+        tab.goto(report.file.as_uri())
+        if tab.evaluate("typeof STORE") == "object":  # with scripts
+            tab.wait_for_selector("html.live", state="attached")
+
+    def close(self) -> None:
+        """Hear no more of the tab."""
+        for event, listener in self._listeners.items():
+            self.page.remove_listener(event, listener)
 
     def area(self, name: str, plot: int = 0) -> Any:
         """Where a plot of a figure answers."""
