@@ -4,7 +4,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,35 +14,42 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.output.csv_table import one_line
 from torsion.output.document import Document
-from torsion.output.figures.figure import Axis, Figure, Line, Panel
+from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
 
 Columns = list[tuple[str, FloatArray]]  # title with unit, values
+Piece = str | tuple[FloatArray, ...] | Cells  # text as it stands, columns of numbers, a map
 
 
 def csv_of(figure: Figure) -> str:
     """Comments with the caption, limits and ranges; then tables, apart by an empty line. A place without a value is
     empty; a figure without axes has no table."""
-    target = io.StringIO()
-    rows = csv.writer(target, lineterminator="\n")
-    target.write(f"# {one_line(figure.caption)}\n")
+    return "".join(one if isinstance(one, str) else _written(_rows(one)) for one in pieces(figure))
+
+
+def pieces(figure: Figure) -> Iterator[Piece]:
+    """What the file consists of, one after another."""
+    yield f"# {one_line(figure.caption)}\n"
     for panel in figure.plots:
         for words in _comments(panel):
-            target.write(f"# {one_line(words)}\n")
-        for columns in tables_of(panel):
-            target.write("\n")
-            rows.writerow([title for title, _ in columns])
-            rows.writerows(_rows([values for _, values in columns]))
-    return target.getvalue()
+            yield f"# {one_line(words)}\n"
+        for titles, values in _tables(panel):
+            yield "\n" + _written([titles])
+            yield values
 
 
 def tables(document: Document) -> Callable[[Path], list[Path]] | None:
     """What writes a file for every figure with axes, beside the place given; None where there is none."""
     figures = [item.block for item in document.body if isinstance(item.block, Figure) and item.block.plots]
-    return partial(_written, figures) if figures else None
+    return partial(_files, figures) if figures else None
 
 
-def _written(figures: list[Figure], target: Path) -> list[Path]:
-    made = [target.with_name("figure-" + re.sub(r"[^\w.-]+", "-", figure.name) + ".csv") for figure in figures]
+def file_name(figure: Figure) -> str:
+    """Of its file."""
+    return "figure-" + re.sub(r"[^\w.-]+", "-", figure.name) + ".csv"
+
+
+def _files(figures: list[Figure], target: Path) -> list[Path]:
+    made = [target.with_name(file_name(figure)) for figure in figures]
     for path, figure in zip(made, figures, strict=True):
         path.write_text(csv_of(figure), encoding="utf-8")
     return made
@@ -60,21 +67,25 @@ def _comments(panel: Panel) -> Iterator[str]:
 
 
 def tables_of(panel: Panel) -> Iterator[Columns]:
-    """Lines by their coordinate, marks, and the cells of a map; NaN where there is no value."""
+    """The tables of the file as columns; NaN where there is no value."""
+    for titles, values in _tables(panel):
+        yield list(zip(titles, _columns(values), strict=True))
+
+
+def _tables(panel: Panel) -> Iterator[tuple[list[str], tuple[FloatArray, ...] | Cells]]:
+    """Lines by their coordinate, marks, and the cells of a map: the titles, and what is below them."""
     left = [line for line in panel.lines if line.name or panel.x.places]
     while left:
         x = left[0].x
         mine = [line for line in left if line.x is x or np.array_equal(line.x, x, equal_nan=True)]
         left = [line for line in left if not any(line is one for one in mine)]
-        yield [(_title(panel.x), x), *((_column(line, panel.y), line.y) for line in mine)]
+        yield [_title(panel.x), *(_column(line, panel.y) for line in mine)], (x, *(line.y for line in mine))
     for marks in panel.marks:
         if marks.name and marks.x.size:
-            yield [(_title(panel.x), marks.x), (f"{marks.name}: {_title(panel.y)}", marks.y)]
+            yield [_title(panel.x), f"{marks.name}: {_title(panel.y)}"], (marks.x, marks.y)
     if panel.cells is not None:
         cells = panel.cells
-        x, y = np.meshgrid(cells.x, cells.y)
-        yield [(_title(panel.x), x.ravel()), (_title(panel.y), y.ravel()),
-               (f"{cells.quantity} [{cells.unit}]", cells.values.ravel())]  # fmt: skip
+        yield [_title(panel.x), _title(panel.y), f"{cells.quantity} [{cells.unit}]"], cells
 
 
 def _title(axis: Axis) -> str:
@@ -87,7 +98,21 @@ def _column(line: Line, axis: Axis) -> str:
     return f"{own} [{axis.unit}]" if axis.unit else own or axis.quantity
 
 
-def _rows(columns: list[FloatArray]) -> Iterator[list[Any]]:
+def _rows(values: tuple[FloatArray, ...] | Cells) -> Iterator[list[Any]]:
     """Numbers with all their digits; nothing where there is no value."""
-    for row in zip(*(column.tolist() for column in columns), strict=True):
+    for row in zip(*(column.tolist() for column in _columns(values)), strict=True):
         yield ["" if math.isnan(value) else value for value in row]
+
+
+def _columns(values: tuple[FloatArray, ...] | Cells) -> tuple[FloatArray, ...]:
+    """The columns themselves; of a map its coordinates and values."""
+    if isinstance(values, Cells):
+        x, y = np.meshgrid(values.x, values.y)
+        return x.ravel(), y.ravel(), values.values.ravel()
+    return tuple(np.asarray(column, dtype=float) for column in values)
+
+
+def _written(rows: Iterable[list[Any]]) -> str:
+    target = io.StringIO()
+    csv.writer(target, lineterminator="\n").writerows(rows)
+    return target.getvalue()

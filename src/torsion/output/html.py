@@ -1,8 +1,8 @@
 """The report as one self-contained HTML page: style, figures and their script are in the page, which prints on A4."""
 
+import re
 from base64 import b64encode
 from collections.abc import Callable
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -11,26 +11,29 @@ from markupsafe import Markup, escape
 
 from torsion.output.blocks import Heading
 from torsion.output.document import Document, Numbered
+from torsion.output.drawing.dark import rules
 from torsion.output.drawing.live import Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import SUBSCRIPT
-from torsion.output.figures.figure import Figure
+from torsion.output.figures.figure import Figure, Twisted
 
 LONG_WORD = 20  # characters
+SCRIPTS = tuple(f"report_{part}.js" for part in ("numbers", "plots", "cursor", "input", "modes", "page"))
 
 
 def html(document: Document) -> str:
     """The page."""
     live = Page()
-    style, script = (
-        Markup((Path(__file__).parent / "templates" / f"report.{kind}").read_text(encoding="utf-8").strip())
-        for kind in ("css", "js")
-    )
+    figures = [item.block for item in document.body if isinstance(item.block, Figure)]
+    drawings = {figure.name: _figure(live, figure) for figure in figures}
+    surfaces = {figure.name for figure in figures if any(isinstance(panel, Twisted) for panel in figure.panels)}
+    style, script = _template("report.css"), Markup("\n".join(map(_without_indents, map(_template, SCRIPTS))))
     chapters = [item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1]
-    return environment(drawn=partial(_figure, live)).get_template("report.html").render(
+    return environment(drawn=lambda figure: drawings[figure.name]).get_template("report.html").render(
         cover=document.cover, body=document.body, chapters=chapters, style=style, script=script,
+        on_dark=Markup(rules(text for name, text in drawings.items() if name not in surfaces)),  # theirs are a scale
         digest=b64encode(sha256(f"\n{script}\n".encode()).digest()).decode(),
-        coordinates=lambda: Markup(live.coordinates()),
+        numbers=Markup(live.numbers()),
     )  # fmt: skip
 
 
@@ -46,9 +49,17 @@ def environment(drawn: Callable[[Figure], str]) -> Environment:
 
 
 def _figure(live: Page, figure: Figure) -> Markup:
-    """A drawing, with the values of its lines for the script of the page."""
+    """A drawing, with its numbers for the script of the page."""
     text, frames = framed(figure)
-    return Markup(f'{text}<script type="application/json">{live.figure(frames)}</script>')
+    return Markup(f'{text}<script type="application/json">{live.figure(figure, frames)}</script>')
+
+
+def _without_indents(script: str) -> str:
+    return re.sub(r"\n\s+", "\n", script)
+
+
+def _template(name: str) -> Markup:
+    return Markup((Path(__file__).parent / "templates" / name).read_text(encoding="utf-8").strip())
 
 
 def words(text: str) -> Markup:

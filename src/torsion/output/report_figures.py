@@ -57,7 +57,7 @@ def figures(findings: Findings) -> dict[str, ReportFigure]:
     '<svg'
     """
     drawn = [block for block in chapters(findings) if isinstance(block, Figure)]
-    return {one.name: ReportFigure(one.name, one.caption, one.panels) for one in drawn}
+    return {one.name: ReportFigure(**vars(one)) for one in drawn}
 
 
 def _by_title(columns: list[tuple[str, FloatArray]]) -> dict[str, FloatArray]:

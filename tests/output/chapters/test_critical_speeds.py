@@ -121,7 +121,9 @@ def test_campbell_diagram(found: Findings) -> None:
         met = [place for place in places if place[0] <= right and place[1] <= top]
         assert marks(drawn, name) == [pytest.approx(place) for place in met]
     said = next(one.words for one in plot(drawn).marks if one.name.endswith("outside the range"))
-    assert said[0] == "152.79 rpm: order 6 meets mode 1 at 34.000 Hz"  # 16 rad/s, 50 - 16 Hz
+    assert (
+        said[0] == "critical speed 152.79 rpm: order 6 meets mode 1 at 34.000 Hz, 33.3 % from rated"
+    )  # 16 rad/s, 50 - 16 Hz
     for place, frequency in enumerate(made.need(Modes).frequency.tolist(), start=1):
         if frequency <= top:
             assert levels(drawn)[f"mode {place}: {frequency:.4f} Hz"] == [frequency]

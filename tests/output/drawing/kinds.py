@@ -66,6 +66,7 @@ KINDS: dict[str, Figure] = {
         "mode-1", "mode 1", x=np.array([0.0, 1, 2, 2]), row=np.array([0.0, 0, 0, 1]),
         ends=np.array([[0, 1], [1, 2], [2, 3]]), marked=np.ones(4, dtype=bool), angle=np.array([1.0, 0, -1, -0.5]),
         torque=np.array([1.0, 0.5, -0.2]), ticks=[(0.0, "motor <A>")],
+        stations=["motor", "<wheel>", "end", "ring"], spans=["shaft", "coupling", "tie"],
     ),
     "campbell": frequencies_over_speed.campbell(
         "campbell", "c", frequencies=[10.0, 40.0], orders=[(1.0, "order 1"), (2.0, "order 2")],

@@ -1,70 +1,129 @@
-"""What the page's script reads: the values of the lines to five digits, each coordinate once, no sign that ends it."""
+"""What the page's script reads: the numbers of all figures in full, each list once, no sign that ends its element."""
 
 import json
+import zlib
+from base64 import b64decode
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 from tests.output.drawing.kinds import BUMP, KINDS, SPEED, torque
 from tests.output.drawn import named
 
-from torsion.output.drawing.live import MOST_POINTS, Page
+from torsion.output.drawing.live import LEFT_OUT, MOST_POINTS, THINNED, Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import plain
+from torsion.output.figure_csv import Cells, csv_of, pieces
+from torsion.output.figures import orders_over_speed
 from torsion.output.figures.curves_over_time import over_time
-from torsion.output.figures.figure import Figure
+from torsion.output.figures.figure import Axis, Figure
 
 
-def read(*figures: Figure) -> tuple[list, list]:
-    """Plots of every figure, and the coordinates."""
+def read(*figures: Figure) -> tuple[list[dict[str, Any]], list[np.ndarray], list[list[str]]]:
+    """The data of every figure, the arrays and the lists of names of the page."""
     page = Page()
-    plots = [json.loads(page.figure(framed(figure)[1])) for figure in figures]
-    return plots, json.loads(page.coordinates())
+    data = [json.loads(page.figure(figure, framed(figure)[1])) for figure in figures]
+    numbers = json.loads(page.numbers())
+    columns = np.frombuffer(zlib.decompress(b64decode(numbers["doubles"])), dtype=np.uint8).reshape(8, -1)
+    doubles = np.ascontiguousarray(columns.T).view("<f8").ravel()
+    ends = [0, *np.cumsum(numbers["lengths"]).tolist()]
+    return data, [doubles[first:last] for first, last in pairwise(ends)], numbers["names"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_values_are_those_of_the_lines_to_five_digits(kind: str) -> None:
-    (plots,), places = read(KINDS[kind])
-    panels = {panel.y.title: panel for panel in KINDS[kind].plots}
-    for plot in plots:
-        panel = panels[plot["y"]["title"]]
+def test_values_are_those_of_the_lines_to_the_last_digit(kind: str) -> None:
+    (data,), arrays, _ = read(KINDS[kind])
+    assert len(data["plots"]) == len(KINDS[kind].plots)
+    for plot, panel in zip(data["plots"], KINDS[kind].plots, strict=True):
         lines = {plain(name): line for name, line in named(panel).items()}
         for one in plot["lines"]:
-            x, y = np.array(places[one["x"]]), np.array(one["y"], dtype=float)
             if one["name"] != "orders":  # several of one name
-                known = np.isfinite(lines[one["name"]].x)
-                np.testing.assert_allclose(x, lines[one["name"]].x[known], rtol=1e-7)
-                np.testing.assert_allclose(y, lines[one["name"]].y[known], rtol=6e-5)
+                np.testing.assert_array_equal(arrays[one["x"]], lines[one["name"]].x)
+                np.testing.assert_array_equal(arrays[one["y"]], lines[one["name"]].y)
         left, top, wide, high = plot["box"]
         assert min(left, top, wide, high) > 0
         assert (plot["x"]["title"], plot["y"]["log"]) == (panel.x.title, panel.y.is_log)
         assert plot["x"]["ends"][0] < plot["x"]["ends"][1]
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_tables_of_a_figure_are_those_of_its_file(kind: str) -> None:
+    (data,), arrays, _ = read(KINDS[kind])
+    wanted = list(pieces(KINDS[kind])) if KINDS[kind].plots else []
+    for one, other in zip(data.get("csv", []), wanted, strict=True):
+        match other:
+            case str():
+                assert one == other
+            case Cells():
+                assert [arrays[one[key]].size for key in ("x", "y", "cells")] == [
+                    other.x.size, other.y.size, other.values.size,
+                ]  # fmt: skip
+                np.testing.assert_array_equal(arrays[one["cells"]], other.values.ravel())
+            case _:
+                for at, column in zip(one, other, strict=True):
+                    np.testing.assert_array_equal(arrays[at], column)
+
+
 def test_the_speeds_of_all_figures_are_written_once() -> None:
-    plots, places = read(torque(), KINDS["stress"], KINDS["gear"])
-    assert len(places) == 1
-    assert {line["x"] for figure in plots for plot in figure for line in plot["lines"]} == {0}
-    np.testing.assert_allclose(places[0], SPEED)
+    data, arrays, _ = read(torque(), KINDS["stress"], KINDS["gear"])
+    assert len({line["x"] for figure in data for plot in figure["plots"] for line in plot["lines"]}) == 1
+    assert sum(np.array_equal(one, SPEED) for one in arrays) == 1
 
 
-def test_a_place_without_a_value_is_null_and_names_cannot_end_the_element() -> None:
+def test_a_place_without_a_value_is_kept_and_names_cannot_end_the_element() -> None:
     page = Page()
-    text = page.figure(framed(torque(lines=[("</script><b>", np.where(SPEED < 400, np.nan, BUMP))]))[1])
+    figure = torque(lines=[("</script><b>", np.where(SPEED < 400, np.nan, BUMP))])
+    text = page.figure(figure, framed(figure)[1])
     assert "<" not in text
-    (line,) = [one for one in json.loads(text)[0]["lines"] if "script" in one["name"]]
+    assert "<" not in page.numbers()
+    (data,), arrays, _ = read(figure)
+    (line,) = [one for one in data["plots"][0]["lines"] if "script" in one["name"]]
     assert line["name"] == "</script><b>"
-    assert line["y"][0] is None
+    assert np.isnan(arrays[line["y"]][0])
 
 
-def test_of_a_long_line_the_extremes_are_kept() -> None:
+def test_of_long_lines_the_extremes_are_kept_and_the_table_says_so() -> None:
     time, values = np.linspace(0.0, 1.0, 50_000), np.zeros(50_000)
     values[31_234], values[777] = 9.0, -8.0
-    ((plot,),), places = read(over_time("m", "c", time=time, lines=[("a", values)], quantity="torque", unit="N m"))
-    (line,) = plot["lines"]
-    assert (max(line["y"]), min(line["y"])) == (9.0, -8.0)
-    assert len(line["y"]) == len(places[line["x"]]) <= MOST_POINTS
-    assert places[0][line["y"].index(9.0)] == pytest.approx(time[31_234], rel=1e-7)
+    figure = over_time("m", "c", time=time, lines=[("a", values), ("b", -values)], quantity="torque", unit="N m")
+    (data,), arrays, _ = read(figure)
+    one, other = data["plots"][0]["lines"]
+    assert one["x"] == other["x"]
+    x, y = arrays[one["x"]], arrays[one["y"]]
+    assert (y.max(), y.min()) == (9.0, -8.0)
+    assert x.size == y.size <= MOST_POINTS
+    assert x[y.argmax()] == time[31_234]
+    assert data["csv"][0] == THINNED
+    rows = {tuple(row) for row in np.transpose([arrays[at] for at in data["csv"][-1]]).tolist()}
+    assert rows < {tuple(row) for row in np.transpose([time, values, -values]).tolist()}
 
 
-def test_pictures_without_numbers_along_them_have_no_data() -> None:
-    assert read(KINDS["sketch"], KINDS["twisted"], KINDS["mode"]) == ([[], [], []], [])
+def test_a_large_map_is_left_out_and_the_table_says_so() -> None:
+    figure = orders_over_speed.waterfall(
+        "w", "c", over=Axis("time", "s"), y=np.arange(300.0), order=np.arange(1.0, 101.0),
+        amplitude=np.ones((300, 100)), reference="a", unit="N m",
+    )  # fmt: skip
+    (data,), arrays, _ = read(figure)
+    assert data["csv"][0] == LEFT_OUT
+    assert sum(one.size for one in arrays) == 0
+    assert csv_of(figure).count("\n") > 30_000
+
+
+def test_a_mode_names_its_stations_and_says_what_moves() -> None:
+    figure = KINDS["mode"]
+    (data,), arrays, names = read(figure)
+    upper, lower = data["plots"]
+    assert upper["lines"] == lower["lines"] == []
+    assert names[upper["stops"]["names"]] == ["motor", "<wheel>", "end", "ring"]
+    np.testing.assert_array_equal(arrays[upper["stops"]["y"]], [1.0, 0.0, -1.0, -0.5])
+    np.testing.assert_array_equal(arrays[lower["stops"]["x"]], [0.5, 1.5, 2.0])
+    moving = {key: arrays[at].tolist() for key, at in data["moving"].items()}
+    assert moving == {
+        "x": [0.0, 1.0, 2.0, 2.0], "row": [0.0, 0.0, 0.0, 1.0], "angle": [1.0, 0.0, -1.0, -0.5],
+        "ends": [0.0, 1.0, 1.0, 2.0, 2.0, 3.0], "marked": [0.0, 1.0, 2.0, 3.0],
+    }  # fmt: skip
+
+
+def test_pictures_without_axes_have_no_data() -> None:
+    assert read(KINDS["sketch"], KINDS["twisted"])[0] == [{"plots": []}, {"plots": []}]

@@ -32,9 +32,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     met = {c.order for c in found if c.is_inside}
     shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])
     crossings = [
-        (c.speed * RPM, c.frequency, c.is_inside,
-         f"{rpm(c.speed)} rpm: order {order(c.order)} meets mode {c.mode} at {number(c.frequency)} Hz")
-        for c in found if c.order in shown
+        (c.speed * RPM, c.frequency, c.is_inside, _words(c, rated(findings)))
+        for c in found if c.is_inside or c.order in shown
     ]  # fmt: skip
     yield frequencies_over_speed.campbell(
         "campbell", "Campbell diagram", frequencies=findings.need(Modes).frequency.tolist(),
@@ -60,13 +59,24 @@ def _matrix(found: Crossings, reference: str) -> Table:
     return table(titles, rows, "Critical speeds, order by mode (* in the speed range)")
 
 
+def _words(one: CriticalSpeed, speed: float | None) -> str:
+    """What a point of the Campbell diagram is, with its distance from the rated speed (rad/s)."""
+    margin = f", {_distance(one, speed)} % from rated" if speed else ""
+    meets = f"order {order(one.order)} meets mode {one.mode} at {number(one.frequency)} Hz"
+    return f"critical speed {rpm(one.speed)} rpm: {meets}{margin}"
+
+
+def _distance(one: CriticalSpeed, speed: float) -> str:
+    return number(100 * (one.speed / speed - 1), 3)
+
+
 def _list(found: Crossings, speed: float | None, reference: str) -> Table:
     """The critical speeds in the range, and how far they lie from the rated speed (rad/s)."""
     distance = "Distance from rated [%] | " if speed else ""
     inside = sorted((c for c in found if c.is_inside), key=lambda c: c.speed)
     rows = []
     for c in inside[:MOST_ROWS]:
-        own = [number(100 * (c.speed / speed - 1), 3)] if speed else []
+        own = [_distance(c, speed)] if speed else []
         rows.append((rpm(c.speed), order(c.order), c.mode, number(c.frequency), *own, c.line.named(reference)))
     rest = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
     return table(

@@ -202,4 +202,6 @@ def plot(findings: Findings, modes: Modes, mode: int) -> Figure:
         marked=drawn.stations < len(system.train.stations), angle=angle / angle[np.argmax(np.abs(angle))],
         torque=torque / np.abs(torque).max(initial=np.finfo(float).tiny),
         ticks=[(float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links],
+        stations=[one.name for one in system.train.stations],
+        spans=[system.spans[one].name for one in drawn.spans.tolist()],
     )  # fmt: skip

@@ -146,7 +146,7 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
         last = float(over.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
         crossings = [
             (one.speed * RPM, one.frequency, _inside(one, speeds),
-             f"{rpm(one.speed)} rpm: order {one.order} meets {number(one.frequency)} Hz")
+             f"critical speed of bending {rpm(one.speed)} rpm: order {one.order} meets {number(one.frequency)} Hz")
             for one in _near(shaft, speeds)
         ]  # fmt: skip
         yield frequencies_over_speed.whirl(

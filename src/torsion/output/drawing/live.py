@@ -1,64 +1,129 @@
-"""What the script of a page needs beside its drawings: places of the plots, their axes, the values of their lines."""
+"""What the script of a page needs beside its drawings: plots with their axes, numbers, tables as CSV."""
 
 import json
+import zlib
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.output.drawing.curves import decimated
 from torsion.output.drawing.frame import Frame
 from torsion.output.drawing.scales import Scale
 from torsion.output.drawing.text import plain
-from torsion.output.figures.figure import Axis
+from torsion.output.figure_csv import Piece, file_name, pieces
+from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
 
-DIGITS, PLACES = 5, 8  # significant, of a value and of its coordinate
 MOST_POINTS = 1200  # of a line; of a longer one first, least, greatest and last of equal bins
+LEAST_BINS = 75  # of such lines over one coordinate
+MOST_CELLS = 20_000  # of a map whose numbers are in the page
+THINNED = "# long lines: of each of equal ranges the first, least, greatest and last value; --csv writes all\n"
+LEFT_OUT = "# a map of more numbers than a page should hold is left out; --csv writes all\n"
 
 
 class Page:
-    """The coordinates of all lines of a page, each list once."""
+    """The numbers of all figures of a page, each list once and in full, and the names of their points."""
 
     def __init__(self) -> None:
-        self._known: dict[str, int] = {}
+        self._arrays: dict[bytes, int] = {}
+        self._names: dict[tuple[str, ...], int] = {}
 
-    def figure(self, frames: list[Frame]) -> str:
-        """JSON of the plots of a figure that have numbers along them and lines to read off."""
-        plots = (self._plot(frame) for frame in frames if not frame.panel.x.places)
-        return f"[{','.join(plot for plot in plots if plot)}]"
+    def figure(self, figure: Figure, frames: Sequence[Frame]) -> str:
+        """JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""
+        light = replace(figure, panels=tuple(_light(one) if isinstance(one, Panel) else one for one in figure.panels))
+        found: dict[str, Any] = {
+            "plots": [self._plot(frame, panel) for frame, panel in zip(frames, light.plots, strict=True)]
+        }
+        if light.plots:
+            found["file"], found["csv"] = file_name(figure), [self._piece(one) for one in _pieces(figure, light)]
+        if figure.moving is not None and figure.moving.x.size <= MOST_POINTS:
+            moving = figure.moving
+            found["moving"] = {
+                "x": self.array(moving.x), "row": self.array(moving.row), "angle": self.array(moving.angle),
+                "ends": self.array(moving.ends.ravel()), "marked": self.array(np.flatnonzero(moving.marked)),
+            }  # fmt: skip
+        return packed(found)
 
-    def coordinates(self) -> str:
-        """JSON of all coordinates: a list for each number that a line names."""
-        return f"[{','.join(self._known)}]"
+    def numbers(self) -> str:
+        """JSON of the lengths of all arrays, of their numbers one after another, and of all lists of names.
 
-    def _plot(self, frame: Frame) -> str:
-        lines = []
-        for line in frame.panel.lines:
-            x, y = line.x[np.isfinite(line.x)], line.y[np.isfinite(line.x)]
-            if line.name and x.size > 1 and bool(np.all(np.diff(x) >= 0)) and np.isfinite(y).any():
-                if x.size > MOST_POINTS:
-                    kept = decimated(x, np.nan_to_num(y), MOST_POINTS // 4)
-                    x, y = x[kept], y[kept]
-                place = self._known.setdefault(numbers(x, PLACES), len(self._known))
-                lines.append(f'{{"name":{packed(plain(line.name))},"x":{place},"y":{numbers(y, DIGITS)}}}')
-        if not lines:
-            return ""
+        The numbers are little-endian doubles; the first bytes of all come first, then the second and so on, which
+        shortens them most (zlib), in base64.
+        """
+        every = b"".join(self._arrays)
+        by_place = np.frombuffer(every, dtype=np.uint8).reshape(-1, 8).T.tobytes()
+        lengths = [len(values) // 8 for values in self._arrays]
+        doubles = b64encode(zlib.compress(by_place, 9)).decode()
+        return packed({"lengths": lengths, "names": list(self._names), "doubles": doubles})
+
+    def array(self, values: FloatArray | IntArray) -> int:
+        """The place of an array among those of the page."""
+        return self._arrays.setdefault(np.asarray(values, dtype="<f8").tobytes(), len(self._arrays))
+
+    def _plot(self, frame: Frame, panel: Panel) -> dict[str, Any]:
         box = [round(one, 2) for one in (frame.left, frame.top, frame.wide, frame.high)]
-        head = {"box": box, "x": _axis(frame.panel.x, frame.x), "y": _axis(frame.panel.y, frame.y)}
-        return f'{packed(head)[:-1]},"lines":[{",".join(lines)}]}}'
+        found: dict[str, Any] = {"box": box, "x": _axis(panel.x, frame.x), "y": _axis(panel.y, frame.y)}
+        found["lines"] = [
+            {"name": plain(line.name), "x": self.array(line.x), "y": self.array(line.y)}
+            for line in panel.lines
+            if _is_read(line) and not panel.x.places
+        ]
+        found["marks"] = [
+            {"name": plain(one.name), "x": self.array(one.x), "words": [plain(words) for words in one.words]}
+            for one in panel.marks
+            if one.words
+        ]
+        if panel.stops is not None and len(panel.stops.names) <= MOST_POINTS:
+            names = self._names.setdefault(panel.stops.names, len(self._names))
+            found["stops"] = {"x": self.array(panel.stops.x), "y": self.array(panel.stops.y), "names": names}
+        return found
+
+    def _piece(self, piece: Piece) -> Any:
+        match piece:
+            case str():
+                return piece
+            case Cells():
+                return {"x": self.array(piece.x), "y": self.array(piece.y), "cells": self.array(piece.values.ravel())}
+        return [self.array(column) for column in piece]
+
+
+def _pieces(figure: Figure, light: Figure) -> list[Piece]:
+    """The table of a figure as CSV, of the lighter one where the whole is too large for a page."""
+    made = list(pieces(light))
+    notes = [THINNED] if any(line.x.size > MOST_POINTS for one in figure.plots for line in one.lines) else []
+    large = [one for one in made if isinstance(one, Cells) and one.values.size > MOST_CELLS]
+    notes += [LEFT_OUT] if large else []
+    return [*notes, *(one for one in made if not any(one is other for other in large))]
+
+
+def _light(panel: Panel) -> Panel:
+    """A plot with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
+    return replace(panel, lines=tuple(_thinned(line, panel.lines) for line in panel.lines))
+
+
+def _thinned(line: Line, every: Sequence[Line]) -> Line:
+    if line.x.size <= MOST_POINTS:
+        return line
+    like = [one for one in every if one.x is line.x or np.array_equal(one.x, line.x, equal_nan=True)]
+    bins = max(LEAST_BINS, MOST_POINTS // 4 // len(like))
+    kept = np.unique(np.concatenate([decimated(np.nan_to_num(one.x), np.nan_to_num(one.y), bins) for one in like]))
+    return replace(line, x=line.x[kept], y=line.y[kept], base=None if line.base is None else line.base[kept])
+
+
+def _is_read(line: Line) -> bool:
+    """Whether a cursor reads the line: it has a name, goes on in its coordinate and has values."""
+    x = line.x[np.isfinite(line.x)]
+    return bool(line.name) and x.size > 1 and bool(np.all(np.diff(x) >= 0)) and bool(np.isfinite(line.y).any())
 
 
 def _axis(axis: Axis, scale: Scale) -> dict[str, Any]:
     return {
         "title": axis.title, "unit": axis.unit, "ends": [scale.low, scale.high], "log": scale.is_log,
-        "reversed": scale.is_reversed,
+        "reversed": scale.is_reversed, "places": bool(axis.places),
     }  # fmt: skip
-
-
-def numbers(values: FloatArray, digits: int) -> str:
-    """A list in JSON with so many significant digits, null where there is no value."""
-    known = np.isfinite(values).tolist()
-    return f"[{','.join(f'{v:.{digits}g}' if ok else 'null' for v, ok in zip(values.tolist(), known, strict=True))}]"
 
 
 def packed(value: Any) -> str:

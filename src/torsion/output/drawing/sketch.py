@@ -87,7 +87,8 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
     feet = [room_[3] for room_ in room.taken] + [sheet.at(0, _y(max(rows)) - LETTERS)[1]]
     upper, lower = min(ends) - 3.0, max(feet) + 3.0
     body = f'<g transform="scale(.1)">{"".join(sheet.elements())}</g><g font-size="{SIZE:g}">{"".join(texts)}</g>'
-    return lower - upper, f'<g class="sketch" transform="translate(0 {shown(top - upper)})">{body}</g>'
+    scale = f'data-left="{sheet.left:.6g}" data-across="{across:.6g}" data-row="{ROW * TALL:g}"'  # of a moving mode
+    return lower - upper, f'<g class="sketch" {scale} transform="translate(0 {shown(top - upper)})">{body}</g>'
 
 
 def _y(row: float) -> float:

@@ -146,8 +146,8 @@ def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:
     ends = number(cells.largest, 2)
     low = f"≤ {number(cells.largest * 10.0**-cells.decades, 2)}" if cells.decades else f"−{ends}"
     left = 8 + GROWTH * width(low)
-    parts = [
-        f'<rect x="{shown(left + k * step)}" y="-5" width="{step + 0.3}" height="10" fill="#{r:02x}{g:02x}{b:02x}"/>'
+    parts = [  # rgb(), not #: colours that stay on a dark screen
+        f'<rect x="{shown(left + k * step)}" y="-5" width="{step + 0.3}" height="10" fill="rgb({r},{g},{b})"/>'
         for k, (r, g, b) in enumerate(shades)
     ]
     long = left + step * len(shades)

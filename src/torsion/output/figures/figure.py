@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 
 Role = Literal[
     "synthesis", "limit", "second limit", "rated", "natural", "zero", "plain", "pale", "first", "forward", "backward",
@@ -93,6 +93,15 @@ class Marks:
 
 
 @dataclass(frozen=True)
+class Stops:
+    """Points that the cursor of a page goes to, and their names; not drawn."""
+
+    x: FloatArray  # (points,)
+    y: FloatArray  # (points,)
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Cells:
     """Values on a grid, as colours: below zero pale, above it dark, with a line where they are zero; or logarithms."""
 
@@ -116,6 +125,7 @@ class Panel:
     bands: tuple[Band, ...] = ()
     marks: tuple[Marks, ...] = ()
     cells: Cells | None = None
+    stops: Stops | None = None
     height: float = 190.0  # px of 1/96 inch on a sheet as wide as the text of A4
 
 
@@ -170,12 +180,24 @@ class Twisted:
 
 
 @dataclass(frozen=True)
+class Moving:
+    """A mode that a page moves over the sketch of the train; not drawn."""
+
+    x: FloatArray  # (stations,) as in the sketch
+    row: FloatArray  # (stations,)
+    angle: FloatArray  # (stations,) relative to the largest
+    ends: IntArray  # (spans, 2) stations
+    marked: BoolArray  # (stations,) with a dot
+
+
+@dataclass(frozen=True)
 class Figure:
     """Plots below each other under one caption."""
 
     name: str  # a stable identifier, the only one of its kind in a report
     caption: str
     panels: tuple[Panel | Sketch | Twisted, ...]
+    moving: Moving | None = None
 
     @property
     def plots(self) -> tuple[Panel, ...]:

@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Panel
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Moving, Panel, Stops
 
 Item = TypeVar("Item")
 MOST_TICKS = 40  # along the train
@@ -15,9 +15,12 @@ ROOM = 0.03  # of the train, beyond its ends
 
 def mode(
     name: str, caption: str, *, x: FloatArray, row: FloatArray, ends: IntArray, marked: BoolArray, angle: FloatArray,
-    torque: FloatArray, ticks: Sequence[tuple[float, str]],
+    torque: FloatArray, ticks: Sequence[tuple[float, str]], stations: Sequence[str] = (), spans: Sequence[str] = (),
 ) -> Figure:  # fmt: skip
-    """x, row, marked (with a dot), angle: (stations,); ends: (spans, 2) stations; torque: (spans,); at one speed."""
+    """x, row, marked (with a dot), angle: (stations,); ends: (spans, 2) stations; torque: (spans,); at one speed.
+
+    stations, spans: names of the marked stations and of all spans, for the cursor.
+    """
     line = np.rint(row[ends[:, 1]]).astype(int) if len(ends) else np.zeros(0, dtype=int)
     across = x[ends]
     hangs = across[:, 0] == across[:, 1]
@@ -35,13 +38,17 @@ def mode(
         marks.append(Marks("ring, ground, side wheel", across[hangs, 0], torque[hangs], "diamond", "outside"))
     room = ROOM * (float(np.ptp(x)) or 1.0)
     along = Axis("", "", float(x.min()) - room, float(x.max()) + room, places=tuple(thinned(ticks, MOST_TICKS)))
-    stations = Marks("", x[marked], angle[marked], "dot", "plain")
+    dots = Marks("", x[marked], angle[marked], "dot", "plain")
+    stops = (
+        Stops(x[marked], angle[marked], tuple(stations)) if stations else None,
+        Stops(across.mean(axis=1), torque, tuple(spans)) if spans else None,
+    )
     angles, torques = (Axis(f"{what} / largest", "", -1.1, 1.1) for what in ("angle", "torque"))
     zero = (Level("", 0.0, "zero"),)
     return Figure(name, caption, (
-        Panel(along, angles, tuple(upper), zero, marks=(stations,), height=125.0),
-        Panel(along, torques, tuple(lower), zero, marks=tuple(marks), height=105.0),
-    ))  # fmt: skip
+        Panel(along, angles, tuple(upper), zero, marks=(dots,), stops=stops[0], height=125.0),
+        Panel(along, torques, tuple(lower), zero, marks=tuple(marks), stops=stops[1], height=105.0),
+    ), Moving(x, row, angle, ends, marked))  # fmt: skip
 
 
 def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:

@@ -1,0 +1,86 @@
+"use strict";
+// The numbers of the page: arrays of doubles, scales of axes, texts of values, tables as CSV.
+const STORE = JSON.parse(document.getElementById("numbers").textContent), ARRAYS = [];
+const unpacked = async () => { // first bytes of all doubles, second bytes and so on, shortened by zlib
+  const short = Uint8Array.from(atob(STORE.doubles), (sign) => sign.charCodeAt(0));
+  const stream = new Blob([short]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer()), count = bytes.length / 8;
+  const doubles = new Uint8Array(bytes.length);
+  bytes.forEach((byte, at) => { doubles[8 * (at % count) + Math.floor(at / count)] = byte; });
+  let from = 0;
+  for (const length of STORE.lengths) ARRAYS.push(new Float64Array(doubles.buffer, 8 * from, length)), from += length;
+};
+const numbers = (at) => ARRAYS[at];
+const minus = (text) => text.replace("-", "−");
+const shown = (value) => minus(String(Number(value.toPrecision(5))));
+const share = (axis, value) => { // 0 at the left end of the whole axis, 1 at the right one
+  const [low, high] = axis.ends;
+  const at = axis.log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+  return axis.reversed ? 1 - at : at;
+};
+const inverse = (axis, at) => {
+  const [low, high] = axis.ends, s = axis.reversed ? 1 - at : at;
+  return axis.log ? low * Math.pow(high / low, s) : low + s * (high - low);
+};
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+const below = (x, value) => { // the last place of an ascending list that is not above the value
+  let low = 0, high = x.length - 1;
+  while (low < high) { const middle = (low + high + 1) >> 1; if (x[middle] <= value) low = middle; else high = middle - 1; }
+  return low;
+};
+const nearest = (x, value) => { // the place of an ascending list
+  const k = below(x, value);
+  return k + 1 < x.length && x[k + 1] - value < value - x[k] ? k + 1 : k;
+};
+const valueAt = ({ x, y }, value) => {
+  const k = below(x, value), last = x.length - 1;
+  if (value < x[0] || value > x[last]) return NaN;
+  return x[k] === value || k === last ? y[k] : y[k] + (y[k + 1] - y[k]) * (value - x[k]) / (x[k + 1] - x[k]);
+};
+const ticks = (low, high, most) => {
+  const raw = (high - low) / most, decade = Math.pow(10, Math.floor(Math.log10(raw)));
+  const step = [1, 2, 5, 10].find((k) => k * decade >= raw * (1 - 1e-9)) * decade, found = [];
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-6));
+  for (let k = Math.ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; k++)
+    found.push([k * step, minus((k * step).toFixed(digits))]);
+  return found;
+};
+const written = (value) => { // with every digit, as the files of --csv
+  if (Number.isNaN(value)) return "";
+  if (!Number.isFinite(value)) return value < 0 ? "-inf" : "inf";
+  const [digits, power] = value.toExponential().split("e").map((part, k) => k ? Number(part) : part);
+  if (value !== 0 && (power < -4 || power >= 16))
+    return `${digits}e${power < 0 ? "-" : "+"}${String(Math.abs(power)).padStart(2, "0")}`;
+  const text = (Object.is(value, -0) ? "-" : "") + String(value);
+  return text.includes(".") ? text : `${text}.0`;
+};
+const columns = (lists) => Array.from(lists[0], (_, row) => `${lists.map((list) => written(list[row])).join(",")}\n`).join("");
+const cells = (piece) => {
+  const [x, y, values] = [piece.x, piece.y, piece.cells].map(numbers), rows = [];
+  y.forEach((up, j) => x.forEach((across, i) => rows.push(`${[across, up, values[j * x.length + i]].map(written).join(",")}\n`)));
+  return rows.join("");
+};
+const figureCsv = (data) => data.csv.map((piece) => typeof piece === "string" ? piece
+  : Array.isArray(piece) ? columns(piece.map(numbers)) : cells(piece)).join("");
+const POWERS = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", FIGURE = /^−?\d[\d.]*(·10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?$/;
+const oneLine = (text) => text.trim().split(/\s+/).join(" ");
+const plainFigure = (text) => text === "–" ? "" : !FIGURE.test(text) ? oneLine(text)
+  : text.replace("−", "-").replace("·10", "e").replace(/[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]/g, (sign) => "-0123456789"[POWERS.indexOf(sign)]);
+const source = (node, left = "_{", right = "}") => { // the text of an element, with its subscripts as they were given
+  const copy = node.cloneNode(true);
+  copy.querySelectorAll("button, b").forEach((one) => one.remove());
+  copy.querySelectorAll("sub").forEach((one) => one.replaceWith(`${left}${one.textContent}${right}`));
+  return copy.textContent;
+};
+const quoted = (text) => /[",\n\r]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text;
+const title = (head) => {
+  const unit = head.querySelector(".unit"), copy = head.cloneNode(true);
+  copy.querySelectorAll(".unit").forEach((one) => one.remove());
+  return source(copy, "_", "") + (unit ? ` [${source(unit)}]` : "");
+};
+const tableCsv = (table) => {
+  const number = table.querySelector("caption b").textContent, caption = oneLine(source(table.caption));
+  const rows = [...table.tBodies[0].rows].filter((row) => !row.querySelector("[colspan]"));
+  const lines = [[...table.tHead.rows[0].cells].map(title), ...rows.map((row) => [...row.cells].map((cell) => plainFigure(cell.textContent)))];
+  return `# ${number}: ${caption}\n${lines.map((line) => `${line.map(quoted).join(",")}\n`).join("")}`;
+};

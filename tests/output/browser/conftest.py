@@ -1,0 +1,73 @@
+"""A browser for all tests of this folder, which are skipped where playwright or Chromium is not installed."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from tests.output.browser.opened import Opened, Report, report
+
+VIEW = {"width": 900, "height": 900}  # px
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright here: pip install .[browser]")
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    if chromium is None:
+        pytest.skip("no Chromium on the path: apt install chromium")
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="session")
+def reports(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Report]:
+    """The report of a scene, solved once and written to a file."""
+    folder, made = tmp_path_factory.mktemp("reports"), dict[str, Report]()
+
+    def found(scene: str) -> Report:
+        if scene not in made:
+            made[scene] = report(scene, folder)
+        return made[scene]
+
+    return found
+
+
+@pytest.fixture(scope="session")
+def tabs(browser: Any) -> Callable[..., Any]:
+    """An empty tab of a browser set up in some way: one of each way for all tests, as a new one is slow."""
+    made = dict[str, Any]()
+
+    def tab(**context: Any) -> Any:
+        if (way := str(sorted(context.items()))) not in made:
+            made[way] = browser.new_context(**{"viewport": VIEW, **context}).new_page()
+        tab = made[way]
+        tab.goto("about:blank")
+        tab.emulate_media(media="null", color_scheme=context.get("color_scheme", "light"))
+        tab.set_viewport_size(context.get("viewport", VIEW))
+        return tab
+
+    return tab
+
+
+@pytest.fixture
+def opens(tabs: Callable[..., Any], reports: Callable[[str], Report]) -> Iterator[Callable[..., Opened]]:
+    """Opens the page of a scene from its file; in the end no page has said anything or requested anything else."""
+    shown = list[Opened]()
+
+    def opened(scene: str, **context: Any) -> Opened:
+        shown.append(Opened(tabs(**context), reports(scene)))
+        return shown[-1]
+
+    yield opened
+    for one in shown:
+        one.close()
+        assert one.messages == []
+        assert {url for url in one.requests if not url.startswith("blob:")} == {one.report.file.as_uri()}
+
+
+@pytest.fixture
+def usv(opens: Callable[..., Opened]) -> Opened:
+    return opens("usv")

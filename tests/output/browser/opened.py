@@ -1,0 +1,138 @@
+"""A page in a browser, and what a reader does with it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import torsion
+from torsion.commands import solved
+from torsion.output.document import Document, document
+from torsion.output.figures.figure import Figure
+from torsion.output.html import html
+from torsion.output.results_json import results
+
+SCENES = Path(torsion.__file__).parents[2] / "shafting_specs"
+EVERY = ("haixun_06402", "usv", "cardan_bearings", "pump_1200kw", "six_cylinder")
+
+
+@dataclass(frozen=True)
+class Report:
+    """A report, its figures by name, and its page as a file."""
+
+    document: Document
+    file: Path
+
+    @cached_property
+    def figures(self) -> dict[str, Figure]:
+        return {item.block.name: item.block for item in self.document.body if isinstance(item.block, Figure)}
+
+    @cached_property
+    def results(self) -> dict[str, Any]:
+        """As in results.json."""
+        return results(self.document.findings)
+
+
+def report(scene: str, folder: Path) -> Report:
+    """Solved and written."""
+    made = document(solved(SCENES / f"{scene}.yaml"))
+    file = folder / f"{scene}.html"
+    file.write_text(html(made), encoding="utf-8")
+    return Report(made, file)
+
+
+class Opened:
+    """A page with everything that a reader sees and does."""
+
+    def __init__(self, tab: Any, report: Report) -> None:
+        self.report, self.page = report, tab
+        self.messages, self.requests = list[str](), list[str]()
+        self._listeners = {
+            "console": lambda message: self.messages.append(message.text),
+            "pageerror": lambda error: self.messages.append(str(error)),
+            "request": lambda request: self.requests.append(request.url),
+        }
+        for event, listener in self._listeners.items():
+            tab.on(event, listener)
+        tab.goto(report.file.as_uri())
+        if tab.evaluate("typeof STORE") == "object":  # with scripts
+            tab.wait_for_selector("html.live", state="attached")
+
+    def close(self) -> None:
+        """Hear no more of the tab."""
+        for event, listener in self._listeners.items():
+            self.page.remove_listener(event, listener)
+
+    def area(self, name: str, plot: int = 0) -> Any:
+        """Where a plot of a figure answers."""
+        return self.page.locator(f"figure#{name} rect.area").nth(plot)
+
+    def values(self, name: str) -> str:
+        """What the cursor reads below a figure."""
+        return str(self.page.locator(f"figure#{name} .values > span").first.text_content())
+
+    def near(self, name: str) -> str:
+        """What is said there of critical speeds and points."""
+        return str(self.page.locator(f"figure#{name} .near").text_content())
+
+    def read(self, name: str) -> tuple[float, dict[str, float]]:
+        """Coordinate, and values by the name of their line."""
+        head, _, rest = self.values(name).partition(": ")
+        return number(head.rpartition(" ")[0] or head), {
+            words: number(value) for words, value in (split(word) for word in rest.replace("; ", ", ").split(", "))
+        }
+
+    def spot(self, name: str, across: float, plot: int = 0) -> tuple[float, float]:
+        """px of a share of the width of a plot."""
+        area = self.area(name, plot)
+        area.scroll_into_view_if_needed()
+        box = area.bounding_box()
+        return box["x"] + across * box["width"], box["y"] + box["height"] / 2
+
+    def hover(self, name: str, across: float, plot: int = 0) -> None:
+        self.page.mouse.move(*self.spot(name, across, plot))
+
+    def drag(self, name: str, first: float, last: float) -> None:
+        """From one share of the width to another."""
+        self.hover(name, first)
+        self.page.mouse.down()
+        self.hover(name, (first + last) / 2)
+        self.hover(name, last)
+        self.page.mouse.up()
+
+    def press(self, name: str, *keys: str) -> None:
+        """In a plot with the focus."""
+        self.area(name).focus()
+        for key in keys:
+            self.page.keyboard.press(key)
+
+    def numbers(self, name: str) -> list[float]:
+        """What stands below the plots of a figure, as it is seen."""
+        found = self.page.locator(f"figure#{name} text.across, figure#{name} .scale text").all()
+        return [number(str(one.text_content())) for one in found if one.is_visible()]
+
+    def shape(self, name: str) -> list[str]:
+        """All paths and windows of a figure, but the cursor."""
+        script = """s => [...s.querySelectorAll('path:not(.cursor), svg')]
+            .map(e => e.getAttribute('d') || e.getAttribute('viewBox'))"""
+        found: list[str] = self.page.locator(f"figure#{name} > svg:not(.train)").evaluate(script)
+        return found
+
+    def key(self, name: str, line: str) -> Any:
+        """The name of a line in the key of a figure."""
+        return self.page.locator(f"figure#{name} [role=checkbox][aria-label='{line}']")
+
+    def button(self, name: str, words: str) -> Any:
+        """Of a figure."""
+        return self.page.locator(f"figure#{name} button", has_text=words)
+
+
+def number(text: str) -> float:
+    return float(text.replace("−", "-"))
+
+
+def split(word: str) -> tuple[str, str]:
+    """'order 2 -1.25 kN m': the name, and the number behind it, which is the last word that is one."""
+    parts = word.split(" ")
+    at = max(k for k, part in enumerate(parts) if part.replace("−", "").replace(".", "").replace("e-", "").isdigit())
+    return " ".join(parts[:at]), parts[at]

@@ -1,0 +1,55 @@
+"""What is printed is the static figure in its light colours, whatever was done on the screen."""
+
+import re
+import zlib
+from collections.abc import Callable
+
+import pytest
+from tests.output.browser.opened import EVERY, Opened
+
+
+def streams(pdf: bytes) -> list[bytes]:
+    """All pages, fonts and pictures of a PDF, in their order."""
+    found = []
+    for match in re.finditer(rb"stream\r?\n", pdf):
+        end = pdf.find(b"endstream", match.end())
+        data = zlib.decompressobj()
+        try:
+            found.append(data.decompress(pdf[match.end() : end]))
+        except zlib.error:
+            continue
+    return found
+
+
+def used(page: Opened) -> None:
+    """Leave nothing as it was."""
+    plots = [name for name, figure in page.report.figures.items() if figure.plots]
+    first = next((name for name in plots if "mode" not in name), plots[0])
+    page.page.locator(".tools.page button").first.click()  # light, and dark again
+    page.page.locator(".tools.page button").first.click()
+    for entry in page.page.locator(f"figure#{first} [role=checkbox]").all()[:1]:
+        entry.click()
+    page.drag(first, 0.2, 0.4)
+    page.press(first, "+", "ArrowRight")
+    page.page.locator("figure#mode-1 button", has_text="move").click()
+    page.press("mode-1", "ArrowRight")
+    page.hover(first, 0.6)
+
+
+@pytest.mark.parametrize("scene", EVERY)
+def test_a_page_in_use_prints_as_an_untouched_one_and_as_without_scripts(
+    opens: Callable[..., Opened], scene: str
+) -> None:
+    clean = streams(opens(scene).page.pdf(prefer_css_page_size=True))
+    assert len(clean) > 5
+    if scene in ("usv", "six_cylinder"):
+        bare = opens(scene, java_script_enabled=False).page
+        assert streams(bare.pdf(prefer_css_page_size=True)) == clean
+    page = opens(scene, color_scheme="dark")
+    used(page)
+    assert streams(page.page.pdf(prefer_css_page_size=True)) == clean
+    assert page.page.locator(".scale > *").count() > 0 or scene == "six_cylinder"  # what was shown is shown again
+    page.page.emulate_media(media="print")
+    seen = page.page.locator("figure > svg:not(.train)").all()
+    assert len(seen) == len(page.report.figures)
+    assert all(one.is_visible() for one in seen)
