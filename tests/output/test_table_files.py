@@ -8,7 +8,8 @@ from pathlib import Path
 import torsion
 from torsion.output.blocks import Table
 from torsion.output.document import document
-from torsion.output.table_files import archive, plain_figure
+from torsion.output.table_files import archive
+from torsion.output.table_text import plain_figure
 from torsion.output.write import write
 
 TEXT = """

@@ -9,6 +9,7 @@ import numpy as np
 import torsion
 from torsion.output.document import Document
 from torsion.output.scene import checksum
+from torsion.output.table_text import one_line
 
 
 def csv_text(document: Document) -> str | None:
@@ -26,8 +27,3 @@ def csv_text(document: Document) -> str | None:
     rows.writerow([one_line(title) for title, _ in columns])
     rows.writerows(np.column_stack([values for _, values in columns]).tolist())
     return target.getvalue()
-
-
-def one_line(text: str) -> str:
-    """A text of the scene without breaks of lines."""
-    return " ".join(text.split())

@@ -10,6 +10,7 @@ from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Pane
 
 Item = TypeVar("Item")
 MOST_TICKS = 40  # along the train
+MOST_DOTS = 200  # stations that are marked: more would be a line
 ROOM = 0.03  # of the train, beyond its ends
 
 
@@ -35,7 +36,8 @@ def mode(
         marks.append(Marks("ring, ground, side wheel", across[hangs, 0], torque[hangs], "diamond", "outside"))
     room = ROOM * (float(np.ptp(x)) or 1.0)
     along = Axis("", "", float(x.min()) - room, float(x.max()) + room, places=tuple(thinned(ticks, MOST_TICKS)))
-    stations = Marks("", x[marked], angle[marked], "dot", "plain")
+    shown = marked & (np.count_nonzero(marked) <= MOST_DOTS)
+    stations = Marks("", x[shown], angle[shown], "dot", "plain")
     angles, torques = (Axis(f"{what} / largest", "", -1.1, 1.1) for what in ("angle", "torque"))
     zero = (Level("", 0.0, "zero"),)
     return Figure(name, caption, (
