@@ -103,7 +103,7 @@ def _sources(findings: Findings) -> Paragraph:
     parts = [part for part in findings.study.train.parts if part.kind != "branch"]
     given = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
     bare = [part.name for part in parts if part.source is None]
-    lacking = f"{len(bare)} of {counted(len(parts), 'component')}" if bare else ""
+    lacking = f"{len(bare):,} of {counted(len(parts), 'component')}" if bare else ""
     lacking += f" ({', '.join(bare)})" if 0 < len(bare) <= MOST_NAMED else ""
     acting = sum(torque.source is None for torque in given)
     excited = f"{acting} of {counted(len(given), 'excitation')}" if acting else ""
