@@ -1,5 +1,6 @@
 """The command `torsion`."""
 
+import gc
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -284,6 +285,7 @@ def _ended(number: int, frame: FrameType | None) -> NoReturn:
 
 def main() -> None:
     """Entry point of the console script."""
+    gc.set_threshold(100_000, 20, 50)  # looking for cycles took 12 % of the time of a large train
     signal.signal(signal.SIGTERM, _ended)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

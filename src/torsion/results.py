@@ -18,7 +18,7 @@ import typing
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
+from functools import cache, cached_property
 from pkgutil import resolve_name
 from types import UnionType
 from typing import Any, TypeVar
@@ -102,6 +102,11 @@ def words(codes: Any, kind: type[Enum]) -> np.ndarray:
 
 def quantities(kind: type) -> tuple[Quantity, ...]:
     """Everything that a result declares, fields first, in the order in which it declares them."""
+    return _quantities(kind)
+
+
+@cache  # it is needed for every station and span
+def _quantities(kind: type) -> tuple[Quantity, ...]:
     fields = [
         field.metadata["declared"].named(field.name)
         for field in dataclasses.fields(kind)

@@ -42,10 +42,15 @@ class Train:
 
     def part(self, name: str) -> Part:
         """The component of that name; raises KeyError."""
-        for part in self.parts:
-            if part.name == name:
-                return part
-        raise KeyError(name)
+        return self.parts[self.position(name)]
+
+    def position(self, name: str) -> int:
+        """Where it stands in `parts`; raises KeyError."""
+        return self._position[name]
+
+    @cached_property
+    def _position(self) -> dict[str, int]:
+        return {part.name: number for number, part in reversed(list(enumerate(self.parts)))}
 
     def of_kind(self, kind: str) -> Iterator[tuple[int, Part]]:
         """Every component of a kind with its position in `parts`."""

@@ -13,7 +13,8 @@ from torsion.output.blocks import Table
 from torsion.output.chapters import chapters
 from torsion.output.csv_table import one_line
 from torsion.output.document import document
-from torsion.output.table_files import archive, plain_figure
+from torsion.output.table_files import archive
+from torsion.output.table_text import plain_figure
 from torsion.output.write import write
 
 TEXT = """

@@ -11,6 +11,7 @@ from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
 from torsion.assembly.system import MOST_GROUPS, System, condensed
 from torsion.findings import Work
+from torsion.listed import listed
 from torsion.study import Study
 
 LARGEST_ESTIMATE = 0.1  # relative error; the estimate holds for small ones
@@ -66,7 +67,7 @@ def discretisation_words(system: System) -> str:
     if not system.segments:
         return "no distributed shaft"
     what = {"lumped": "segments", "fem": "elements", "exact": "pieces"}[system.model]
-    numbers = ", ".join(f"{name} {number}" for name, number in system.segments.items())
+    numbers = listed([f"{name} {number}" for name, number in system.segments.items()])
     error = system.bars.error if system.bars is not None else 0.0
     if error > LARGEST_ESTIMATE:
         return f"{what}: {numbers}; too few for an estimate of their error"

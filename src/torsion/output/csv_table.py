@@ -10,6 +10,7 @@ import torsion
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.scene import checksum
+from torsion.output.table_text import one_line
 
 
 def csv_text(document: Document, findings: Findings) -> str | None:
@@ -27,8 +28,3 @@ def csv_text(document: Document, findings: Findings) -> str | None:
     rows.writerow([one_line(title) for title, _ in columns])
     rows.writerows(np.column_stack([values for _, values in columns]).tolist())
     return target.getvalue()
-
-
-def one_line(text: str) -> str:
-    """A text of the scene without breaks of lines."""
-    return " ".join(text.split())

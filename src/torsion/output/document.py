@@ -2,8 +2,8 @@
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, field
 from datetime import date
 
 import torsion
@@ -11,13 +11,15 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Table
 from torsion.output.chapters import chapters
 from torsion.output.figures.figure import Figure
+from torsion.output.frozen_data import NOT_KEPT
+from torsion.output.long_blocks import Texts, shortened
 from torsion.output.numbers import given_rpm
 from torsion.output.reported_values import reference
 from torsion.output.reports import REPORTS, Report
 from torsion.output.scene import checksum
 
 DISCLAIMER = (
-    "This report was computed from the figures in the input file, which it repeats in full; it is as good as they are. "
+    "This report was computed from the figures in the input file, which is part of it; it is as good as they are. "
     "Limits marked “to be verified” are to be compared with the edition in force before the report is submitted. "
     "It does not replace the approval of a classification society or measurements on the plant."
 )
@@ -85,6 +87,7 @@ class Document:
     body: tuple[Numbered, ...]
     name: str = "solve"  # of its report in REPORTS
     ending: Ending = Ending()
+    beside: Texts = field(default_factory=dict, metadata=NOT_KEPT)  # files beside the page: what is too long for it
 
     @property
     def report(self) -> Report:
@@ -97,9 +100,13 @@ def document(
     before: Sequence[Block] = (),
 ) -> Document:  # fmt: skip
     """The report of the findings, `also` with the chapters of those outputs, and behind the blocks `before` them."""
-    body = tuple(numbered([*before, *chapters(findings, report, also)]))
+    body, beside = list[Numbered](), dict[str, Callable[[], str]]()
+    for item in numbered([*before, *chapters(findings, report, also)]):
+        block, files = shortened(item.block, item.number, report.stem)
+        body.append(Numbered(block, item.number))
+        beside.update(files)
     name = next(name for name, one in REPORTS.items() if one is report)
-    return Document(_cover(findings, today, report.title), body, name, _ending(findings))
+    return Document(_cover(findings, today, report.title), tuple(body), name, _ending(findings), beside)
 
 
 def _ending(findings: Findings) -> Ending:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.output.csv_table import one_line
 from torsion.output.document import Document
 from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
+from torsion.output.table_text import one_line
 
 Columns = list[tuple[str, FloatArray]]  # title with unit, values
 Piece = str | tuple[FloatArray, ...] | Cells  # text as it stands, columns of numbers, a map

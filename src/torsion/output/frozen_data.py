@@ -21,6 +21,7 @@ NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 DTYPES = {"f": "<f8", "i": "<i8", "u": "<i8", "b": "|b1"}  # of an array as it is kept, by the kind of its own
 MOST_BYTES = 1_000_000_000  # of an array that is read
 CONTROL = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff]")  # signs that no text of a scene has
+NOT_KEPT = {"kept": False}  # metadata of a field with a default that is not written
 PLAIN: tuple[Any, ...] = (str, int, float, bool, NoneType)  # what a default may be
 
 
@@ -217,9 +218,13 @@ def _default(one: Field[Any]) -> Any:
     return one.default if isinstance(one.default, (*PLAIN, tuple)) else MISSING
 
 
+def _kept(kind: type) -> list[Field[Any]]:
+    return [one for one in fields(kind) if one.metadata.get("kept", True)]
+
+
 def _writer(kind: type) -> Callable[[Any, Arrays], Any]:
     hints = get_type_hints(kind)
-    every = [(one.name, form(hints[one.name]), _default(one)) for one in fields(kind)]
+    every = [(one.name, form(hints[one.name]), _default(one)) for one in _kept(kind)]
 
     def write(value: Any, arrays: Arrays) -> Any:
         held = ((name, one, default, getattr(value, name)) for name, one, default in every)
@@ -233,8 +238,8 @@ def _writer(kind: type) -> Callable[[Any, Arrays], Any]:
 
 def _reader(kind: type) -> Callable[[Any, Arrays], Any]:
     hints = get_type_hints(kind)
-    every = {one.name: form(hints[one.name]) for one in fields(kind)}
-    needed = {one.name for one in fields(kind) if _default(one) is MISSING}
+    every = {one.name: form(hints[one.name]) for one in _kept(kind)}
+    needed = {one.name for one in _kept(kind) if _default(one) is MISSING}
 
     def read(data: Any, arrays: Arrays) -> Any:
         if not isinstance(data, dict) or not needed <= data.keys() <= every.keys():

@@ -10,9 +10,9 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.csv_table import one_line
 from torsion.output.document import Document
 from torsion.output.selection import elements
+from torsion.output.table_text import one_line
 
 if TYPE_CHECKING:
     from torsion.analyses.transient.transient_motion import TransientMotion

@@ -68,7 +68,7 @@ def _modes(modes: Modes) -> Iterator[Block]:
         found = natural_frequencies.frequencies(modes)
         rest = f"; the first {MOST_MODES} of {len(found.rows)}" if len(found.rows) > MOST_MODES else ""
         yield replace(found, rows=found.rows[:MOST_MODES], caption=found.caption + rest)
-        yield natural_frequencies.plot(_alone(modes), modes, 0)
+        yield from natural_frequencies.plots(_alone(modes), modes, (0,))
     else:
         yield Paragraph("no elastic modes")
 

@@ -35,7 +35,9 @@ def number(value: float | None, digits: int = DIGITS) -> str:
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     power = int(exponent)
     if -4 <= power < max(digits + 1, 6):
-        return f"{float(f'{mantissa}e{power}'):.{max(digits - 1 - power, 0)}f}".replace("-", "−")
+        decimals = digits - 1 - power
+        text = f"{value:.{decimals}f}" if decimals >= 0 else f"{float(f'{mantissa}e{power}'):.0f}"
+        return text.replace("-", "−")
     return f"{mantissa}{_power(power)}".replace("-", "−")
 
 
@@ -64,8 +66,8 @@ def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:
 
 
 def counted(count: int, noun: str) -> str:
-    """A number with its noun: '1 line', '4 lines'."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+    """A number with its noun: '1 line', '4 lines', '1,000 lines'."""
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
 def settled(value: float, largest: float) -> float:

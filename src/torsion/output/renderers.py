@@ -35,8 +35,21 @@ OUTPUTS = {
     "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True, of_findings=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),
     "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
+    "long": Output("torsion.output.renderers:beside", "-table.csv"),
     "terminal": Output("torsion.output.terminal:screen"),
 }
+
+
+def beside(document: Document) -> Callable[[Path], list[Path]] | None:
+    """What writes the files with all that is too long for the page; None where nothing is."""
+
+    def written(target: Path) -> list[Path]:
+        made = [target.with_name(name) for name in document.beside]
+        for path, text in zip(made, document.beside.values(), strict=True):
+            path.write_text(text(), encoding="utf-8")
+        return made
+
+    return written if document.beside else None
 
 
 def files(document: Document, findings: Findings | None = None, also: Collection[str] = ()) -> dict[str, Content]:

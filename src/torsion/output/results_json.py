@@ -63,8 +63,9 @@ def pieces(values: Any) -> Iterator[str]:
         yield _dumped(values)
     elif isinstance(values, Mapping):
         yield from _joined("{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items()))
-    elif isinstance(values, np.ndarray) and values.ndim == 1:
-        blocks = (values[start : start + BLOCK] for start in range(0, values.size, BLOCK))
+    elif isinstance(values, np.ndarray) and values[0].size <= BLOCK:
+        rows = BLOCK // values[0].size  # of a pair of numbers a text of its own would take longer than the numbers
+        blocks = (values[start : start + rows] for start in range(0, len(values), rows))
         yield from _joined("[]", ([_dumped(block)[1:-1]] for block in blocks))
     else:
         yield from _joined("[]", map(pieces, values))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import MOST_GROUPS, System, segment_groups
 from torsion.output.numbers import NONE, SI, Scale, rpm, scale
@@ -46,6 +46,17 @@ def elements(system: System) -> tuple[Element, ...]:
         for part, name, spans in named
     ]
     return tuple(sorted(made, key=lambda element: (element.part, element.spans[0])))
+
+
+def by_part(part: IntArray) -> dict[int, IntArray]:
+    """Positions of the stations or spans (any,) of every component, ascending.
+
+    >>> by_part(np.array([2, 0, 2]))
+    {0: array([1]), 2: array([0, 2])}
+    """
+    order = np.argsort(part, kind="stable")
+    parts, first = np.unique(part[order], return_index=True)
+    return dict(zip(parts.tolist(), np.split(order, first[1:]), strict=True)) if part.size else {}
 
 
 def damps(system: System, element: Element) -> bool:

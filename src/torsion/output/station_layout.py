@@ -10,6 +10,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.components.lowering import Part
 from torsion.errors import Path
+from torsion.output.selection import by_part
 
 WIDTH = {"shaft": 1.6, "gear": 0.45, "joint": 0.8}  # of a link in the sketch; of any other 1
 RIGID = 0.5  # between two points that are rigidly joined
@@ -92,8 +93,10 @@ def _behind(system: System, station: int, x: FloatArray, row: FloatArray) -> tup
 
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
     """Inner stations of a shaft, evenly between its ends; the end whose torque is reported there at the driven end."""
+    missing = np.flatnonzero(np.isnan(x))
+    inside = by_part(system.station_part[missing])
     for bar in system.train.bars:
-        inner = np.flatnonzero((system.station_part == bar.part) & np.isnan(x))
+        inner = missing[inside.get(bar.part, np.zeros(0, dtype=np.int64))]
         if system.bars is not None and bar.density > 0:
             end, inner = inner[-1], inner[:-1]
             x[end], row[end] = x[bar.driven], row[bar.driven]

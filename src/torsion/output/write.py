@@ -25,7 +25,11 @@ def write(
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    write_texts(files(made, findings, also), folder)
+    placed = write_texts(files(made, findings, also), folder)
+    for pattern in ("table-[0-9]*.csv", "input.yaml"):
+        for earlier in Path(folder).glob(f"{made.report.stem}-{pattern}"):
+            if earlier not in placed:
+                earlier.unlink(missing_ok=True)  # of an earlier report, of which a table or the input was long
     return made
 
 

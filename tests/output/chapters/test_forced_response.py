@@ -290,14 +290,15 @@ def test_curves_of_an_element_with_its_permissible_torque(train: Findings) -> No
     assert "synthesis (half range)" not in figures(list(chapter(answered(train, made=None))))[0].lines
 
 
-def test_of_many_orders_the_eight_strongest_are_drawn(train: Findings) -> None:
+def test_of_more_than_eight_orders_seven_are_drawn_and_the_envelope_of_the_others(train: Findings) -> None:
     lines = tuple(Line(Fraction(n), None, ("screw",)) for n in range(1, 11))
     wide = {key: np.repeat(RESPONSE[key][:, :1], 10, axis=1) for key in RESPONSE if np.ndim(RESPONSE[key]) > 1}
     wide["torque"] = wide["torque"] * np.arange(1.0, 11.0)[:, None]
     wide["mean"] = MEAN
     (first, *_) = figures(list(chapter(answered(train, lines=lines, **wide))))
-    assert [name for name in first.lines if name.startswith("order")] == [f"order {n}" for n in range(3, 11)]
-    assert first.caption.endswith("coupling (the 8 strongest of 10 harmonic components)")
+    assert [name for name in first.lines if name.startswith("order")] == [f"order {n}" for n in range(4, 11)]
+    third = first.lines["order 6"].y / 2.0  # of these torques every order is that many times the first
+    np.testing.assert_allclose(first.lines["envelope of the other 3"].y, third, rtol=1e-14)
 
 
 def test_of_many_elements_twelve_are_drawn_and_the_others_named() -> None:

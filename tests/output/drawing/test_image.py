@@ -74,3 +74,19 @@ def test_the_zero_line_of_a_plane_lies_on_it() -> None:
     ends = np.concatenate([up for _, up in pieces])
     assert (ends.min(), ends.max()) == (0.0, 1.0)
     assert list(zero_lines(MAP)) == []  # one corner of every square is not known
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_a_map_of_more_cells_than_px_keeps_its_peaks_and_stays_small(even: bool) -> None:
+    x = np.linspace(0.0, 1.0, 5_000) if even else np.linspace(0.0, 1.0, 5_000) ** 2
+    values = np.full((2, 5_000), np.nan)
+    values[:, :] = 0.1
+    peaks = np.array([7, 2_501, 4_990])
+    values[0, peaks] = 1.0
+    text = "".join(cells(Cells(x, Y, values, "growth", "1/s", 1.0), lambda x: 500 * x, lambda y: 50 - 50 * y))
+    found = pixels(text)
+    assert found.shape[1] == 500
+    assert len(text) < 5_000
+    at = np.flatnonzero(found[-1] == SHADES - 1)
+    assert set(np.rint(499 * x[peaks]).astype(int).tolist()) <= {one + d for one in at.tolist() for d in (-1, 0, 1)}
+    assert at.size <= 2 * peaks.size

@@ -3,6 +3,7 @@
 import itertools
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from torsion.output.drawing.pens import COLOURS, DASHES, stroke
 from torsion.output.drawing.svg import description, svg
 from torsion.output.drawing.text import plain
 from torsion.output.drawing.words import GROWTH, SIZE, width
-from torsion.output.figures.figure import Axis, Figure, Line, Panel
+from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
+from torsion.output.figures.ranges import orders
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -207,3 +209,25 @@ def test_speeds_of_all_figures_are_one_axis() -> None:
     for kind in ("torque", "stress", "gear", "steady", "stability", "whirl", "campbell"):
         assert KINDS[kind].plots[0].x.title == "speed of the reference component, rpm"
     assert SPEED[0] == KINDS["torque"].plots[0].x.low
+
+
+def test_a_figure_of_very_many_points_is_as_small_as_its_px_and_keeps_its_peak() -> None:
+    x = np.linspace(0.0, 100.0, 100_000)
+    y = np.sin(40.0 * x) * np.random.default_rng(1).uniform(size=x.size)
+    line = Line("a", x, y, 0, symbol="dot", base=0.0 * y)
+    panel = Panel(Axis("x", "s"), Axis("y", "N m"), (line,), marks=(Marks("b", x, y, "cross"),))
+    drawn = svg(Figure("f", "c", (panel,)))
+    assert len(drawn) < 1_000_000
+    few = svg(Figure("f", "c", (replace(panel, marks=(), lines=(replace(line, symbol=None),)),)))
+    assert len(few) < 60_000
+
+
+def test_of_more_than_eight_orders_seven_have_a_line_and_the_envelope_is_the_largest_of_the_others() -> None:
+    x = np.linspace(0.0, 1.0, 50)
+    sizes = [5.0, 1.0, 9.0, 3.0, 0.0, 8.0, 7.0, 6.0, 4.0, 2.0]
+    lines = [(f"order {k}", size * (1.0 + x**k)) for k, size in enumerate(sizes)]
+    found = orders(x, lines, np.zeros(50, dtype=bool))
+    assert [line.name for line in found] == [*(f"order {k}" for k in (0, 2, 3, 5, 6, 7, 8)), "envelope of the other 2"]
+    np.testing.assert_array_equal(found[-1].y, np.maximum(lines[1][1], lines[9][1]))
+    assert len(orders(x, lines[:9], np.zeros(50, dtype=bool))) == 8
+    assert max(found, key=lambda line: line.weight).name == "order 2"

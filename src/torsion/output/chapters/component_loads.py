@@ -33,7 +33,7 @@ from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm2 of 1 Pa
 MOST_FIGURES = 12  # of shafts
-MOST_ORDERS = 8  # of a shaft, in its figure and in the table of stress by order
+MOST_ORDERS = 8  # of a shaft, in the table of stress by order
 SMALLEST = 0.01  # of the shaft's largest stress of one order; less is not listed
 LIMITS = "| τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]"
 
@@ -65,13 +65,13 @@ def shafts(findings: Findings) -> Iterator[Block]:
     drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
     for name, curve in curves.items():
         if name in drawn:
-            position = findings.study.train.parts.index(findings.study.train.part(name))
+            position = findings.study.train.position(name)
             yield curves_over_speed.stress(
                 f"stress-{position}", f"Vibratory shear stress of {name}", speed=curve.speed * RPM,
                 synthesis=curve.stress, bad=unreliable(findings), continuous=curve.continuous,
                 lines=[
                     (harmonic_name(findings.need(Response), k, "order "), curve.orders[:, k])
-                    for k in strongest(curve.orders, MOST_ORDERS)
+                    for k in range(curve.orders.shape[1])
                 ],
                 transient=curve.transient, rated=rated_rpm(findings),
                 barred=tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),

@@ -9,6 +9,7 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
+from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, given, given_rpm, number
 from torsion.output.reported_values import NOT_STATED, rated
@@ -36,7 +37,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         return
     yield Heading("Damping")
     if by_mode := findings.study.train.modal_damping:
-        ratios = ", ".join(f"{number(100.0 * one)} %" for one in by_mode)
+        ratios = listed([f"{number(100.0 * one)} %" for one in by_mode])
         of = "every elastic mode" if len(by_mode) == 1 else "the elastic modes in turn, the last of all above"
         yield Paragraph(
             f"Damping ratio of {of}: {ratios}, in place of damping of the components. The response is the sum over all "
@@ -47,10 +48,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield from (one for one in (_elements(findings), _grounds(findings)) if one.rows)
     bare = [e.name for e in elements(system) if system.flexibility[e.spans[0]] > 0 and not damps(system, e)]
     if bare:
-        yield Paragraph(f"Taken as undamped: {', '.join(bare)}.")
+        yield Paragraph(f"Taken as undamped: {listed(bare)}.")
     damped = findings.get(DampedModes)
     if damped is not None and response is not None and (damped.damping_ratio < BARELY).any():
-        weak = ", ".join(str(k + 1) for k in np.flatnonzero(damped.damping_ratio < BARELY).tolist())
+        weak = listed([str(k + 1) for k in np.flatnonzero(damped.damping_ratio < BARELY).tolist()])
         ratio = f"The damping ratio of mode {weak} is below {100 * BARELY:g} %"
         text = f"{ratio}: amplitudes at its resonances rest on next to no damping and are no prediction."
         yield Paragraph(text, "note")

@@ -8,6 +8,7 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.findings import Findings
+from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, degrees, given, given_rpm, number, order, scale
 from torsion.output.reported_values import NOT_STATED, rated, reference, steady_at_rated
@@ -24,7 +25,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if train.torques:
         yield _torques(findings)
     if angled:
-        names = ", ".join(f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled)
+        names = listed([f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled])
         yield Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}.")
     if response is not None and response.lines:
         yield _lines(findings, response)

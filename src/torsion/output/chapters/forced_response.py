@@ -11,6 +11,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
+from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
@@ -35,7 +36,6 @@ from torsion.output.reported_values import (
 from torsion.output.selection import NO_VALUE, Element, elements, highest, largest, strongest, torques
 from torsion.rules import needed
 
-MOST_LINES = 8  # orders in one figure
 MOST_CURVES = 10  # in a figure over frequency
 MOST_FIGURES = 12
 SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
@@ -70,7 +70,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, MOST_FIGURES)
     yield from (curves(findings, element) for element in drawn)
     if len(drawn) < len(found):
-        rest = ", ".join(e.name for e in found if e not in drawn)
+        rest = listed([e.name for e in found if e not in drawn])
         yield Paragraph(f"Without a figure, as they follow the others or carry less: {rest}.")
 
 
@@ -93,7 +93,7 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
         f"and damping part together, at the element's own speed.{cycle}"
     )
     if response.left_out:
-        names = "; ".join(line.named(reference(findings)) for line in response.left_out)
+        names = listed([line.named(reference(findings)) for line in response.left_out], "; ")
         text += f" Left out of all that follows, as `orders` does not name it: {names}."
     elif requested_orders(findings.study) is not None:
         text += " All orders are reported, not only those that `orders` names, as the rules judge them together."
@@ -232,12 +232,9 @@ def curves(findings: Findings, element: Element) -> Figure:
     ratings = findings.study.train.parts[element.part].ratings
     limit = None if ratings is None else ratings.vibratory_torque
     unit = torques([parts])
-    lines = [(harmonic_name(response, k, "order "), parts[:, k] * unit.factor) for k in strongest(parts, MOST_LINES)]
-    rest = (
-        f" (the {len(lines)} strongest of {parts.shape[1]} harmonic components)" if len(lines) < parts.shape[1] else ""
-    )
+    lines = [(harmonic_name(response, k, "order "), values * unit.factor) for k, values in enumerate(parts.T)]
     return curves_over_speed.torque(
-        f"torque-{element.part}-{element.spans[0]}", f"Vibratory torque in {element.name}, {element.kind}{rest}",
+        f"torque-{element.part}-{element.spans[0]}", f"Vibratory torque in {element.name}, {element.kind}",
         speed=response.speed * RPM, lines=lines, bad=unreliable(findings), unit=unit.unit,
         synthesis=half * unit.factor if len(response.lines) > 1 and len(half) else None,
         limits=[] if limit is None else [("permissible vibratory torque (maker)", limit * unit.factor)],
@@ -255,7 +252,7 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
     text = "The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."
     yield Paragraph(text)
     if bad.any():
-        at = ", ".join(dict.fromkeys(number(f, 5) for f in sweep.frequency[bad].tolist()))
+        at = listed(dict.fromkeys(number(f, 5) for f in sweep.frequency[bad].tolist()))
         yield Paragraph(f"At {at} Hz {UNDAMPED}", "note")
     torque = {e.name: np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in elements(findings.system)}
     if torque:

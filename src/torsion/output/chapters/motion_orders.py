@@ -10,7 +10,6 @@ from torsion.output.figures import orders_over_speed
 from torsion.output.figures.figure import Axis
 from torsion.output.numbers import RPM, counted, degrees, given, number, rpm, scale
 
-MOST_ORDERS = 6  # curves of a figure
 MEAN = 2  # orders from 0 on in which, by the Hann window, the mean torque stands
 
 
@@ -61,15 +60,14 @@ def _figures(found: OrderTracking, one: TrackedTorque, name: str) -> Iterator[Bl
     amplitude = one.waterfall[sort, MEAN:]
     unit = scale("N m", amplitude.max(axis=1))
     mark, of = f"{name} {one.element}".lstrip(), f"{one.element}" + (f", {name}" if name else "")
-    strong = np.sort(np.argsort(-one.largest, kind="stable")[:MOST_ORDERS])
     sizes = np.abs(one.torque[sort]) * unit.factor
-    lines = [(f"order {given(float(found.order[k]))}", sizes[:, k]) for k in strong]
+    lines = [(f"order {given(order)}", sizes[:, k]) for k, order in enumerate(found.order.tolist())]
     if lines:
         yield orders_over_speed.orders(
             f"orders {mark}", f"Orders of the torque in {of}", over=over, x=at[sort], lines=lines, unit=unit.unit
         )
-    order = np.arange(float(MEAN), one.waterfall.shape[1]) * found.resolution
+    every = np.arange(float(MEAN), one.waterfall.shape[1]) * found.resolution
     yield orders_over_speed.waterfall(
         f"waterfall {mark}", f"Waterfall of the torque in {of}, without its mean: the darker the larger", over=over,
-        y=at[sort], order=order, amplitude=amplitude * unit.factor, reference=found.reference, unit=unit.unit,
+        y=at[sort], order=every, amplitude=amplitude * unit.factor, reference=found.reference, unit=unit.unit,
     )  # fmt: skip

@@ -1,7 +1,7 @@
 """Chapter: natural frequencies with their certificate, mode plots, Holzer tables and energy shares."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -10,14 +10,16 @@ from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
+from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import mode_shape
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import LESS, NONE, ROUNDING, counted, number, rpm
-from torsion.output.selection import elements
+from torsion.output.selection import by_part, elements
 from torsion.output.station_layout import MOST_NAMES, layout
 
 MOST_MODES = 12  # of which plots and tables are printed
+FEWEST_TABLES, MOST_ROWS = 3, 600  # Holzer tables printed at least, and rows of all that more of them may fill
 MOST_SEGMENTS = 500  # of a shaft that are drawn
 SMALLEST_SHARE = 0.005  # of the energy of a mode; less is not listed
 HOLZER, SQUARE = 7, 11  # significant digits of a Holzer table, and of its squared frequency
@@ -42,7 +44,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield _introduction(modes)
     taken = [f"{one.name} {one.nonlinear.words}" for one in findings.study.train.parts if one.nonlinear is not None]
     if taken:
-        text = f"Modes take couplings as linear: {'; '.join(taken)}. How far that holds depends on the amplitude."
+        text = f"Modes take couplings as linear: {listed(taken, '; ')}. How far that holds depends on the amplitude."
         yield Paragraph(text, "note")
     if len(modes.frequency) == 0:
         return
@@ -53,10 +55,15 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield _shares(findings, modes)
     shown = min(len(modes.frequency), MOST_MODES)
     yield Paragraph(HOW_TO_READ)
-    for mode, frequency in enumerate(modes.frequency[:shown].tolist()):
-        yield Heading(f"Mode {mode + 1}: {number(frequency)} Hz", 2)
-        yield plot(findings, modes, mode)
-        yield from holzer_tables(findings, modes, mode)
+    tables = max(FEWEST_TABLES, MOST_ROWS // len(findings.study.train.stations))
+    for mode, drawn in enumerate(plots(findings, modes, range(shown))):
+        yield Heading(f"Mode {mode + 1}: {number(float(modes.frequency[mode]))} Hz", 2)
+        yield drawn
+        if mode < tables:
+            yield from holzer_tables(findings, modes, mode)
+    if tables < shown:
+        size = f"{len(findings.study.train.stations):,} stations"
+        yield Paragraph(f"Of a train of {size} the first {tables} modes have a Holzer table.")
     if shown < len(modes.frequency):
         text = f"Plots and tables of modes {shown + 1} to {len(modes.frequency)} are left out; see results.json."
         yield Paragraph(text)
@@ -115,10 +122,10 @@ def _shares(findings: Findings, modes: Modes) -> Table:
     system, own, shown = findings.system, len(findings.system.train.stations), min(len(modes.frequency), MOST_MODES)
     shares = [(f"kinetic: {system.stations[k].name}", modes.kinetic[k]) for k in range(own)]
     inside = "inner segments" if system.bars is None else "between its pieces"
+    inner = by_part(system.station_part[own:])
     for bar in system.train.bars:
-        inner = own + np.flatnonzero(system.station_part[own:] == bar.part)
-        if inner.size:
-            shares.append((f"kinetic: {bar.name} ({inside})", modes.kinetic[inner].sum(axis=0)))
+        if bar.part in inner:
+            shares.append((f"kinetic: {bar.name} ({inside})", modes.kinetic[own + inner[bar.part]].sum(axis=0)))
     shares += [(f"elastic: {e.name}", modes.elastic[list(e.spans)].sum(axis=0)) for e in elements(system)]
     rows = [
         (name, *(f"{100 * value:.1f}" if value >= SMALLEST_SHARE else "" for value in share[:shown].tolist()))
@@ -182,26 +189,25 @@ def _settled(found: HolzerTable) -> list[list[float]]:
     return rows
 
 
-def plot(findings: Findings, modes: Modes, mode: int) -> Figure:
-    """Angle and torque of a mode, counted from 0, over the train."""
+def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[Figure]:
+    """Angle and torque of modes, counted from 0, over the train."""
     system, place = findings.system, layout(findings.system)
     drawn = segment_groups(system, MOST_SEGMENTS)
-    angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
-    torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]
     parts = [part for part in system.train.parts if part.stations and place.row[part.stations[-1]] == 0]
     links = len(parts) <= MOST_NAMES  # on the main line: more are not named
-    f = number(float(modes.frequency[mode]))
-    caption = (
-        f"Mode {mode + 1}, {f} Hz: angle and torque referred to the reference speed, relative to their largest value"
-    )
+    ticks = [(float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links]
+    caption = "angle and torque referred to the reference speed, relative to their largest value"
     if not drawn.is_whole:
         longest = drawn.longest * (1 if system.groups is None else system.groups.longest)
         caption += f"; of long shafts every {longest}th segment is drawn"
-    return mode_shape.mode(
-        f"mode-{mode + 1}", caption, x=place.x[drawn.stations], row=place.row[drawn.stations], ends=drawn.ends,
-        marked=drawn.stations < len(system.train.stations), angle=angle / angle[np.argmax(np.abs(angle))],
-        torque=torque / np.abs(torque).max(initial=np.finfo(float).tiny),
-        ticks=[(float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links],
-        stations=[one.name for one in system.train.stations],
-        spans=[system.spans[one].name for one in drawn.spans.tolist()],
-    )  # fmt: skip
+    for mode in chosen:
+        angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
+        torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]
+        yield mode_shape.mode(
+            f"mode-{mode + 1}", f"Mode {mode + 1}, {number(float(modes.frequency[mode]))} Hz: {caption}",
+            x=place.x[drawn.stations], row=place.row[drawn.stations], ends=drawn.ends,
+            marked=drawn.stations < len(system.train.stations), angle=angle / angle[np.argmax(np.abs(angle))],
+            torque=torque / np.abs(torque).max(initial=np.finfo(float).tiny), ticks=ticks,
+            stations=[one.name for one in system.train.stations],
+            spans=[system.spans[one].name for one in drawn.spans.tolist()],
+        )  # fmt: skip

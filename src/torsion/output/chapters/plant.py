@@ -12,9 +12,11 @@ from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Figure, Link, Sketch
+from torsion.output.joined_sketch import joined
 from torsion.output.numbers import below_right, degrees, given_rpm
 from torsion.output.reported_values import NOT_STATED, rated, reference
 from torsion.output.station_layout import Layout, label, layout
+from torsion.primitives import Bar, Constraint
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -29,8 +31,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     caption = (
         "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)"
     )
+    sketch, joining = joined(Sketch(tuple(_points(findings)), tuple(_links(findings))))
     yield Heading("The plant")
-    yield Figure("plant", caption, (Sketch(tuple(_points(findings)), tuple(_links(findings))),))
+    yield Figure("plant", caption + joining, (sketch,))
     yield Paragraph(f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel.")
     speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
     titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the figures{notes}"
@@ -72,10 +75,13 @@ def _size(inertia: float, finite: FloatArray) -> float:
 def _links(findings: Findings) -> list[Link]:
     """Everything that the sketch draws between two places."""
     system, place = findings.system, layout(findings.system)
+    bars = {bar.part: bar for bar in reversed(system.train.bars)}
+    meshes = {mesh.part: mesh for mesh in reversed(system.train.constraints)}  # of a part the first
     found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
     for position, part in enumerate(system.train.parts):
         if not part.is_point and len(part.stations) == 2:
-            found.extend(_link(findings, position, part, place))
+            looks = _drawing(part, bars.get(position), meshes.get(position))
+            found.extend(_link(part, label(system.train.parts, position), place, looks))
     for span in system.own_spans:
         is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and (span.driving, span.driven) != system.train.parts[span.part].stations:
@@ -83,10 +89,9 @@ def _links(findings: Findings) -> list[Link]:
     return found
 
 
-def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[Link]:
+def _link(part: Part, name: str, place: Layout, looks: tuple[str, dict[str, Any]]) -> list[Link]:
     """A link, with the lines down to its row where it begins a branch or closes a loop."""
-    kind, more = _drawing(findings, position, part)
-    name = label(findings.system.train.parts, position)
+    kind, more = looks
     if part.joint is not None:
         name += f" ({degrees(part.joint.angle, below_right(part.joint.angle, 3))}°)"
     driving, driven = part.stations
@@ -101,18 +106,14 @@ def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[
     return [drawn]
 
 
-def _drawing(findings: Findings, position: int, part: Part) -> tuple[str, dict[str, Any]]:
+def _drawing(part: Part, bar: Bar | None, mesh: Constraint | None) -> tuple[str, dict[str, Any]]:
     """How a link is drawn: by what it was made into."""
-    train = findings.system.train
-    bars = [bar for bar in train.bars if bar.part == position]
-    meshes = [mesh for mesh in train.constraints if mesh.part == position]
-    if bars:
-        widest = max(bars[0].outer)
-        taper = tuple(diameter / widest for diameter in bars[0].outer)
-        return "shaft", {"bore": bars[0].bore[0] / bars[0].outer[0], "taper": taper}
+    if bar is not None:
+        widest = max(bar.outer)
+        return "shaft", {"bore": bar.bore[0] / bar.outer[0], "taper": tuple(end / widest for end in bar.outer)}
     if part.joint is not None:
         return "joint", {}
-    return ("gear", {"ratio": float(meshes[0].ratio)}) if meshes else ("coupling", {})
+    return ("coupling", {}) if mesh is None else ("gear", {"ratio": float(mesh.ratio)})
 
 
 def _between(place: Layout, driving: int, driven: int, kind: str, **more: Any) -> Link:

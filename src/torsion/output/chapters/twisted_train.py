@@ -15,7 +15,7 @@ from torsion.output.surface.surface import TWIST, Rings, angles, rings, shapes, 
 from torsion.output.surface.vtu import NAME
 
 MOST_MODES = 6  # of which a picture is printed
-MOST_BODIES = 300  # in a picture
+MOST_STRIPS = 2_000  # of the surface, in all pictures together: about 1 MB
 ENLARGED = 2.0  # times the angle in the file: what a small picture needs
 NEAR = 0.04  # of the length of the train: what is so near stands in the way of a label
 TALL, TALLEST = 0.2, 0.42  # of the length of the train: the widest body, and all axes together, as drawn
@@ -34,13 +34,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
         f"as {ENLARGED * TWIST:g} rad, in the sense in which each shaft turns. The same surface, with displacement, "
         f"angle, torque and shear stress of every mode, is in {NAME}."
     )
-    if int(found.body[-1]) >= MOST_BODIES:
-        yield Paragraph(f"A train of so many components is not pictured here; see {NAME}.")
-        return
-    for mode in range(min(count, MOST_MODES)):
+    shown = min(count, MOST_MODES, MOST_STRIPS // max(found.strip.size, 1))
+    for mode in range(shown):
         yield _figure(findings, modes, mode, (found, placed, larger))
-    if count > MOST_MODES:
-        yield Paragraph(f"Modes {MOST_MODES + 1} to {count} are in {NAME} alone.")
+    if count > shown:
+        which = f"Modes {shown + 1} to {count}" if shown else "A train of so many components is not pictured: modes"
+        yield Paragraph(f"{which} are in {NAME} alone.")
 
 
 def _scale(found: Rings, larger: float) -> str:

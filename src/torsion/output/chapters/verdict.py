@@ -10,6 +10,7 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
+from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Points, on_terminal, table
 from torsion.output.numbers import NONE, RPM, counted, given, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
@@ -73,7 +74,7 @@ def _remarks(checks: Iterable[Check]) -> Points | None:
     for check in checks:
         if check.note:
             about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check.where)
-    found = (f"{', '.join(dict.fromkeys(where))}: {note}" for note, where in about.items())
+    found = (f"{listed(dict.fromkeys(where))}: {note}" for note, where in about.items())
     return Points(tuple(found)) if about else None
 
 
@@ -93,7 +94,7 @@ def _unjudged(findings: Findings) -> Iterator[Paragraph]:
         if bar.name not in judged:
             about.setdefault(reasons.get(bar.name, "no rule that the file names judges it"), []).append(bar.name)
     if about:
-        words = "; ".join(f"{', '.join(names)} ({why})" for why, names in about.items())
+        words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
         yield Paragraph(f"Shafts whose stress no rule judges: {words}.", "note")
 
 
@@ -102,7 +103,7 @@ def _sources(findings: Findings) -> Paragraph:
     parts = [part for part in findings.study.train.parts if part.kind != "branch"]
     given = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
     bare = [part.name for part in parts if part.source is None]
-    lacking = f"{len(bare)} of {counted(len(parts), 'component')}" if bare else ""
+    lacking = f"{len(bare):,} of {counted(len(parts), 'component')}" if bare else ""
     lacking += f" ({', '.join(bare)})" if 0 < len(bare) <= MOST_NAMED else ""
     acting = sum(torque.source is None for torque in given)
     excited = f"{acting} of {counted(len(given), 'excitation')}" if acting else ""
@@ -246,7 +247,7 @@ def _overall(findings: Findings) -> Paragraph:
     )
     requested = "the rules requested" if findings.study.rules else f"the demand of {standing}; no rule was requested"
     if bad:
-        where = ", ".join(dict.fromkeys(check.where for check in bad))
+        where = listed(dict.fromkeys(check.where for check in bad))
         return Paragraph(f"{_bad(checks)} ({where}). The train does not satisfy {requested}.{doubt}", "fail")
     if any(check.verdict != "pass" for check in checks):
         words = {"pass": "passed", "outside": "outside the range for which the rule has a limit"}

@@ -48,12 +48,11 @@ def cells(found: Cells, across: Across, down: Across) -> Iterator[str]:
     wide, high = (10 * float(np.ptp(scale(edges))) for scale, edges in ((across, x), (down, y)))
     left, top = 10 * float(across(x).min()), 10 * float(down(y).min())
     size = max(2, round(wide / 10)), max(2, round(high / 10))
-    column, row = (
-        np.clip(np.searchsorted(edges, np.linspace(edges[0], edges[-1], 2 * n + 1)[1::2]) - 1, 0, edges.size - 2)
-        for edges, n in ((x, size[0]), (y, size[1]))
-    )
-    even = [np.allclose(np.diff(edges), np.diff(edges)[0], rtol=1e-6) for edges in (x, y)]
-    values = found.values if all(even) else found.values[np.ix_(row, column)]
+    even = all(np.allclose(np.diff(edges), np.diff(edges)[0], rtol=1e-6) for edges in (x, y))
+    values = found.values
+    for axis, edges, n in ((1, x, size[0]), (0, y, size[1])):
+        if not even or edges.size > n + 1:
+            values = _by_px(values, axis, edges, n)
     shade = np.where(np.isfinite(values), np.rint(_share(found, values) * (SHADES - 1)), SHADES)[::-1]
     data = b64encode(png(shade, palette(is_log=bool(found.decades)))).decode()
     place = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
@@ -62,6 +61,21 @@ def cells(found: Cells, across: Across, down: Across) -> Iterator[str]:
     line = "".join(path(10 * across(a), 10 * down(b), 1000) for a, b in zeros)
     if line:
         yield f'<path d="{line}" stroke="{INK}" stroke-width="13"/>'
+
+
+def _by_px(values: FloatArray, axis: int, edges: FloatArray, count: int) -> FloatArray:
+    """Along an axis one value for each px: the largest of the cells that begin in it, else that of the cell it lies in.
+
+    A peak between two px is not lost so.
+    """
+    px = np.linspace(edges[0], edges[-1], count + 1)
+    first = np.clip(np.searchsorted(edges, (px[1:] + px[:-1]) / 2) - 1, 0, edges.size - 2)
+    begin, end = np.searchsorted(edges[:-1], px[:-1]), np.searchsorted(edges[:-1], px[1:])
+    found = values.take(first, axis=axis)
+    for place in np.flatnonzero(end > begin + 1).tolist():
+        largest = np.fmax.reduce(values.take(range(begin[place], end[place]), axis=axis), axis=axis)
+        found[(slice(None), place) if axis else place] = largest
+    return found
 
 
 def _share(found: Cells, values: FloatArray) -> FloatArray:

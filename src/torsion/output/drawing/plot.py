@@ -16,6 +16,7 @@ from torsion.output.figures.figure import Band, Level, Line, Marks, Pen, Symbol
 STEP, SAMPLES = 2.0, 3000  # px between the points of a curve of which words keep clear, and how many at most
 MIDDLE = ' text-anchor="middle"'
 INSIDE = 1e-9  # of a scale: so far outside a point is still on it
+MOST_SYMBOLS, COVERED = 1_000, 30  # of one look that are all drawn; tenths of px, half the width of a symbol
 TENTH = 10.0  # units of the plot in one px
 LEAST = 8  # tenths of px that a range is wide at least
 ANYWHERE = 1.0  # cost of another place of words that are to stand where there is most room
@@ -61,8 +62,10 @@ def symbols(symbol: Symbol, pen: Pen, x: FloatArray, y: FloatArray, weight: floa
     outline, is_filled = SYMBOLS[symbol]
     look = stroke(pen)
     known = np.isfinite(x) & np.isfinite(y)
-    places = np.rint(np.column_stack([x[known], y[known]])).astype(np.int64).tolist()
-    shape = "".join(f"M{across} {down}{outline}" for across, down in places)
+    places = np.rint(np.column_stack([x[known], y[known]])).astype(np.int64)
+    if len(places) > MOST_SYMBOLS:  # of those that cover each other the first
+        places = places[np.sort(np.unique(places // COVERED, axis=0, return_index=True)[1])]
+    shape = "".join(f"M{across} {down}{outline}" for across, down in places.tolist())
     ink = Stroke(look.colour, 1.5 * weight).attributes(TENTH)
     fill = f'fill="{look.colour}" stroke="none"' if is_filled else f'fill="none" {ink}'
     return f'<path d="{shape}" {fill}/>' if shape else ""

@@ -20,7 +20,7 @@ SCREEN = np.array([  # what goes to the right and what goes up
 ])  # fmt: skip
 EYE = np.cross(*SCREEN)  # the direction to who looks
 LIGHT = np.array([0.45, -0.5, 0.74]) / np.linalg.norm([0.45, -0.5, 0.74])
-AROUND, STRIPE = 48, 6  # sides of every body; one side in so many is dark
+AROUND, STRIPE = 32, 4  # sides of every body; one side in so many is dark
 HIGHEST, ASIDE = 350.0, 0.97  # px: of the surface; share of the width that it fills
 SHADES, LIGHTS = 21, 12  # angles and lights of different colours
 MOST_ROWS = 12  # of words above or below the train

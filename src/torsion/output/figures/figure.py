@@ -147,7 +147,7 @@ class Disc:
 class Link:
     """A link of the train in its sketch."""
 
-    kind: str  # shaft, coupling, gear, joint, rigid, tie (down to a branch)
+    kind: str  # shaft, coupling, gear, joint, rigid, tie (down to a branch), run (of very many)
     start: Place  # x, row
     end: Place
     label: str = ""

@@ -10,6 +10,7 @@ from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Movi
 
 Item = TypeVar("Item")
 MOST_TICKS = 40  # along the train
+MOST_DOTS = 200  # stations that are marked: more would be a line
 ROOM = 0.03  # of the train, beyond its ends
 
 
@@ -38,7 +39,8 @@ def mode(
         marks.append(Marks("ring, ground, side wheel", across[hangs, 0], torque[hangs], "diamond", "outside"))
     room = ROOM * (float(np.ptp(x)) or 1.0)
     along = Axis("", "", float(x.min()) - room, float(x.max()) + room, places=tuple(thinned(ticks, MOST_TICKS)))
-    dots = Marks("", x[marked], angle[marked], "dot", "plain")
+    shown = marked & (np.count_nonzero(marked) <= MOST_DOTS)
+    dots = Marks("", x[shown], angle[shown], "dot", "plain")
     stops = (
         Stops(x[marked], angle[marked], tuple(stations)) if stations else None,
         Stops(across.mean(axis=1), torque, tuple(spans)) if spans else None,

@@ -16,6 +16,7 @@ LOGARITHMIC = 30.0  # times the median: a larger peak makes the axis logarithmic
 MOST_DECADES = 1e7  # from the lowest to the highest value of a logarithmic axis
 MAIN = 1.8  # times the width of other lines: of the one that matters most
 MOST_LINES = 12  # in one figure
+MOST_ORDERS, LARGEST = 8, 7  # orders in one figure; of more the largest and the envelope of the others
 
 
 def unanswered(x: FloatArray, bad: BoolArray, name: str = NO_RELIABLE_ANSWER) -> tuple[BoolArray, tuple[Band, ...]]:
@@ -56,14 +57,24 @@ def amplitudes(quantity: str, unit: str, values: Sequence[FloatArray], limits: S
 
 
 def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
-    """One line an order, its number at its peak; the order with the largest value is heavier."""
-    drawn = [np.where(hidden, np.nan, values) for _, values in lines]
-    sizes = [float(np.max(one, where=np.isfinite(one), initial=0.0)) for one in drawn]
-    most = int(np.argmax(sizes)) if len(sizes) > 1 else -1
-    return tuple(
-        Line(name, x, values, pen, name.removeprefix("order "), weight=MAIN if pen == most else 1.0)
-        for pen, ((name, _), values) in enumerate(zip(lines, drawn, strict=True))
-    )
+    """One line an order, its number at its peak; the order with the largest value is heavier.
+
+    Of more than MOST_ORDERS the largest are drawn, and at every place the largest value of the others. An order of
+    nothing is left out.
+    """
+    drawn = [(name, np.where(hidden, np.nan, values)) for name, values in lines]
+    sizes = [float(np.max(values, where=np.isfinite(values), initial=0.0)) for _, values in drawn]
+    ranked = [k for k in sorted(range(len(sizes)), key=lambda k: -sizes[k]) if sizes[k] > 0]
+    shown = ranked if len(ranked) <= MOST_ORDERS else ranked[:LARGEST]
+    found = [
+        Line(drawn[k][0], x, drawn[k][1], pen, drawn[k][0].removeprefix("order "),
+             weight=MAIN if len(sizes) > 1 and k == ranked[0] else 1.0)
+        for pen, k in enumerate(sorted(shown))
+    ]  # fmt: skip
+    if others := ranked[len(shown) :]:
+        largest = np.fmax.reduce([drawn[k][1] for k in others])
+        found.append(Line(f"envelope of the other {len(others)}", x, largest, "pale"))
+    return tuple(found)
 
 
 def span(axis: Axis, x: FloatArray) -> Axis:

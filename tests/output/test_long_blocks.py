@@ -1,0 +1,180 @@
+"""What is too long for a page: tables, input, sentences, sketches and tables of Holzer, each said in the report."""
+
+import csv
+import io
+import itertools
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.findings import Findings
+from torsion.listed import listed
+from torsion.output.blocks import Block, Column, Figure, Paragraph, Table, Verbatim, table
+from torsion.output.chapters import plant
+from torsion.output.chapters.natural_frequencies import FEWEST_TABLES, chapter
+from torsion.output.document import document
+from torsion.output.html import html
+from torsion.output.joined_sketch import MOST_DRAWN, MOST_LINKS, joined
+from torsion.output.long_blocks import FIRST, GAP, LARGEST, LAST, MOST_LINES, MOST_ROWS, shortened
+from torsion.output.table_files import archive
+from torsion.output.write import write
+
+COLUMNS = (Column("No."), Column("Name", align="left"), Column("Torque", "N m"), Column("Ratio"))
+
+
+def chain(number: int, between: str = "coupling: {stiffness: 1e6}") -> str:
+    """A scene of so many equal discs."""
+    train = "".join(f"  - {between}\n  - disc: {{inertia: 1}}\n" for _ in range(number - 1))
+    return f"name: long\ntrain:\n  - disc: {{name: first, inertia: 1}}\n{train}analyses: {{modes: {{count: 4}}}}\n"
+
+
+@pytest.fixture(scope="module")
+def long() -> Findings:
+    """A train of more stations than a table has rows."""
+    return torsion.run(torsion.parse(chain(1_100), "long.yaml"))
+
+
+@pytest.mark.parametrize("number", [MOST_ROWS, MOST_ROWS + 1, 3_000])
+def test_a_long_table_has_its_first_last_and_largest_rows_and_says_how_many_more(number: int) -> None:
+    size = np.random.default_rng(number).permutation(number) + 1.0
+    rows = [(k, f"c{k}", -one, 1) for k, one in enumerate(size.tolist(), 1)]
+    whole = table(COLUMNS, rows, "Torques")
+    made, beside = shortened(whole, "Table 3.2", "report")
+    if number == MOST_ROWS:
+        assert made is whole
+        assert not beside
+        return
+    assert isinstance(made, Table)
+    places = [int(row[0]) for row in made.rows if row[0] != GAP]
+    top = (np.argsort(-size)[:LARGEST] + 1).tolist()
+    assert places == sorted({*range(1, FIRST + 1), *range(number - LAST + 1, number + 1), *top})
+    assert [row for row in made.rows if row[0] != GAP] == [whole.rows[k - 1] for k in places]
+    gaps = sum(b > a + 1 for a, b in itertools.pairwise(places))
+    assert [row for row in made.rows if row[0] == GAP] == [(GAP,) * 4] * gaps
+    assert f"{number - len(places):,} more rows in report-table-3.2.csv" in made.caption
+    ((name, text),) = beside.items()
+    assert name == "report-table-3.2.csv"
+    caption, *lines = text().splitlines()
+    assert caption == "# Table 3.2: Torques"
+    assert [row[0] for row in csv.reader(lines)] == ["No.", *(str(k) for k in range(1, number + 1))]
+
+
+def test_rows_that_do_not_pass_are_counted_where_they_are_left_out() -> None:
+    whole = table(COLUMNS, [(k, "c", 1.0, 1) for k in range(300)], "Checks", marks=["fail"] * 40 + ["pass"] * 260)
+    made, _ = shortened(whole, "Table 1.1", "report")
+    assert isinstance(made, Table)
+    assert "more rows in report-table-1.1.csv, 20 of them not passed" in made.caption
+    assert made.marks.count("fail") == FIRST
+    assert len(made.marks) == len(made.rows)
+
+
+def test_an_infinite_figure_is_the_largest_and_words_are_none() -> None:
+    rows: list[tuple[object, ...]] = [(k, "c", 1.0 + k % 3, "–") for k in range(300)]
+    rows[150], rows[160] = (150, "c", np.inf, "–"), (160, "c", -1e7, "–")
+    made, _ = shortened(table(COLUMNS, rows, "T"), "Table 1.1", "report")
+    assert isinstance(made, Table)
+    assert {"150", "160"} <= {row[0] for row in made.rows}
+    assert [row[2] for row in made.rows if row[0] in ("150", "160")] == ["∞", "−1.0000·10⁷"]
+
+
+@pytest.mark.parametrize("text", ["a: 1\n" * (MOST_LINES + 1), "a: " + "1" * 300_000])
+def test_a_long_input_stands_beside_the_report(text: str) -> None:
+    made, beside = shortened(Verbatim(text), "", "report")
+    assert isinstance(made, Paragraph)
+    assert "report-input.yaml" in made.text
+    assert beside["report-input.yaml"]() == text
+    short = Verbatim("a: 1\n" * MOST_LINES)
+    assert shortened(short, "", "report") == (short, {})
+
+
+def test_the_page_of_a_long_train_is_small_and_its_files_hold_every_row(long: Findings, tmp_path: Path) -> None:
+    write(long, tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert len(page) < 400_000
+    names = sorted(path.name for path in tmp_path.iterdir())
+    tables = [name for name in names if "-table-" in name]
+    assert names == sorted([*tables, "report-input.yaml", "report.html", "results.json"])
+    assert len(tables) == 3 + FEWEST_TABLES
+    for name in names[:-2]:
+        assert name in page
+    assert (tmp_path / "report-input.yaml").read_text(encoding="utf-8") == chain(1_100)
+    components = next(name for name in tables if "Components" in (tmp_path / name).read_text(encoding="utf-8"))
+    assert len((tmp_path / components).read_text(encoding="utf-8").splitlines()) == 2 + 2 * 1_100 - 1
+    write(torsion.run(torsion.parse(chain(3))), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "results.json"]
+
+
+def test_the_archive_of_tables_is_whole(long: Findings) -> None:
+    made = document(long)
+    with zipfile.ZipFile(io.BytesIO(archive(made))) as files:
+        lengths = {name: files.read(name).count(b"\n") for name in files.namelist()}
+    assert max(lengths.values()) == 2 + 2 * 1_100 - 1
+    assert "long" not in html(made)[:10]
+
+
+def test_of_a_long_train_the_first_modes_have_a_holzer_table_and_the_report_says_so(long: Findings) -> None:
+    blocks = list(chapter(long))
+    assert sum(isinstance(one, Table) and one.caption.startswith("Holzer") for one in blocks) == FEWEST_TABLES
+    assert "Of a train of 1,100 stations the first 3 modes have a Holzer table." in sentences(blocks)
+    few = torsion.run(torsion.parse(chain(140)))
+    assert sum(isinstance(one, Table) and one.caption.startswith("Holzer") for one in chapter(few)) == 4
+
+
+def sentences(blocks: list[Block]) -> list[str]:
+    return [one.text for one in blocks if isinstance(one, Paragraph)]
+
+
+def test_a_mode_of_a_long_train_has_no_dot_for_each_station(long: Findings) -> None:
+    figure = next(one for one in chapter(long) if isinstance(one, Figure))
+    assert all(marks.x.size == 0 for panel in figure.plots for marks in panel.marks)
+
+
+def test_names_in_a_sentence_are_bounded() -> None:
+    assert listed(["a"] * 13) == ", ".join(["a"] * 13)
+    assert listed([f"n{k}" for k in range(10_000)]).endswith("n11 and 9,988 more")
+
+
+def test_components_of_a_long_train_are_joined_in_its_sketch(long: Findings) -> None:
+    figure = next(one for one in plant.chapter(long) if isinstance(one, Figure))
+    (sketch,) = figure.panels
+    assert [disc.label for disc in sketch.discs] == ["1", "2199"]
+    (run,) = sketch.links
+    assert (run.kind, run.label) == ("run", "1,098 discs and 1,099 couplings")
+    assert (run.start[0], run.end[0]) == (sketch.discs[0].x, sketch.discs[1].x)
+    assert "of 2,199 components those alike in a row are joined" in figure.caption
+
+
+def test_what_is_no_plain_disc_or_link_stays_apart_and_a_short_train_is_drawn_whole() -> None:
+    middle = "  - coupling: {stiffness: 1e6}\n  - motor: {name: drive, inertia: 1}\n  - joint: {angle: 5 deg}\n"
+    half = "".join("  - disc: {inertia: 1}\n  - coupling: {stiffness: 1e6}\n" for _ in range(40))
+    text = f"name: x\ntrain:\n{half}{middle.split(chr(10), 1)[1]}{half}  - disc: {{inertia: 1}}\n"
+    sketch = _sketch(text)
+    assert [one.kind for one in sketch.links if one.kind != "rigid"] == ["joint", "run", "run"]
+    assert [one.kind for one in sketch.discs] == ["disc", "motor", "disc", "disc"]
+    short = torsion.run(torsion.parse(chain(MOST_LINKS + 1)), only=("assembly",))
+    figure = next(one for one in plant.chapter(short) if isinstance(one, Figure))
+    assert len(figure.panels[0].links) == MOST_LINKS
+
+
+def _sketch(text: str):
+    found = torsion.run(torsion.parse(text), only=("assembly",))
+    return next(one for one in plant.chapter(found) if isinstance(one, Figure)).panels[0]
+
+
+def test_of_a_train_with_very_many_branches_the_main_line_is_drawn() -> None:
+    branch = "  - branch: {train: [coupling: {stiffness: 1}, disc: {inertia: 1}]}\n"
+    point = f"  - disc: {{inertia: 1}}\n{branch}"
+    text = "name: x\ntrain:\n" + "  - coupling: {stiffness: 1e6}\n".join([point] * 90)
+    found = torsion.run(torsion.parse(text), only=("assembly",))
+    figure = next(one for one in plant.chapter(found) if isinstance(one, Figure))
+    (run,) = figure.panels[0].links
+    assert run.label == "88 discs and 89 couplings"
+    assert "of 359 components the main line alone" in figure.caption
+    some = torsion.run(torsion.parse("name: x\ntrain:\n" + "  - coupling: {stiffness: 1}\n".join([point] * 40)),
+                       only=("assembly",))  # fmt: skip
+    drawn = next(one for one in plant.chapter(some) if isinstance(one, Figure)).panels[0]
+    assert MOST_LINKS < len(drawn.links) <= MOST_DRAWN
+    assert joined(drawn)[0].links == drawn.links
