@@ -10,8 +10,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Table
 from torsion.output.chapters import chapters
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import given_rpm
-from torsion.output.reported_values import reference
+from torsion.output.reported_values import operation_words
 from torsion.output.reports import REPORTS, Report
 from torsion.output.scene import checksum
 
@@ -67,23 +66,12 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
         ("Description", study.description.strip()),
         ("Input file", study.file),
         ("SHA-256 of the input", checksum(study) or ""),
-        ("Operation", _operation(findings)),
+        ("Operation", operation_words(findings)),
         ("Rules", ", ".join(name for name, _ in study.rules) or "none requested"),
         ("Computed by", f"torsion {torsion.__version__}"),
         ("Date", today.isoformat() if today else ""),
     ]
     return Cover(title, study.name, tuple(fact for fact in facts if fact[1]))
-
-
-def _operation(findings: Findings) -> str:
-    operation, words = findings.study.operation, []
-    if operation.speeds is not None:
-        words.append(f"{given_rpm(operation.speeds.first)} to {given_rpm(operation.speeds.last)} rpm")
-    if operation.rated is not None:
-        power = operation.rated.power
-        rating = f" with {power / 1e3:.5g} kW" if power is not None else ""
-        words.append(f"rated {given_rpm(operation.rated.speed)} rpm{rating}")
-    return f"{', '.join(words)} (speed of {reference(findings)})" if words else ""
 
 
 def numbered(blocks: Sequence[Block]) -> Iterator[Numbered]:

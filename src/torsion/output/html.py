@@ -8,7 +8,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from torsion.output.blocks import Heading
+from torsion.output.blocks import Heading, PageEnd
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.live import Page
 from torsion.output.drawing.svg import framed
@@ -36,6 +36,7 @@ def html(document: Document) -> str:
         cover=document.cover, body=document.body, chapters=chapters, style=style, script=script,
         digest=b64encode(sha256(f"\n{script}\n".encode()).digest()).decode(),
         coordinates=lambda: Markup(live.coordinates()),
+        has_first_page=any(isinstance(item.block, PageEnd) for item in document.body),
     )  # fmt: skip
 
 

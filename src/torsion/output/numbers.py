@@ -68,6 +68,17 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
+def listed(items: Iterable[str], most: int = 4) -> str:
+    """The items in their order, each once; of more than `most` the first, and how many more.
+
+    >>> listed("abca"), listed("abcdefg", 3)
+    ('a, b, c', 'a, b, c and 4 more')
+    """
+    found = list(dict.fromkeys(items))
+    more = f" and {len(found) - most} more" if len(found) > most else ""
+    return ", ".join(found[:most]) + more
+
+
 def settled(value: float, largest: float) -> float:
     """The value, or 0 where it is less than ROUNDING of the largest of its kind and so may be rounding.
 

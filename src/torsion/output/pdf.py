@@ -4,7 +4,7 @@ import json
 import tempfile
 from pathlib import Path
 
-from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Table, Verbatim
+from torsion.output.blocks import Block, Box, Heading, KeyValues, PageEnd, Paragraph, Points, Table, Verbatim
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.svg import svg
 from torsion.output.drawing.text import SUBSCRIPT
@@ -21,7 +21,7 @@ def pdf(document: Document) -> bytes:
     style = (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         source, figures = Path(folder) / "report.typ", list[Path]()
-        body = [_block(item, Path(folder), figures) for item in document.body]
+        body = [_block(item, document, Path(folder), figures) for item in document.body]
         source.write_text("\n".join([style, _cover(document), *body]), encoding="utf-8")
         made: bytes = typst.compile(str(source), root=folder)
     return made
@@ -41,13 +41,26 @@ def words(value: str) -> str:
 
 def _cover(document: Document) -> str:
     cover = document.cover
+    has_first_page = any(isinstance(item.block, PageEnd) for item in document.body)
+    rest = '(), ""' if has_first_page else _facts(document)
+    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, {rest})"
+
+
+def _facts(document: Document) -> str:
+    """What is stated of the report itself."""
+    cover = document.cover
     facts = "".join(f"({text(key)}, {text(value)}), " for key, value in cover.facts)
-    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, ({facts}), {text(cover.disclaimer)})"
+    return f"({facts}), {text(cover.disclaimer)}"
 
 
-def _block(item: Numbered, folder: Path, figures: list[Path]) -> str:
+def _block(item: Numbered, document: Document, folder: Path, figures: list[Path]) -> str:
     block: Block = item.block
     match block:
+        case Box(sign=sign, text=title, kind=kind, lines=lines):
+            said = "".join(f"({text(head)}, {words(line)}), " for head, line in lines)
+            return f"#verdict({text(kind)}, {text(sign)}, {words(title)}, ({said}))"
+        case PageEnd():
+            return f"#page-end({_facts(document)})"
         case Heading(text=title, level=level):
             return f"#title({level}, {text(item.number)}, {words(title)})"
         case Paragraph(text=sentences, kind=kind):

@@ -30,11 +30,16 @@ def chapter(findings: Findings) -> Iterator[Block]:
         "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)"
     )
     yield Heading("The plant")
-    yield Figure("plant", caption, (Sketch(tuple(_points(findings)), tuple(_links(findings))),))
+    yield Figure("plant", caption, (sketch(findings),))
     yield Paragraph(f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel.")
     speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
     titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the figures{notes}"
     yield table(titles, rows, "Components")
+
+
+def sketch(findings: Findings) -> Sketch:
+    """The train as a sketch."""
+    return Sketch(tuple(_points(findings)), tuple(_links(findings)))
 
 
 def _points(findings: Findings) -> list[Disc]:
@@ -79,7 +84,9 @@ def _links(findings: Findings) -> list[Link]:
     for span in system.own_spans:
         is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and (span.driving, span.driven) != system.train.parts[span.part].stations:
-            found.append(_between(place, span.driving, span.driven, "gear", ratio=float(span.ratio)))
+            found.append(
+                _between(place, span.driving, span.driven, "gear", ratio=float(span.ratio), parts=(span.part,))
+            )
     return found
 
 
@@ -90,7 +97,7 @@ def _link(findings: Findings, position: int, part: Part, place: Layout) -> list[
     if part.joint is not None:
         name += f" ({degrees(part.joint.angle, below_right(part.joint.angle, 3))}°)"
     driving, driven = part.stations
-    drawn = _between(place, driving, driven, kind, label=name, **more)
+    drawn = _between(place, driving, driven, kind, label=name, parts=(position,), **more)
     (x0, row0), (x1, row1) = drawn.start, drawn.end
     if part.path[0] == "links":
         level = max(row0, row1) + 0.5
