@@ -18,6 +18,7 @@ LETTERS = 0.95  # units from the axis to the words
 MOST_ROWS = 8  # of words above or below an axis
 FEWER_ROWS = (2, 3)  # of names of points above an axis and of words of links below it, where these are graded
 SOFT = "#33506b"
+WIDER = 1.08  # bold letters than plain ones
 LINE = "#999999"
 Spread = tuple[float, float]  # px of the highest and the lowest
 Places = Sequence[tuple[float, float, str]]  # x, row, words
@@ -149,7 +150,7 @@ def _pointer(sheet: Sheet, room: Room, place: tuple[float, float], use: Use) -> 
     """A triangle above a place, with words."""
     said, colour = use.words, BAD if use.is_bad else INK
     at, tip = sheet.at(place[0], height(place[1]) + LETTERS)
-    half, top = GROWTH * width(said) / 2 + 1, tip - 9.0 - GROWTH * SIZE
+    half, top = WIDER * GROWTH * width(said) / 2 + 1, tip - 9.0 - GROWTH * SIZE
     middle = min(max(at, half), WIDTH - half)
     room.taken += [(at - 7.0, tip - 9.0, at + 7.0, tip + 2.0), (middle - half, top, middle + half, tip - 9.0)]
     triangle = f'<path class="worst" d="M{shown(at)} {shown(tip + 2)}l-6-10h12z" fill="{colour}"/>'
