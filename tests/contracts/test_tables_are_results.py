@@ -18,7 +18,7 @@ import torsion
 from torsion.analyses.response.amplitudes import Response
 from torsion.output.blocks import Column, Table
 from torsion.output.chapters import chapters
-from torsion.output.numbers import ROUNDING
+from torsion.output.numbers import ROUNDING, symbols
 from torsion.output.reported_values import NOTHING
 from torsion.output.results_json import results
 
@@ -29,6 +29,7 @@ SI = {
     "kN m": 1e3, "MN m": 1e6, "kW": 1e3, "kN": 1e3, "ms": 1e-3, "deg/min": math.pi / 180.0 / 60.0,
 }  # fmt: skip
 NUMBER = re.compile(r"[−\d][\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*")
+PAIR = re.compile(r"(\S+) / (?:≥ )?(\S+)")
 FRACTION = re.compile(r"(\d+)/(\d+) ≈ .*")
 
 
@@ -86,13 +87,13 @@ def amplitudes(what: str) -> Values:
     return lambda found, row: np.abs(getattr(found["findings"].need(Response), what)).ravel().tolist()
 
 
-def of_check(name: str) -> Values:
+def of_check(*names: str) -> Values:
     """Of the check that the row is about."""
 
     def values(found: Found, row: Row) -> Iterator[Any]:
         for one in found["checks"]:
-            if (f"{one['what']} ({one['rule']})", one["where"]) == (row["Check"], row["Component"]):
-                yield from flat(one[name])
+            if (f"{symbols(one['clause'])}: {one['what']}", one["where"]) == (row["Check"], row["Component"]):
+                yield from (value for name in names for value in flat(one[name]))
 
     return values
 
@@ -136,8 +137,7 @@ def distances(found: Found, row: Row) -> Iterator[float]:
 
 RPM, HZ = "speed_rad_per_s", "frequency_Hz"
 COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the figures that may stand there
-    ("Checks against", "Worst value"): of_check("value"),
-    ("Checks against", "Limit"): of_check("limit"),
+    ("Checks against", "Value / limit"): of_check("value", "limit"),
     ("Checks against", "Utilisation"): of_check("utilisation"),
     ("Checks against", "At speed"): of_check(RPM),
     ("Barred ranges", "From"): key("checks[].barred[].lower_rad_per_s"),
@@ -322,6 +322,8 @@ def numbers_of(table: Table, k: int) -> Iterator[tuple[Row, str]]:
         text = cells[k].removesuffix(" *").removeprefix("≥ ")
         if NUMBER.fullmatch(text) or FRACTION.fullmatch(text):
             yield row, FRACTION.sub(r"\1/\2", text)
+        elif PAIR.match(text):  # two numbers and their unit
+            yield from ((row, one) for one in PAIR.match(text).groups() if NUMBER.fullmatch(one))
 
 
 def digits_of(text: str) -> int:

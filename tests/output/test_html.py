@@ -143,8 +143,10 @@ def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
     rows = _table(train, "Checks against").rows
     lines = train.need(Checks).lines
     assert len(rows) == len(lines) > 5
-    wanted = [(check.where, number(check.value), check.standing, check.verdict.upper()) for check in lines]
-    assert sorted((row[1], row[3], *row[9:]) for row in rows) == sorted(wanted)
+    wanted = [(check.where, number(check.value), check.verdict.upper()) for check in lines]
+    assert sorted((row[1], row[2].partition(" / ")[0], row[6][2:]) for row in rows) == sorted(wanted)
+    standings = [(row[1], row[4]) for row in _table(train, "Clause and standing").rows]
+    assert sorted(standings) == sorted((check.where, check.standing) for check in lines)
 
 
 def test_the_largest_torque_in_the_table_is_that_of_the_synthesis(train: Findings) -> None:

@@ -15,12 +15,12 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Figure, Paragraph, Table
+from torsion.output.blocks import Block, Box, Figure, Paragraph, Table
+from torsion.output.chapters import closing, verdict
 from torsion.output.chapters import critical_speeds as critical
 from torsion.output.chapters import exact_response as periodic
 from torsion.output.chapters import forced_response as response
 from torsion.output.chapters import stability_ranges as stability
-from torsion.output.chapters import verdict
 from torsion.output.chapters.exact_response import compared, exact_half_range, first_order_judged
 from torsion.output.chapters.stability_ranges import words
 from torsion.output.document import document
@@ -141,7 +141,7 @@ def test_rules_on_the_first_order_are_told_with_the_difference_at_the_worst_poin
     text = first_order_judged(unstable)
     assert worst.element.name in text
     assert "first-order" in text
-    stated = [b for b in verdict.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text]
+    stated = [b for b in closing.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text]
     assert [one.kind for one in stated] == ["note"]
     assert first_order_judged(unstable.having(periodic=None)) == ""
 
@@ -162,8 +162,10 @@ def test_every_unstable_speed_is_flagged_in_the_tables_and_marked_in_the_figures
 def test_verdict_table_has_the_stability_and_fails(unstable: Findings) -> None:
     blocks = list(verdict.chapter(unstable))
     row = next(row for row in table(blocks, "Checks against").rows if "stability" in row[0])
-    assert row[-1] == "FAIL"
-    assert any("Unstable range" in item for block in blocks for item in getattr(block, "items", ()))
+    assert row[-1] == "✗ FAIL"
+    (stated,) = (block for block in blocks if isinstance(block, Box))
+    assert stated.text == "FAIL"
+    assert "Unstable range" in dict(stated.lines)["Speeds"]
 
 
 def test_what_was_not_found_is_flagged_and_never_a_number(broken: Findings) -> None:
@@ -318,7 +320,7 @@ def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unst
     assert "no periodic motion at any of them" in said
     assert "harmonics of the common period" not in said
     (row,) = (row for row in table(verdict.chapter(nothing), "Checks against").rows if "stability" in row[0])
-    assert row[3] == "no answer"
+    assert row[2] == "no answer / 0 1/s"
     printed = " ".join(shown(nothing).split())
     assert "no answer" in printed
     assert f"no periodic motion was found at any of the {stable.speed.size} speeds tried" in printed
@@ -339,7 +341,7 @@ def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Fi
     assert said.startswith("1 harmonic component at ")
     (alone,) = (check for check in unstable.need(Checks).lines if check.clause == "stability")
     assert (
-        "The only check failed (whole train)" in next(verdict.conclusion(unstable.having(checks=Checks((alone,))))).text
+        "The only check failed (whole train)" in next(closing.conclusion(unstable.having(checks=Checks((alone,))))).text
     )
     left = replace(alone, verdict="not kept")
     for lines, text in (
@@ -347,9 +349,9 @@ def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Fi
         ((left, left), "The limits of 2 of 2 checks are not kept"),
         ((alone, left), "1 of 2 checks failed, the limits of 1 more are not kept"),
     ):
-        assert next(verdict.conclusion(unstable.having(checks=Checks(lines)))).text.startswith(text)
+        assert next(closing.conclusion(unstable.having(checks=Checks(lines)))).text.startswith(text)
     passed = replace(alone, verdict="pass", value=-1.0)
-    assert next(verdict.conclusion(unstable.having(checks=Checks((passed,))))).text.startswith("The only check passed")
+    assert next(closing.conclusion(unstable.having(checks=Checks((passed,))))).text.startswith("The only check passed")
 
 
 def test_terminal_prints_both_methods_and_the_unstable_ranges(unstable: Findings) -> None:

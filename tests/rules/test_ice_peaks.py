@@ -74,9 +74,12 @@ def test_couplings_and_gears_are_judged_by_their_greatest_torque(solved: Finding
 
 
 def test_twice_the_ice_torque_is_not_kept() -> None:
+    """A rating of a maker fails; the yield of a shaft is to be verified, as the factor of its rule is."""
     once, twice = (run(scene(motion(torque=torque), strength="145 MPa")) for torque in (100e3, 200e3))
     assert {check.verdict for check in ice_checks(once).values()} == {"pass"}
-    assert {check.verdict for check in ice_checks(twice).values()} == {"not kept"}
+    found = {where: (check.verdict, check.standing) for where, check in ice_checks(twice).items()}
+    assert found.pop("line") == ("not kept", "to be verified")
+    assert found == {"rubber": ("fail", "maker"), "bevel": ("fail", "maker")}
     assert (once.failed, twice.failed) == (False, True)
 
 
@@ -87,6 +90,20 @@ def test_the_worst_of_the_motions_decides_and_is_named() -> None:
     for name, check in together.items():
         assert check.value == max(one[name].value for one in apart)
         assert check.note.startswith("worst in case 1 (of 1); cases 2, 3 at screw not judged")
+
+
+def test_a_rating_is_compared_once_with_the_motions_in_ice() -> None:
+    """By the rule `ice` at their worst; a range of torque, and motions without ice, by the rule on any motion."""
+    step = "{name: no ice, duration: 0.1 s, events: [{at: motor-1, step: {torque: 10}}]}"
+    lines = run(scene(f"{motion()}, {step}", rubber="max_torque: 60e3, max_torque_range: 50e3")).need(Checks).lines
+    found = sorted((check.rule, check.where, check.clause) for check in lines if check.where in ("rubber", "bevel"))
+    assert found == [
+        ("ice", "bevel", "T_max"), ("ice", "rubber", "T_Kmax"), ("transient", "bevel", "T_max, no ice"),
+        ("transient", "rubber", "T_Kmax, no ice"), ("transient", "rubber", "dT_max, hit"),
+        ("transient", "rubber", "dT_max, no ice"),
+    ]  # fmt: skip
+    bare = run(scene(f"{motion()}, {step}").replace("rules: [ice]\n", "")).need(Checks).lines
+    assert ("rubber", "T_Kmax, hit") in [(check.where, check.clause) for check in bare]
 
 
 def test_what_is_not_judged_is_said(solved: Findings) -> None:

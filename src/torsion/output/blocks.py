@@ -77,7 +77,22 @@ class Verbatim:
     text: str
 
 
-Block = Heading | Paragraph | Points | Table | KeyValues | Figure | Verbatim
+@dataclass(frozen=True)
+class Box:
+    """What matters most, in a box: a sign and words in large letters, then texts under short titles."""
+
+    sign: str
+    text: str
+    kind: Literal["pass", "fail", "not kept", "note"]
+    lines: tuple[tuple[str, str], ...]  # title, text
+
+
+@dataclass(frozen=True)
+class PageEnd:
+    """The first page ends here; what is stated of the report itself follows."""
+
+
+Block = Box | PageEnd | Heading | Paragraph | Points | Table | KeyValues | Figure | Verbatim
 
 
 @lru_cache

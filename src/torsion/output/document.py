@@ -8,13 +8,12 @@ from datetime import date
 
 import torsion
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Table
+from torsion.output.blocks import Block, Heading, PageEnd, Table
 from torsion.output.chapters import chapters
 from torsion.output.figures.figure import Figure
 from torsion.output.frozen_data import NOT_KEPT
 from torsion.output.long_blocks import Texts, shortened
-from torsion.output.numbers import given_rpm
-from torsion.output.reported_values import reference
+from torsion.output.reported_values import operation_words
 from torsion.output.reports import REPORTS, Report
 from torsion.output.scene import checksum
 
@@ -94,6 +93,11 @@ class Document:
         """What it is a report of, and the names of its files."""
         return REPORTS[self.name]
 
+    @property
+    def has_first_page(self) -> bool:
+        """The facts of the cover stand behind a first page."""
+        return any(isinstance(item.block, PageEnd) for item in self.body)
+
 
 def document(
     findings: Findings, today: date | None = None, also: Collection[str] = (), report: Report = REPORTS["solve"],
@@ -126,7 +130,7 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
         ("Description", study.description.strip()),
         ("Input file", study.file),
         ("Input SHA-256", sha),
-        ("Operation", _operation(findings)),
+        ("Operation", operation_words(findings)),
         ("Rules", ", ".join(name for name, _ in study.rules) or "none requested"),
         ("Computed by", f"torsion {torsion.__version__}"),
         ("Date", today.isoformat() if today else ""),
@@ -136,17 +140,6 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
         origin=f"input SHA-256 {sha[:SHORT]}" if sha else "", logo=study.logo,
         signatures=() if front is None else tuple((words, stated.get(key, "")) for key, words in SIGNED.items()),
     )  # fmt: skip
-
-
-def _operation(findings: Findings) -> str:
-    operation, words = findings.study.operation, []
-    if operation.speeds is not None:
-        words.append(f"{given_rpm(operation.speeds.first)} to {given_rpm(operation.speeds.last)} rpm")
-    if operation.rated is not None:
-        power = operation.rated.power
-        rating = f" with {power / 1e3:.5g} kW" if power is not None else ""
-        words.append(f"rated {given_rpm(operation.rated.speed)} rpm{rating}")
-    return f"{', '.join(words)} (speed of {reference(findings)})" if words else ""
 
 
 def numbered(blocks: Sequence[Block]) -> Iterator[Numbered]:

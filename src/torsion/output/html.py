@@ -34,6 +34,7 @@ def html(document: Document) -> str:
         on_dark=Markup(rules(text for name, text in drawings.items() if name not in surfaces)),  # theirs are a scale
         digest=b64encode(sha256(f"\n{script}\n".encode()).digest()).decode(),
         numbers=Markup(live.numbers()),
+        has_first_page=document.has_first_page,
     )  # fmt: skip
 
 

@@ -69,7 +69,8 @@ def _is_plain(disc: Disc | None, *, every_kind: bool) -> bool:
 def _piece(run: Sequence[Link], discs: Sequence[Disc]) -> Link:
     """A run as one link, with how many of which kind it is."""
     kinds = Counter(one.kind for one in discs) + Counter(one.kind for one in run if one.kind not in ("rigid", "tie"))
-    return Link("run", run[0].start, run[-1].end, " and ".join(counted(n, kind) for kind, n in kinds.items()))
+    words = " and ".join(counted(n, kind) for kind, n in kinds.items())
+    return Link("run", run[0].start, run[-1].end, words, parts=tuple(part for one in run for part in one.parts))
 
 
 def _drawn_together(sketch: Sketch) -> Sketch:

@@ -6,7 +6,7 @@ from base64 import b64decode
 from pathlib import Path
 
 from torsion.errors import Fault, InputError
-from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Table, Verbatim
+from torsion.output.blocks import Block, Box, Heading, KeyValues, PageEnd, Paragraph, Points, Table, Verbatim
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.svg import svg
 from torsion.output.drawing.text import SUBSCRIPT
@@ -39,7 +39,7 @@ def _set(source: str, folder: Path) -> bytes:
 def source(document: Document, folder: Path) -> str:
     """What Typst sets; the figures and the logo are written into the folder."""
     style, figures = (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8"), list[Path]()
-    body = [_block(item, folder, figures) for item in document.body]
+    body = [_block(item, document, folder, figures) for item in document.body]
     return "\n".join([_running_head(document), style, _cover(document, folder), *body])
 
 
@@ -77,15 +77,26 @@ def _cover(document: Document, folder: Path) -> str:
         kind, _, content = cover.logo.partition(";base64,")
         logo = "logo." + kind.removeprefix("data:image/").removesuffix("+xml")
         (folder / logo).write_bytes(b64decode(content))
+    rest = "none" if document.has_first_page else _basis(document)
+    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, {text(logo)}, {rest})"
+
+
+def _basis(document: Document) -> str:
+    """What is stated of the report itself."""
+    cover = document.cover
     pairs = (*cover.facts_by_length, cover.signatures)
     short, long, signed = ("".join(f"({text(key)}, {text(value)}), " for key, value in some) for some in pairs)
-    words = f"{text(cover.title)}, {text(cover.subtitle)}, ({short}), ({long}), {text(cover.disclaimer)}"
-    return f"#cover({words}, ({signed}), {text(logo)})"
+    return f"basis(({short}), ({long}), {text(cover.disclaimer)}, ({signed}))"
 
 
-def _block(item: Numbered, folder: Path, figures: list[Path]) -> str:
+def _block(item: Numbered, document: Document, folder: Path, figures: list[Path]) -> str:
     block: Block = item.block
     match block:
+        case Box(sign=sign, text=title, kind=kind, lines=lines):
+            said = "".join(f"({text(head)}, {words(line)}), " for head, line in lines)
+            return f"#verdict({text(kind)}, {text(sign)}, {words(title)}, ({said}))"
+        case PageEnd():
+            return f"#page-end({_basis(document)})"
         case Heading(text=title, level=level):
             return f"#title({level}, {text(item.number)}, {words(title)})"
         case Paragraph(text=sentences, kind=kind):

@@ -14,7 +14,7 @@ from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.numbers import NONE, RPM, given, number, order
+from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order
 from torsion.output.selection import Element
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
@@ -46,6 +46,18 @@ def rated(findings: Findings) -> float | None:
     """Rated speed, rad/s of the reference component."""
     point = findings.study.operation.rated
     return None if point is None else point.speed
+
+
+def operation_words(findings: Findings) -> str:
+    """The range of speeds and the rated point; empty where neither is given."""
+    operation, words = findings.study.operation, []
+    if operation.speeds is not None:
+        words.append(f"{given_rpm(operation.speeds.first)} to {given_rpm(operation.speeds.last)} rpm")
+    if operation.rated is not None:
+        power = operation.rated.power
+        rating = f" with {power / 1e3:.5g} kW" if power is not None else ""
+        words.append(f"rated {given_rpm(operation.rated.speed)} rpm{rating}")
+    return f"{', '.join(words)} (speed of {reference(findings)})" if words else ""
 
 
 def steady_at_rated(findings: Findings) -> Steady | None:

@@ -17,7 +17,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from torsion.findings import Progress
-from torsion.output.blocks import Heading, Paragraph, Points, Table
+from torsion.output.blocks import Box, Heading, Paragraph, Points, Table
 from torsion.output.document import Document
 from torsion.output.renderers import OUTPUTS
 
@@ -50,6 +50,9 @@ def screen(document: Document) -> list[RenderableType]:
                 chapter, said = (last, words) if at_end else (first, first)
             case Table(short=title) if title and block.rows:
                 chapter.append(_in_short(block))
+            case Box(sign=sign, text=text, kind=kind, lines=lines):
+                said.append(Text(f"{sign} {text}", style=f"bold {COLOURS[kind]}".replace("bold bold", "bold")))
+                said.append(Text("\n".join(f"{head}: {_plain(line)}" for head, line in lines)))
             case Paragraph(text=text, kind=kind, brief=True):
                 said.append(Text(_plain(text), style=COLOURS.get(kind, "")))
             case Points(items=items, brief=True):

@@ -20,13 +20,32 @@ class GreatestTorque(Rule):
         """Of every coupling and gear with a `max_torque`, and of every part whose damage is counted.
 
         Modes that the samples do not resolve are added to a peak, and how far it scatters. A motion whose status is not
-        ok never passes.
+        ok never passes. What the rule `ice` judges at the worst of the motions in ice is left to it.
         """
         found = evidence.need(Transients).each
+        in_ice = _motions_in_ice(evidence)
         parts = range(len(evidence.study.train.parts))
         marks = [f", {one.name}" if len(found) > 1 else "" for one in found]
         pairs = zip(found, marks, strict=True)
-        return tuple(line for one, mark in pairs for part in parts for line in _lines(evidence, one, part, mark))
+        lines = [
+            (one, part, line) for one, mark in pairs for part in parts for line in _lines(evidence, one, part, mark)
+        ]
+        return tuple(line for one, part, line in lines if not (one.name in in_ice and _is_of_ice(evidence, part, line)))
+
+
+def _motions_in_ice(evidence: Results) -> frozenset[str]:
+    """Names of the motions that the rule `ice` judges; none where the study does not name it."""
+    if not any(name == "ice" for name, _ in evidence.study.rules):
+        return frozenset()
+    from torsion.rules.ice_peaks import ice_motions
+
+    return frozenset(one.settings.name for one in ice_motions(evidence.study))
+
+
+def _is_of_ice(evidence: Results, number: int, line: Check) -> bool:
+    """The rule `ice` compares the same torque with the same rating."""
+    rated = evidence.study.train.parts[number].greatest_torque(is_rare=False)
+    return rated is not None and line.clause.partition(", ")[0] == rated[0]
 
 
 def _lines(evidence: Results, found: TransientMotion, number: int, mark: str) -> list[Check]:

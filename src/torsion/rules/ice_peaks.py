@@ -20,7 +20,7 @@ from torsion.errors import Fault, Path
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Results
 from torsion.rules.judgement import RATED, in_rpm, spans_of
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, verdict_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
 from torsion.study import Study
 
 PA = 1e-6  # N/mm2
@@ -68,7 +68,7 @@ class IcePeaks(Rule):
 
     def faults(self, study: Study, settings: IceSettings) -> list[Fault]:
         """What the file lacks for this rule."""
-        motions, here, found = _motions(study), self.path(study, settings), list[Fault]()
+        motions, here, found = ice_motions(study), self.path(study, settings), list[Fault]()
         if not motions:
             hint = "analyses: {transient: {duration: 4 s, events: [{at: propeller-1, ice: {class: IA, case: 1}}]}}"
             return [Fault(here, "no motion over time has an event `ice`", hint)]
@@ -92,7 +92,7 @@ class IcePeaks(Rule):
     def check(self, evidence: Results, settings: IceSettings) -> tuple[Check, ...]:
         """Of every part with a limit, at the worst of the motions in ice; where one is not ok nothing passes."""
         study, by_name = evidence.study, {one.name: one for one in evidence.need(Transients).each}
-        motions = [(one, by_name.get(one.settings.name)) for one in _motions(study)]
+        motions = [(one, by_name.get(one.settings.name)) for one in ice_motions(study)]
         every = ((one.words, _doubt(evidence, one, found)) for one, found in motions)
         doubts = [f"{words}: {doubt}; such a motion is never a pass" for words, doubt in every if doubt]
         computed = [(one.words, found) for one, found in motions if found is not None]
@@ -113,12 +113,13 @@ def _line(
     what, unit = ("shear stress at the greatest torque in ice", "N/mm2") if part.shaft else ("torque in ice", "N m")
     is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
     words, worst = max(values.items(), key=lambda pair: pair[1]) if is_known else ("", math.inf)
-    verdict = verdict_of(worst <= limit[1], TO_BE_VERIFIED) if is_known and is_sound else "fail"
+    standing: Standing = TO_BE_VERIFIED if part.shaft else "maker"
+    verdict = verdict_of(worst <= limit[1], standing) if is_known and is_sound else "fail"
     note = "; ".join((f"worst in {words}" if is_known else "no value is known", *notes))
-    return Check("ice", limit[0], part.name, what, worst, limit[1], unit, verdict, TO_BE_VERIFIED, note=note)
+    return Check("ice", limit[0], part.name, what, worst, limit[1], unit, verdict, standing, note=note)
 
 
-def _motions(study: Study) -> list[InIce]:
+def ice_motions(study: Study) -> list[InIce]:
     """The motions with an event `ice`."""
     found = []
     for settings, path in cases(study):
@@ -150,7 +151,7 @@ def _starts(settings: TransientSettings) -> bool:
 
 def _missing(study: Study) -> list[str]:
     """Of every propeller the cases that no motion has, in words."""
-    had = [(at, ice.case) for one in _motions(study) for at, ice, _ in one.milled]
+    had = [(at, ice.case) for one in ice_motions(study) for at, ice, _ in one.milled]
     found = []
     for part in study.train.parts:
         missing = [str(case) for case in CASES if (part.name, case) not in had]
@@ -183,7 +184,7 @@ def _resonances(evidence: Results, motions: list[TransientMotion]) -> Iterator[s
     if known is None or not speeds:
         return
     low, high = (1.0 - MARGIN) * min(speeds), (1.0 + MARGIN) * max(speeds)
-    for name in dict.fromkeys(at for one in _motions(evidence.study) for at, _, _ in one.milled):
+    for name in dict.fromkeys(at for one in ice_motions(evidence.study) for at, _, _ in one.milled):
         part = evidence.study.train.part(name)
         blades = part.propeller.blades if part.propeller is not None else None
         if not blades:

@@ -23,7 +23,7 @@ def heads(
 
 
 def test_chapters_by_module_by_function_and_by_analysis(undamped: Findings) -> None:
-    assert heads(undamped, "plant", "verdict:closing", "torsion.output.chapters.mass_elastic") == [
+    assert heads(undamped, "plant", "closing", "torsion.output.chapters.mass_elastic") == [
         "The plant", "Conclusion and proposed measurements", "Mass-elastic system",
     ]  # fmt: skip
     assert heads(undamped, "plant", "verdict", "plant") == ["The plant", "Verdict"]

@@ -42,7 +42,7 @@ class Line:
         of: dict[Fraction, dict[str, None]] = {}
         for name, own in zip_longest(self.sources, self.own_orders, fillvalue=self.order):
             of.setdefault(Fraction(own), {})[str(name)] = None
-        words = ", ".join(f"{_decimal(own)} × {in_runs(names)}" for own, names in of.items())
+        words = first_of([f"{_decimal(own)} × {in_runs(names)}" for own, names in of.items()])
         order = _decimal(self.order)
         if set(of) == {self.order}:
             return words
@@ -89,6 +89,7 @@ def _decimal(order: Fraction) -> str:
 
 
 SHORTEST_RUN = 3  # names that are said as one
+MOST_SOURCES = 4  # that are named
 
 
 def in_runs(names: Iterable[str]) -> str:
@@ -112,7 +113,17 @@ def in_runs(names: Iterable[str]) -> str:
             words.append(f"{stem}{run[0]}–{run[-1]}")
         else:
             words += [f"{stem}{end if end >= 0 else ''}" for end in run]
-    return ", ".join(words)
+    return first_of(words)
+
+
+def first_of(words: Sequence[str]) -> str:
+    """Words one after another; of many the first ones, and how many more.
+
+    >>> first_of("abcdefg")
+    'a, b, c, d and 3 more'
+    """
+    more = f" and {len(words) - MOST_SOURCES} more" if len(words) > MOST_SOURCES else ""
+    return ", ".join(words[:MOST_SOURCES]) + more
 
 
 def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tuple[Excitation, ...]:

@@ -10,7 +10,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
-from torsion.output.chapters import joint_tables, verdict
+from torsion.output.chapters import closing, joint_tables
 from torsion.output.chapters.joint_tables import STILL, names
 from torsion.output.figures import joint_curves
 from torsion.output.figures.figure import Figure
@@ -77,7 +77,7 @@ def summary(findings: Findings) -> Iterator[Block]:
         yield Heading("Summary")
         yield Points(tuple(sentence for line in found.lines for sentence in joint_tables.in_short(found, line)))
         if findings.need(Checks).lines:
-            yield from verdict.conclusion(findings)
+            yield from closing.conclusion(findings)
 
 
 def _response(findings: Findings, found: Joints) -> Iterator[Block]:

@@ -1,7 +1,7 @@
 """Chapter: the motion over time."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -11,10 +11,12 @@ from torsion.analyses.transient.milling_ice import Ice
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
+from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
+from torsion.output.reported_values import NOTHING
 from torsion.output.selection import Element, elements
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
@@ -44,6 +46,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
         if len(found.each) > 1:
             yield Heading(f"Motion: {one.name}", 2)
         yield from _motion(findings, one, settings[one.name])
+
+
+def _first(names: Iterable[str]) -> str:
+    """The first few, each once."""
+    return listed(dict.fromkeys(names), most=4)
 
 
 def _motion(findings: Findings, found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
@@ -151,13 +158,13 @@ def _following(found: TransientMotion) -> Iterator[Block]:
     if not found.steps:
         return
     yield Paragraph(
-        f"These torques follow the speed or the angle of their point: {', '.join(found.following)}. They are found by "
+        f"These torques follow the speed or the angle of their point: {_first(found.following)}. They are found by "
         f"exponential collocation in {counted(found.steps, 'step')}, between which the modes are exact. The last term "
         f"kept of their series is at most {number(found.left_in_series, 2)} of the largest of them; the error is "
         "smaller. Periodic torques of the file follow the angle of their point too, from its angle 0 on."
     )
     if found.undamped:
-        text = f"The damping of {', '.join(found.undamped)} is left out: the law of the load there damps in its place."
+        text = f"The damping of {_first(found.undamped)} is left out: the law of the load there damps in its place."
         yield Paragraph(text, "note")
     if found.phases_computed:
         shown = ", ".join(f"{number(math.degrees(one), 3)} deg" for one in found.slip_phase)
@@ -181,7 +188,7 @@ def _following(found: TransientMotion) -> Iterator[Block]:
         text = "Resonances passed: time within the range of half the power, and what a constant rate lets them reach"
         yield table(titles, cells, text + (f"; {more} more are in results.json" if more > 0 else ""))
     if found.changes:
-        changed = [(one.what, one.time) for one in found.changes[:MOST_PASSAGES]]
+        changed = [(_first(one.what.split(", ")), one.time) for one in found.changes[:MOST_PASSAGES]]
         yield table(
             "< Torque | At [s]", changed, "When a torque that follows the motion came to another part of its law"
         )
@@ -193,19 +200,28 @@ def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
         f"| Least torque [{unit.unit}] -> least, {unit.unit} | at [s] | Before [{unit.unit}] "
         f"| Largest / before -> times | Largest / rated | Reversals -> | Not sampled [{unit.unit}]"
     )
+    largest = max((float(found.peak[list(one.spans)].max()) * one.ratio for one, _, _ in rows), default=0.0)
     cells = []
     for element, high, low in rows:
-        greatest, least = float(found.greatest[high]), float(found.least[low])
         spans, first = np.array(list(element.spans)), element.spans[0]
+        every = (found.greatest[high], found.least[low], found.before[first], found.unresolved[spans].max())
+        greatest, least, before, lacking = (
+            _known(float(one) * element.ratio, largest) / element.ratio for one in every
+        )
         most, rated = max(abs(greatest), abs(least)), 0.0 if found.rated is None else float(found.rated[first])
-        times = [number(most / abs(mean), 3) if mean else NONE for mean in (float(found.before[first]), rated)]
+        times = [number(most / abs(mean), 3) if mean else NONE for mean in (before, rated)]
         cells.append((
             element.name, unit.text(greatest), float(found.greatest_at[high]), unit.text(least),
-            float(found.least_at[low]), unit.text(float(found.before[first])), *times,
-            int(found.reversals[spans].max()), unit.text(float(found.unresolved[spans].max())),
+            float(found.least_at[low]), unit.text(before), *times, int(found.reversals[spans].max()),
+            unit.text(lacking),
         ))  # fmt: skip
     text = "Torques of the motion, mean torque included; where the torque of a gear reverses its teeth separate"
     return table(titles, cells, text, short=f"Motion over time: {found.name}" if found.name else "Motion over time")
+
+
+def _known(torque: float, largest: float) -> float:
+    """A torque, or 0 where it is less than what is rounding beside the largest of the train at its speed, N m."""
+    return 0.0 if abs(torque) < NOTHING * largest else torque
 
 
 def _switching(found: Switching) -> Iterator[Block]:

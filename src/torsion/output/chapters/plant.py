@@ -31,13 +31,18 @@ def chapter(findings: Findings) -> Iterator[Block]:
     caption = (
         "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)"
     )
-    sketch, joining = joined(Sketch(tuple(_points(findings)), tuple(_links(findings))))
     yield Heading("The plant")
-    yield Figure("plant", caption + joining, (sketch,))
+    drawn, joining = sketch(findings)
+    yield Figure("plant", caption + joining, (drawn,))
     yield Paragraph(f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel.")
     speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
     titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the figures{notes}"
     yield table(titles, rows, "Components")
+
+
+def sketch(findings: Findings) -> tuple[Sketch, str]:
+    """The train as a sketch, and what is to be said of it where very many components are joined."""
+    return joined(Sketch(tuple(_points(findings)), tuple(_links(findings))))
 
 
 def _points(findings: Findings) -> list[Disc]:
@@ -80,12 +85,15 @@ def _links(findings: Findings) -> list[Link]:
     found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
     for position, part in enumerate(system.train.parts):
         if not part.is_point and len(part.stations) == 2:
-            looks = _drawing(part, bars.get(position), meshes.get(position))
+            kind, more = _drawing(part, bars.get(position), meshes.get(position))
+            looks = kind, {**more, "parts": (position,)}
             found.extend(_link(part, label(system.train.parts, position), place, looks))
     for span in system.own_spans:
         is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and (span.driving, span.driven) != system.train.parts[span.part].stations:
-            found.append(_between(place, span.driving, span.driven, "gear", ratio=float(span.ratio)))
+            found.append(
+                _between(place, span.driving, span.driven, "gear", ratio=float(span.ratio), parts=(span.part,))
+            )
     return found
 
 

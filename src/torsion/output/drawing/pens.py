@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from torsion.output.figures.figure import Pen
+from torsion.output.figures.figure import Grade, Pen
 
 # Okabe and Ito (2008), without the yellow, which is too light on paper
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#444444")
@@ -49,6 +49,29 @@ BANDS = {  # fill, colour of the hatching ('' for none), its distance in px, sig
     "unstable": ("#f6d9d6", BAD, 12.0, -1),
     "no answer": ("#f6e4e2", BAD, 4.5, 1),
     "doubt": ("#ececec", "", 0.0, 1),
+}
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Fill and hatching of an area, and what it stands for."""
+
+    fill: str
+    words: str
+    colour: str = ""  # of the hatching; "" for none
+    apart: float = 0.0  # px
+    slopes: tuple[int, ...] = ()
+    dash: str = ""
+
+
+GRADES: dict[Grade, Pattern] = {  # from light to dark in gray too
+    "low": Pattern("#e9f1f8", "below 50 % of the limit"),
+    "middle": Pattern("#b3d0e8", "50 to 80 %"),
+    "high": Pattern("#dd9430", "80 to 100 %"),
+    "over": Pattern(BAD, "FAIL", "#ffffff", 4.0, (1,)),
+    "not kept": Pattern("#f4cdc7", "NOT KEPT, limit to be verified", BAD, 4.0, (-1,)),
+    "no answer": Pattern("#ffffff", "no answer", BAD, 4.0, (1, -1)),
+    "not judged": Pattern("#ffffff", "no rule judges stress or torque", "#888888", 3.0, (1,), "1 2.5"),
 }
 SYMBOLS = {  # path around (0, 0) in tenths of px, filled or not; about 6 px wide
     "disc": ("m-30 0a30 30 0 1 0 60 0a30 30 0 1 0-60 0z", True),

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.output.drawing import sketch, twisted
+from torsion.output.drawing import grades, sketch, twisted
 from torsion.output.drawing.frame import RIGHT, TOP, WIDTH, Frame, horizontal, margin, vertical
 from torsion.output.drawing.image import palette
 from torsion.output.drawing.pens import BANDS, INK, stroke
 from torsion.output.drawing.plot import drawn, hatching, is_on, symbols
 from torsion.output.drawing.text import clean, plain, shown, words
 from torsion.output.drawing.words import GROWTH, SIZE, width
-from torsion.output.figures.figure import Band, Cells, Figure, Level, Line, Marks, Panel, Sketch, Twisted
+from torsion.output.figures.figure import Band, Cells, Figure, Level, Line, Marks, Panel, Shares, Sketch, Twisted
 from torsion.output.numbers import number
 
 FONTS = "Arial, Liberation Sans, Helvetica, sans-serif"
@@ -42,6 +42,10 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
                 high, text = twisted.drawn(panel, foot)
                 pieces.append(text)
                 foot += high
+            case Shares():
+                high, text = grades.shares(panel, foot)
+                pieces.append(text)
+                foot += high
     key, foot = _key(frames, foot)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {shown(WIDTH)} {shown(foot)}" width="{shown(WIDTH)}" '
@@ -54,8 +58,13 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
 
 
 def description(figure: Figure) -> str:
-    """The plots in words: what runs over what, and the largest value of every line."""
+    """The plots in words: what runs over what, the largest value of every line, and how much of a limit is used."""
     found = []
+    for panel in figure.panels:
+        if isinstance(panel, Sketch):
+            found += [f"{link.label}: {link.use.words}." for link in panel.links if link.use is not None and link.label]
+        if isinstance(panel, Shares):
+            found += [f"{one.label}: {one.use.words}." for one in panel.rows]
     for panel in figure.plots:
         found.append(f"{panel.y.title} over {panel.x.title}.")
         for line in panel.lines:
@@ -71,7 +80,7 @@ def description(figure: Figure) -> str:
     return " ".join(found)
 
 
-def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Twisted, bool]]:
+def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Twisted | Shares, bool]]:
     """Every plot, and whether its x axis has numbers: not where the next one has the same."""
     for place, panel in enumerate(figure.panels):
         below = figure.panels[place + 1] if place + 1 < len(figure.panels) else None

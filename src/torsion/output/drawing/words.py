@@ -34,6 +34,18 @@ def width(text: str, size: float = SIZE) -> float:
     return sum(map(_sign, text)) * size / 1000.0
 
 
+def fitted(text: str, most: float) -> str:
+    """A text, cut where it is wider than so many px.
+
+    >>> fitted("a shaft", 100.0), fitted("a long name of a shaft", 60.0)
+    ('a shaft', 'a long na…')
+    """
+    if width(text) <= most:
+        return text
+    kept = next(k for k in range(len(text) - 1, -1, -1) if width(text[:k].rstrip() + "…") <= most or not k)
+    return text[:kept].rstrip() + "…"
+
+
 def _sign(sign: str) -> int:
     code = ord(sign)
     if 32 <= code <= 126:
@@ -69,12 +81,13 @@ class Room:
         self, text: str, points: FloatArray, *, gap: float = 3.0, ways: Sequence[int] = range(8), reach: int = REACH,
         elsewhere: float = ELSEWHERE,
     ) -> Word | None:  # fmt: skip
-        """The best free place of a text beside one of (points, 2) px, None where none is.
+        """The best free place of a text, in one row or more, beside one of (points, 2) px, None where none is.
 
         ways: the DIRECTIONS from a point that will do; elsewhere: what another point than the first costs. Away from
         its point, with a line to it, only the first is tried.
         """
-        half = np.array([GROWTH * width(text) / 2 + 1, GROWTH * SIZE / 2])
+        rows = text.split("\n")
+        half = np.array([GROWTH * max(map(width, rows)) / 2 + 1, GROWTH * SIZE * len(rows) / 2])
         allowed, rank = np.array([DIRECTIONS[way] for way in ways]), np.arange(len(points))
         cost = np.where(rank > 0, elsewhere + 0.3 * rank, 0.0)[:, None] + 0.3 * np.arange(len(ways))
         best, least = None, np.inf

@@ -18,6 +18,7 @@ Symbol = Literal[
     "open diamond",
 ]  # fmt: skip
 Place = tuple[float, float]
+Grade = Literal["low", "middle", "high", "over", "not kept", "no answer", "not judged"]
 
 
 @dataclass(frozen=True)
@@ -144,6 +145,16 @@ class Disc:
 
 
 @dataclass(frozen=True)
+class Use:
+    """How much of its limits something uses: the grade is its colour and pattern, the words say the same."""
+
+    grade: Grade
+    words: str
+    rank: tuple[float, ...] = ()  # where there is no room for all words, those of the highest are left out
+    is_bad: bool = False  # a limit is not kept, this one or another
+
+
+@dataclass(frozen=True)
 class Link:
     """A link of the train in its sketch."""
 
@@ -154,6 +165,8 @@ class Link:
     bore: float = 0.0  # of a shaft: bore / diameter
     taper: Place = (1.0, 1.0)  # of a shaft: relative diameters at its ends
     ratio: float = 1.0  # of a gear: speed of the driven / speed of the driving wheel
+    parts: tuple[int, ...] = ()  # positions of the components that it stands for
+    use: Use | None = None
 
 
 @dataclass(frozen=True)
@@ -162,6 +175,29 @@ class Sketch:
 
     discs: tuple[Disc, ...]
     links: tuple[Link, ...]
+    worst: tuple[Place, Use] | None = None  # x and row of what is pointed at
+    height: float | None = None  # px from the lowest to the highest axis, at most
+
+    @property
+    def is_graded(self) -> bool:
+        """Its links are coloured by their use."""
+        return any(link.use is not None for link in self.links)
+
+
+@dataclass(frozen=True)
+class Share:
+    """The share of a limit that is used."""
+
+    label: str
+    share: float  # infinite where no value is known
+    use: Use
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Shares of limits below each other, with a line where the limit is."""
+
+    rows: tuple[Share, ...]
 
 
 @dataclass(frozen=True)
@@ -196,7 +232,7 @@ class Figure:
 
     name: str  # a stable identifier, the only one of its kind in a report
     caption: str
-    panels: tuple[Panel | Sketch | Twisted, ...]
+    panels: tuple[Panel | Sketch | Twisted | Shares, ...]
     moving: Moving | None = None
 
     @property

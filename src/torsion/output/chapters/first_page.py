@@ -1,0 +1,287 @@
+"""The first page of a report: the verdict in a box, the train by its utilisation, its speeds, and shares of limits."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Literal
+
+import numpy as np
+
+from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
+from torsion.analyses.response.amplitudes import Response
+from torsion.findings import Findings
+from torsion.kernels.tree_response import Status
+from torsion.listed import listed
+from torsion.output import check_words
+from torsion.output.blocks import Block, Box, PageEnd
+from torsion.output.chapters import closing, plant
+from torsion.output.check_words import SIGNS, contributing, is_judged, use_of_part
+from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use
+from torsion.output.figures.ranges import unanswered
+from torsion.output.figures.speed_range import speed_range
+from torsion.output.numbers import RPM, counted, rpm, symbols
+from torsion.output.reported_values import (
+    band_words,
+    barred,
+    barred_rpm,
+    mode_near,
+    operation_words,
+    rated_rpm,
+    reference,
+    unreliable,
+    unstable_rpm,
+)
+from torsion.output.scene import checksum
+from torsion.output.station_layout import layout
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
+
+MOST_BARRED, MOST_UNANSWERED = 3, 3  # stated one by one in the box
+MOST_CRITICAL = 5  # critical speeds that are drawn
+MOST_SHARES, FEWEST_SHARES = 20, 8  # shares of limits that are drawn
+LETTERS, USUAL_ROWS = 115, 8  # of a row of the box, and its rows beside which MOST_SHARES have room on A4
+BRANCHES = 13  # shares for which another row of the sketch leaves no room
+HEIGHT = 190.0  # px from the lowest to the highest axis of the sketch, at most
+Head = tuple[str, str]  # sign, words
+Kind = Literal["pass", "fail", "not kept", "note"]
+
+
+def box(findings: Findings) -> Box:
+    """The verdict, its worst place, what is barred and unanswered, and how many checks there are of each verdict."""
+    checks = findings.need(Checks).lines
+    said = closing.overall(findings).text
+    lines = [("Conclusion", said), *_worst_line(findings)]
+    lines += [("Barred ranges", "; ".join(words)) for words in [_barred_words(findings)] if words]
+    if others := closing.other_restrictions(findings, is_barred=bool(barred(findings))):
+        lines.append(("Speeds", " ".join(others)))
+    unknown = [f"{one.what}, because {one.words}" for one in findings.plan.unanswered]
+    if unknown:
+        lines.append(("No answer", "; ".join(unknown[:MOST_UNANSWERED]) + _more(len(unknown) - MOST_UNANSWERED)))
+    lines += [("Beside it", one.text) for one in closing.beside(findings)]
+    if checks:
+        lines.append(("Checks", _counts(findings, checks)))
+    lines.append(("Calculated", _basis(findings)))
+    (sign, words), kind = headline(findings)
+    return Box(sign, words, kind, tuple(lines))
+
+
+def headline(findings: Findings) -> tuple[Head, Kind]:
+    """Sign and words of the verdict, and how it stands out; nothing but a whole answer reads PASS."""
+    every, unknown = findings.need(Checks).lines, bool(findings.plan.unanswered)
+    compared = bool(getattr(findings.results.get("check"), "fails", False))
+    found = Counter(check.verdict for check in every)
+    more = ["an analysis without an answer"] if unknown else []
+    if found["fail"] or compared:
+        also = ["also NOT KEPT (limit to be verified)"] if found["not kept"] else []
+        return (SIGNS["fail"], ", ".join(["FAIL", *also, *more])), "fail"
+    if found["not kept"]:
+        return (SIGNS["not kept"], ", ".join(["NOT KEPT (limit to be verified)", *more])), "not kept"
+    if unknown:
+        return ("?", "INCOMPLETE: an analysis without an answer"), "note"
+    if not found["pass"]:
+        why = "the rules have no limit here" if every else "no rule judges this train"
+        return ("–", f"NO VERDICT: {why}"), "note"
+    limited = ["with barred ranges of speed"] if barred(findings) else []
+    beyond = ["in part outside the rules"] if found["outside"] else []
+    return (SIGNS["pass"], ", ".join(["PASS", *limited, *beyond])), "pass"
+
+
+def _worst(findings: Findings) -> Check | None:
+    """The check that ranks first of those with a limit."""
+    return min(filter(is_judged, findings.need(Checks).lines), key=check_words.rank, default=None)
+
+
+def _worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
+    """The worst check with value, limit, speed and component."""
+    check = _worst(findings)
+    if check is None or (check.utilisation is None and not check.fails):
+        return
+    against = f"{check_words.value(check)} against {check_words.limit(check)} {check_words.unit(check)}".rstrip()
+    used = "" if check.utilisation is None else f", {check_words.percent(check.utilisation)} of the limit"
+    at = "" if check.speed is None else f", at {rpm(check.speed)} rpm"
+    order = "" if check.order is None else f", mostly order {contributing(findings, check.order)}"
+    clause = f"{symbols(check.clause)}, {check.rule}; limit: {check.standing}"
+    title = "Worst check" if check.fails else "Largest use"
+    yield title, f"{check.where}: {check.what} {against}{used}{at}{order} ({clause})"
+
+
+def _barred_words(findings: Findings) -> list[str]:
+    """The barred ranges in their short form."""
+    found = []
+    for one in barred(findings):
+        parts = [band_words((one.lower * RPM, one.upper * RPM)), one.shaft]
+        if one.order is not None:
+            mode = mode_near(findings, float(one.order) * one.critical / (2.0 * np.pi))
+            parts += [f"order {contributing(findings, one.order)}", f"mode {mode}"]
+        if np.isfinite(one.formula_lower):
+            parts.append(f"by formula {rpm(one.formula_lower)} to {rpm(one.formula_upper)} rpm")
+        found.append(", ".join(parts))
+    more = len(found) - MOST_BARRED
+    return found if more <= 0 else [*found[:MOST_BARRED], f"{more} more in the table of barred ranges"]
+
+
+def _more(count: int) -> str:
+    return f" and {count} more" if count > 0 else ""
+
+
+def _counts(findings: Findings, checks: tuple[Check, ...]) -> str:
+    """How many checks there are of each verdict."""
+    found = Counter(check.verdict for check in checks)
+    doubt = sum(check.standing == TO_BE_VERIFIED for check in checks)
+    words = [f"{found['pass']} passed", f"{found['fail']} failed", f"{found['not kept']} not kept",
+             f"{found['outside']} outside the rules"]  # fmt: skip
+    unknown = len(findings.plan.unanswered)
+    return (
+        f"{len(checks)}: {', '.join(words)}; {doubt} with a limit to be verified; "
+        f"{unknown or 'no'} {'analysis' if unknown == 1 else 'analyses'} without an answer"
+    )
+
+
+def _basis(findings: Findings) -> str:
+    """By which rules, for which speeds, from which file."""
+    study = findings.study
+    rules = listed(name for name, _ in study.rules) or "no rule requested"
+    digest = checksum(study)
+    parts = [
+        f"rules: {rules}",
+        operation_words(findings),
+        study.file,
+        f"SHA-256 begins {digest[:12]}" if digest else "",
+    ]
+    return "; ".join(filter(None, parts))
+
+
+def blocks(findings: Findings, notes: Iterable[Block]) -> Iterator[Block]:
+    """One A4: the box, the train by its utilisation, the speeds, as many shares of limits as have room, and notes.
+
+    Where few have, they are the first thing behind its end.
+    """
+    verdict, (train, joining) = box(findings), _train(findings)
+    axes = {row for link in train.links for row in (link.start[1], link.end[1])}
+    rows = sum(-(-len(text) // LETTERS) for _, text in verdict.lines)
+    most = MOST_SHARES - BRANCHES * max(len(axes) - 1, 0) - max(rows - USUAL_ROWS, 0)
+    shares = tuple(_shares(findings, most if most >= FEWEST_SHARES else MOST_SHARES))
+    yield verdict
+    yield Figure(
+        "utilisation",
+        "The train: shafts, couplings and gears in colour and pattern of their largest utilisation (value / limit) of "
+        "stress or torque. Other limits, as that of a least diameter, stand in words. Not to scale" + joining,
+        (train,),
+    )
+    yield from _speeds(findings)
+    yield from shares if most >= FEWEST_SHARES else ()
+    yield from notes
+    yield PageEnd()
+    yield from shares if most < FEWEST_SHARES else ()
+
+
+def _train(findings: Findings) -> tuple[Sketch, str]:
+    """The sketch with the use of every link that can be judged, and what is to be said where links are joined."""
+    (found, joining), parts = plant.sketch(findings), findings.study.train.parts
+    checks = _checks_of_parts(findings)
+    links = tuple(_used(findings, link, checks) for link in found.links)
+    discs = tuple(
+        replace(disc, label=parts[int(disc.label.split()[0]) - 1].name if disc.label else "") for disc in found.discs
+    )
+    return Sketch(discs, links, _pointed_at(findings, links, is_whole=not joining), HEIGHT), joining
+
+
+def _pointed_at(findings: Findings, links: tuple[Link, ...], *, is_whole: bool) -> tuple[Place, Use] | None:
+    """The place of the worst check, and its words; None where it is no single place, or has no share."""
+    worst = _worst(findings)
+    place = None if worst is None else _place(findings, links, worst, is_whole=is_whole)
+    if worst is None or place is None or (worst.utilisation is None and not worst.fails):
+        return None
+    title, found = "worst" if worst.fails else "largest use", check_words.use(worst)
+    return place, replace(found, words=f"{title}: {found.words.partition(' ')[2]}, {symbols(worst.clause)}")
+
+
+def _part_of(findings: Findings) -> dict[str, int]:
+    """The component that a name in a check stands for: its own, or that of one of its spans."""
+    spans = {span.name: span.part for span in findings.system.spans}
+    return spans | {part.name: position for position, part in enumerate(findings.study.train.parts)}
+
+
+def _checks_of_parts(findings: Findings) -> dict[int, list[Check]]:
+    """The checks of every component."""
+    of, found = _part_of(findings), defaultdict[int, list[Check]](list)
+    for check in findings.need(Checks).lines:
+        if check.where in of:
+            found[of[check.where]].append(check)
+    return found
+
+
+def _used(findings: Findings, link: Link, checks: dict[int, list[Check]]) -> Link:
+    """A link with its use; a joint, and a gear that no rule judges, stay as they are."""
+    mine = [check for part in link.parts for check in checks.get(part, [])]
+    if link.kind == "run":
+        return replace(link, use=use_of_part(mine))
+    if link.kind not in ("shaft", "coupling", "gear") or (link.kind == "gear" and not mine):
+        return replace(link, label="")
+    name = findings.study.train.parts[link.parts[0]].name if link.parts else link.label
+    return replace(link, label=name, use=use_of_part(mine))
+
+
+def _place(findings: Findings, links: tuple[Link, ...], check: Check, *, is_whole: bool) -> Place | None:
+    """x and row of what a check is about; None where that is no single place, or a point of a joined sketch."""
+    part = _part_of(findings).get(check.where.partition(", ")[0])
+    if part is None:
+        return None
+    for link in links:
+        if part in link.parts:
+            return (link.start[0] + link.end[0]) / 2, link.end[1]
+    stations, place = findings.study.train.parts[part].stations, layout(findings.system)
+    return (float(place.x[stations[0]]), float(place.row[stations[0]])) if stations and is_whole else None
+
+
+def _speeds(findings: Findings) -> Iterator[Figure]:
+    """Nothing where the scene has no range of speeds."""
+    speeds = findings.study.operation.speeds
+    if speeds is None:
+        return
+    response, unknown = findings.get(Response), tuple[Band, ...]()
+    if response is not None and np.any(unreliable(findings)):
+        _, unknown = unanswered(response.speed * RPM, unreliable(findings))
+    critical = [(one.speed * RPM, one.line.named().partition(" (")[0]) for one in _strongest(findings)]
+    caption = (
+        f"Speeds of {reference(findings)}: what is barred or unstable"
+        + (f", and the {counted(len(critical), 'critical speed')} with the largest torque" if critical else "")
+    )  # fmt: skip
+    yield speed_range(
+        "speeds", caption, speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings),
+        barred=barred_rpm(findings), unstable=unstable_rpm(findings), unknown=unknown, critical=critical,
+    )  # fmt: skip
+
+
+def _strongest(findings: Findings) -> list[CriticalSpeed]:
+    """The critical speeds in the range at which their order has the largest torque, by speed."""
+    found = findings.get(CriticalSpeeds)
+    inside = [] if found is None else [one for one in found.crossings if one.is_inside]
+    size = partial(_strength, findings, findings.get(Response))
+    return sorted(sorted(inside, key=size, reverse=True)[:MOST_CRITICAL], key=lambda one: one.speed)
+
+
+def _strength(findings: Findings, response: Response | None, critical: CriticalSpeed) -> float:
+    """The largest torque of the order at the computed speed next to a critical one, referred, N m."""
+    lines = [] if response is None else [k for k, line in enumerate(response.lines) if line.order == critical.order]
+    if response is None or not lines:
+        return 0.0
+    at = int(np.argmin(np.abs(response.speed - critical.speed)))
+    if response.status[at, lines[0]] != Status.OK:
+        return float("inf")
+    return float((np.abs(response.torque[at, lines[0]]) * findings.system.span_ratio).max(initial=0.0))
+
+
+def _shares(findings: Findings, most: int) -> Iterator[Figure]:
+    """The largest shares of limits, those first that fail; nothing where no check has one."""
+    checks = sorted(filter(is_judged, findings.need(Checks).lines), key=check_words.rank)
+    shown = [one for one in checks if one.utilisation is not None or one.fails]
+    if not shown:
+        return
+    rows = tuple(
+        Share(f"{one.where}, {symbols(one.clause)}", np.inf if one.utilisation is None else one.utilisation,
+              check_words.use(one))
+        for one in shown[:most]
+    )  # fmt: skip
+    rest = f" (the first {most} of {len(shown)})" if len(shown) > most else ""
+    yield Figure("shares", f"Share of each limit used, worst first{rest}", (Shares(rows),))

@@ -1,0 +1,86 @@
+"""A check in the words of the report: its rank, value, limit, utilisation, order and sign, and how much it uses."""
+
+import math
+from collections.abc import Iterable
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Response
+from torsion.findings import Findings
+from torsion.output.figures.figure import Grade, Use
+from torsion.output.numbers import given, number, order, symbols
+from torsion.output.reported_values import reference
+from torsion.rules.verdict_line import Check
+
+SIGNS = {"pass": "✓", "fail": "✗", "not kept": "!", "outside": "–"}
+STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
+GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below
+NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
+NOT_JUDGED = Use("not judged", "", (3.0, 0.0))
+
+
+def rank(check: Check) -> tuple[float, float]:
+    """Failing checks first, then those that keep no limit to be verified, then by falling utilisation."""
+    used = check.utilisation
+    return {"fail": 0.0, "not kept": 1.0}.get(check.verdict, 2.0), math.inf if used is None else -used
+
+
+def is_judged(check: Check) -> bool:
+    """The rule has a limit for it."""
+    return check.verdict != "outside"
+
+
+def value(check: Check) -> str:
+    """The worst value, in words where there is none."""
+    nothing = "no answer" if check.clause == "stability" else "no finite value"
+    return nothing if np.isinf(check.value) else number(check.value)
+
+
+def limit(check: Check) -> str:
+    """The limit, of a least value with its sign."""
+    return "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit)
+
+
+def percent(used: float) -> str:
+    """The share of a limit: '63.2 %', '0 %'; no share above 1 reads 100 %, and none below it."""
+    return f"{number(100.0 * used, 5 if NEAR[0] <= used <= NEAR[1] else 3)} %"
+
+
+def unit(check: Check) -> str:
+    """With its signs; empty for a pure number."""
+    return "" if check.unit in ("", "1") else symbols(check.unit)
+
+
+def contributing(findings: Findings, of: Fraction | None) -> str:
+    """An order by what excites it, where that is known."""
+    response = findings.get(Response)
+    lines = () if response is None or of is None else response.lines
+    return next((line.named(reference(findings)) for line in lines if line.order == of), order(of))
+
+
+def use(check: Check) -> Use:
+    """How much of its limit a check uses, as sign, verdict and share."""
+    used = check.utilisation
+    share = "" if used is None or math.isinf(used) else f" {percent(used)}"
+    words = f"{SIGNS[check.verdict]} {check.verdict.upper()}{share}"
+    if not is_judged(check):
+        return Use("not judged", words, (3.0, 0.0))
+    if check.verdict == "not kept":
+        return Use("not kept", words, rank(check), is_bad=True)
+    if check.verdict == "fail":
+        return Use("over" if math.isfinite(check.value) else "no answer", words, rank(check), is_bad=True)
+    return Use(next(grade for most, grade in GRADES if (used or 0.0) < most), words, rank(check))
+
+
+def use_of_part(checks: Iterable[Check]) -> Use:
+    """Of all checks of a component: its worst of stress or torque; others that keep no limit in words alone."""
+    every = sorted(filter(is_judged, checks), key=rank)
+    strain = [one for one in every if one.unit in (STRESS, TORQUE)]
+    others = [one for one in every if one.fails and one.unit not in (STRESS, TORQUE)]
+    found = use(strain[0]) if strain else NOT_JUDGED
+    if not others:
+        return found
+    more = f"{use(others[0]).words}:\n{symbols(others[0].clause)}"
+    words = f"{found.words}\n{more}" if found.words else more
+    return Use(found.grade, words, min(found.rank, rank(others[0])), is_bad=True)

@@ -1,0 +1,84 @@
+"""Grades of use: areas by colour and pattern, their key, and shares of limits as areas beside a line at the limit."""
+
+import math
+from collections.abc import Iterable
+
+from torsion.output.drawing.frame import END, MIDDLE, WIDTH
+from torsion.output.drawing.pens import BAD, GRADES, GREY, INK, Stroke
+from torsion.output.drawing.plot import hatching
+from torsion.output.drawing.text import shown, words
+from torsion.output.drawing.words import GROWTH, SIZE, fitted, width
+from torsion.output.figures.figure import Grade, Share, Shares
+
+Box = tuple[float, float, float, float]
+SAMPLE, KEY_ROW = 24.0, 16.0  # px
+LEFT, RIGHT, ROW, HEAD = 252.0, 466.0, 13.2, 16.0  # px: of the shares, whose names and words stand beside them
+MOST = 2.0  # times the limit: a larger share is cut
+BEYOND = 1.05  # times the largest share: as far the axis goes
+BOLD = ' font-weight="bold"'
+
+
+def hatched(box: Box, grade: Grade) -> tuple[Stroke, str]:
+    """Strokes of a grade's hatching in a box in tenths of px; '' where it has none."""
+    pattern = GRADES[grade]
+    path = "".join(hatching(box, pattern.apart, slope) for slope in pattern.slopes)
+    return Stroke(pattern.colour or INK, 0.8, pattern.dash), path
+
+
+def area(box: Box, grade: Grade) -> str:
+    """A rectangle in tenths of px."""
+    left, top, right, foot = (round(one) for one in box)
+    edges = f'x="{left}" y="{top}" width="{right - left}" height="{foot - top}"'
+    look, path = hatched((left, top, right, foot), grade)
+    inside = f'<path d="{path}" fill="none" {look.attributes(10.0)}/>' if path else ""
+    return f'<rect {edges} fill="{GRADES[grade].fill}" stroke="{INK}" stroke-width="8"/>{inside}'
+
+
+def key(grades: Iterable[Grade], top: float) -> tuple[float, str]:
+    """Height in px and elements of the key of the grades that are there."""
+    x, y, made = 4.0, top + KEY_ROW / 2, list[str]()
+    for grade, pattern in GRADES.items():
+        if grade not in grades:
+            continue
+        need = SAMPLE + 5 + GROWTH * width(pattern.words) + 10
+        if x + need > WIDTH and x > 4.0:
+            x, y = 4.0, y + KEY_ROW
+        sample = f'<g transform="scale(.1)">{area((0.0, -50.0, 10 * SAMPLE, 50.0), grade)}</g>'
+        at = f'<g transform="translate({shown(x)} {shown(y)})">'
+        made.append(f"{at}{sample}{words(SAMPLE + 5, 3.7, pattern.words)}</g>")
+        x += need
+    text = f'<g class="key" font-size="{SIZE:g}" fill="{INK}">{"".join(made)}</g>'
+    return y + KEY_ROW / 2 - top if made else 0.0, text if made else ""
+
+
+def shares(found: Shares, top: float) -> tuple[float, str]:
+    """Height in px and elements of the shares below `top`."""
+    largest = max((one.share for one in found.rows if math.isfinite(one.share)), default=1.0)
+    end = BEYOND * min(max(largest, 1.0), MOST)
+    limit = LEFT + (RIGHT - LEFT) / end
+    foot = top + HEAD + ROW * len(found.rows)
+    rows = "".join(_row(one, end, top + HEAD + ROW * k) for k, one in enumerate(found.rows))
+    parts = [
+        f'<g class="shares" font-size="{SIZE:g}" fill="{INK}">', rows,
+        f'<path d="M{shown(LEFT)} {shown(top + HEAD - 3)}V{shown(foot)}" stroke="{GREY}" stroke-width=".8"/>',
+        f'<path d="M{shown(limit)} {shown(top + HEAD - 4)}V{shown(foot)}" stroke="{BAD}" stroke-width="1.6"/>',
+        words(limit, top + HEAD - 7, "limit, 100 %", f'{MIDDLE} fill="{BAD}"'), "</g>",
+    ]  # fmt: skip
+    return foot + 3.0 - top, "".join(parts)
+
+
+def _row(one: Share, end: float, top: float) -> str:
+    """A name, the area of its share, and its words; a share beyond the end is cut, which two strokes show."""
+    middle, shown_share = top + ROW / 2, min(one.share, end)
+    right = LEFT + (RIGHT - LEFT) * shown_share / end
+    box = (10 * LEFT, 10 * (top + 2.0), 10 * max(right, LEFT + 0.8), 10 * (top + ROW - 2.0))
+    cut = ""
+    if one.share > end:
+        x, y = shown(right - 14), shown(top + ROW - 1)
+        cut = f'<path d="M{x} {y}l5-{ROW - 2:g}m4 0l-5 {ROW - 2:g}" stroke="#ffffff" stroke-width="2"/>'
+    bold = BOLD + f' fill="{BAD}"' if one.use.is_bad else ""
+    name = fitted(one.label, (LEFT - 8) / GROWTH)
+    said = words(RIGHT + 8, middle + 3.7, one.use.words, bold)
+    return (
+        f'{words(LEFT - 6, middle + 3.7, name, END)}<g transform="scale(.1)">{area(box, one.use.grade)}</g>{cut}{said}'
+    )

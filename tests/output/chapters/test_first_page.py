@@ -1,0 +1,265 @@
+"""The first page: its headline for every set of verdicts, what colours the train, its speeds, words beside colour."""
+
+import itertools
+import math
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.critical import CriticalSpeeds
+from torsion.findings import Findings, Unanswered
+from torsion.output.blocks import Box, Figure, PageEnd
+from torsion.output.chapters import verdict
+from torsion.output.chapters.first_page import headline
+from torsion.output.check_words import NOT_JUDGED, percent, use, use_of_part
+from torsion.output.drawing.pens import GRADES
+from torsion.output.drawing.svg import svg
+from torsion.output.drawing.words import GROWTH, width
+from torsion.output.figures.figure import Disc, Link, Shares, Sketch, Use
+from torsion.output.figures.figure import Figure as Drawing
+from torsion.rules.verdict_line import BarredRange, Check, Checks
+
+RPM = 30.0 / math.pi
+SVG = "{http://www.w3.org/2000/svg}"
+TRAIN = """
+name: two shafts with a gear between them
+operation: {at: flywheel, speeds: {from: 100 rpm, to: 600 rpm, steps: 6}, rated: {speed: 450 rpm}}
+train:
+- disc: {name: flywheel, inertia: 2}
+- shaft: {name: quick, length: 1 m, diameter: 40 mm}
+- gear: {name: stage, ratio: 5/2, inertia: [0.5, 1.5], mesh_stiffness: 40 kN*m/rad}
+- shaft: {name: slow, length: 1 m, diameter: 60 mm}
+- propeller: {name: screw, inertia: 12, damping: 3}
+excitations: [{at: flywheel, order: 2, torque: 3}]
+"""
+LOST = Unanswered("lateral", "bending of the shafts", "it does not converge", "", None, False, False, "")
+
+
+@pytest.fixture(scope="module")
+def found() -> Findings:
+    return torsion.run(torsion.parse(TRAIN))
+
+
+def check(verdict: str = "pass", **changed: object) -> Check:
+    made = Check("rule", "clause", "slow", "what", 12.5, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(2))
+    return replace(made, **changed)
+
+
+def judged(findings: Findings, *checks: Check, unanswered: tuple[Unanswered, ...] = ()) -> Findings:
+    made = findings.having(checks=Checks(checks))
+    return replace(made, plan=replace(made.plan, unanswered=unanswered))
+
+
+def page(findings: Findings) -> list[object]:
+    blocks = list(verdict.chapter(findings))
+    return blocks[: blocks.index(PageEnd())]
+
+
+def figure(findings: Findings, name: str) -> Drawing:
+    return next(one for one in verdict.chapter(findings) if isinstance(one, Figure) and one.name == name)
+
+
+@pytest.mark.parametrize("verdicts", [
+    found for size in range(5) for found in itertools.combinations(("pass", "fail", "not kept", "outside"), size)
+])  # fmt: skip
+@pytest.mark.parametrize("is_answered", [True, False])
+def test_the_headline_of_every_combination_of_verdicts(found: Findings, verdicts, *, is_answered: bool) -> None:
+    """PASS alone is green, and stands only where something passed, nothing is exceeded and nothing is unanswered."""
+    made = judged(found, *map(check, verdicts), unanswered=() if is_answered else (LOST,))
+    (sign, words), kind = headline(made)
+    first = re.split(r"[,:(]", words)[0].strip()
+    wanted = (
+        "FAIL" if "fail" in verdicts else "NOT KEPT" if "not kept" in verdicts
+        else "INCOMPLETE" if not is_answered else "PASS" if "pass" in verdicts else "NO VERDICT"
+    )  # fmt: skip
+    kinds = {"FAIL": ("fail", "✗"), "NOT KEPT": ("not kept", "!"), "PASS": ("pass", "✓"), "INCOMPLETE": ("note", "?")}
+    assert first == wanted
+    assert (kind, sign) == kinds.get(wanted, ("note", "–"))
+    assert ("an analysis without an answer" in words) == (not is_answered)
+    assert ("NOT KEPT (limit to be verified)" in words) == ("not kept" in verdicts)
+    assert ("outside" in words) == (wanted == "PASS" and "outside" in verdicts)
+    (box,) = (one for one in page(made) if isinstance(one, Box))
+    assert (box.sign, box.text, box.kind) == (sign, words, kind)
+    lines = dict(box.lines)
+    assert ("No answer" in lines) == (not is_answered)
+    if verdicts:
+        counts = dict(reversed(one.split(" ", 1)) for one in lines["Checks"].split(": ")[1].split(";")[0].split(", "))
+        names = {"passed": "pass", "failed": "fail", "not kept": "not kept", "outside the rules": "outside"}
+        assert {names[name]: int(number) for name, number in counts.items()} == {
+            one: verdicts.count(one) for one in names.values()
+        }
+
+
+def test_models_that_do_not_agree_are_a_failure(found: Findings) -> None:
+    class Differing:
+        fails = True
+
+    assert headline(judged(found, check()).having(check=Differing()))[0][1] == "FAIL"
+
+
+def test_the_worst_check_stands_in_the_box_with_value_limit_and_speed(found: Findings) -> None:
+    lines = check(value=40.0), check("not kept", where="quick", value=55.0, clause="tau_C"), check(value=10.0)
+    (box,) = (one for one in page(judged(found, *lines)) if isinstance(one, Box))
+    worst = dict(box.lines)["Worst check"]
+    assert worst.startswith("quick: what 55.000 against 50 N/mm², 110 % of the limit, at 286.48 rpm, mostly order 2 ×")
+    assert "τ_C, rule; limit: setting" in worst
+
+
+@pytest.mark.parametrize(
+    ("checks", "grade", "words"),
+    [
+        ([], "not judged", ""), ([check(value=10.0), check(value=30.0)], "middle", "✓ PASS 60.0 %"),
+        ([check(value=24.0)], "low", "✓ PASS 48.0 %"), ([check(value=49.99)], "high", "✓ PASS 99.980 %"),
+        ([check("fail", value=50.01)], "over", "✗ FAIL 100.02 %"),
+        ([check("fail", value=51.0), check("not kept", value=99.0)], "over", "✗ FAIL 102 %"),
+        ([check("not kept", value=60.0), check(value=45.0)], "not kept", "! NOT KEPT 120 %"),
+        ([check("fail", value=math.inf)], "no answer", "✗ FAIL"),
+        ([check("outside", limit=math.nan)], "not judged", ""),
+        ([check("fail", value=5.0, limit=0.0)], "over", "✗ FAIL"),
+        ([check(value=30.0, unit="N m"), check(value=20.0)], "middle", "✓ PASS 60.0 %"),
+    ],
+)  # fmt: skip
+def test_a_part_has_the_grade_of_its_worst_stress_or_torque(checks: list[Check], grade: str, words: str) -> None:
+    for some in itertools.permutations(checks):
+        made = use_of_part(some)
+        assert (made.grade, made.words) == (grade, words)
+
+
+@pytest.mark.parametrize("unit", ["mm", "rad/s2", "1", "1/s"])
+def test_a_diameter_never_colours_and_is_stated_where_it_is_not_kept(unit: str) -> None:
+    least = check("not kept", value=90.0, limit=99.0, unit=unit, at_least=True, clause="minimum diameter")
+    assert use_of_part([least, check(value=5.0)]).grade == "low"
+    assert use_of_part([least, check(value=5.0)]).words == "✓ PASS 10.0 %\n! NOT KEPT 110 %:\nminimum diameter"
+    assert use_of_part([least]).grade == "not judged"
+    assert "NOT KEPT" in use_of_part([least]).words
+    assert use_of_part([replace(least, verdict="pass", value=100.0)]) == NOT_JUDGED
+
+
+def test_no_share_over_the_limit_reads_as_the_limit() -> None:
+    assert [percent(one) for one in (1.0004, 0.9996, 0.5, 0.0, 1.27)] == [
+        "100.04 %", "99.960 %", "50.0 %", "0 %", "127 %",
+    ]  # fmt: skip
+
+
+def test_every_shaft_and_judged_gear_has_its_use_and_the_worst_is_pointed_at(found: Findings) -> None:
+    checks = check(value=20.0), check("fail", where="stage", value=60.0, unit="N m"), check(where="quick", value=45.0)
+    (drawn,) = figure(judged(found, *checks), "utilisation").panels
+    assert isinstance(drawn, Sketch)
+    uses = {link.label: link.use.grade for link in drawn.links if link.use is not None}
+    assert uses == {"quick": "high", "stage": "over", "slow": "low"}
+    place, said = drawn.worst
+    gear = next(link for link in drawn.links if link.label == "stage")
+    assert place == ((gear.start[0] + gear.end[0]) / 2, gear.end[1])
+    assert said.words == "worst: FAIL 120 %, clause"
+    (bare,) = figure(judged(found), "utilisation").panels
+    assert {link.label: link.use.grade for link in bare.links if link.use} == {
+        "quick": "not judged", "slow": "not judged",
+    }  # fmt: skip
+    assert bare.worst is None
+
+
+def test_the_speeds_drawn_are_those_of_the_results(found: Findings) -> None:
+    ranges = BarredRange(20.0, 30.0, 24.0, "slow", 21.0, 29.0, Fraction(2)), BarredRange(40.0, 45.0, 43.0, "quick")
+    (plot,) = figure(judged(found, check(barred=ranges)), "speeds").panels
+    bands = [(one.kind, one.low, one.high) for one in plot.bands]
+    assert bands[0][0] == "range"
+    np.testing.assert_allclose(bands[0][1:], (100.0, 600.0), rtol=1e-14)
+    assert [one[0] for one in bands[1:]] == ["barred", "barred"]
+    np.testing.assert_allclose([one[1:] for one in bands[1:]], np.array([[20, 30], [40, 45]]) * RPM, rtol=1e-14)
+    (rated,) = (one.value for one in plot.levels if one.name == "rated speed")
+    assert rated == pytest.approx(450.0, rel=1e-14)
+    critical = [one.value for one in plot.levels if one.name == "critical speed"]
+    inside = sorted(one.speed * RPM for one in found.need(CriticalSpeeds).crossings if one.is_inside)
+    assert critical == inside
+    bare = "name: x\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 5}, disc: {inertia: 2}]\n"
+    names = [one.name for one in page(torsion.run(torsion.parse(bare))) if isinstance(one, Figure)]
+    assert names == ["utilisation"]
+
+
+def test_shares_stand_in_their_order_with_their_words(found: Findings) -> None:
+    checks = check(value=20.0), check("not kept", value=60.0), check("fail", value=math.inf), check("outside")
+    (drawn,) = figure(judged(found, *checks), "shares").panels
+    assert isinstance(drawn, Shares)
+    assert [(one.share, one.use.words) for one in drawn.rows] == [
+        (math.inf, "✗ FAIL"), (1.2, "! NOT KEPT 120 %"), (0.4, "✓ PASS 40.0 %"),
+    ]  # fmt: skip
+    assert len(figure(judged(found, *[check()] * 40), "shares").panels[0].rows) == 20
+
+
+def texts(drawing: str) -> list[str]:
+    return ["".join(one.itertext()).replace("\u200b", "") for one in ET.fromstring(drawing).iter(f"{SVG}text")]
+
+
+def test_verdicts_and_shares_are_words_too(found: Findings) -> None:
+    """What colour and pattern say stands in words in the drawing, and in its description."""
+    checks = check(value=20.0), check("fail", where="stage", value=60.0, unit="N m"), check(where="quick", value=45.0)
+    for name in ("utilisation", "shares"):
+        drawing = svg(figure(judged(found, *checks), name))
+        for words in ("✗ FAIL 120 %", "✓ PASS 40.0 %", "✓ PASS 90.0 %"):
+            assert words in texts(drawing)
+            assert words in ET.fromstring(drawing).find(f"{SVG}desc").text
+    shown = texts(svg(figure(judged(found, *checks), "utilisation")))
+    assert {GRADES[one].words for one in ("low", "high", "over")} <= set(shown)
+
+
+def luminance(colour: str) -> float:
+    parts = [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
+    each = [one / 12.92 if one <= 0.04045 else ((one + 0.055) / 1.055) ** 2.4 for one in parts]
+    return 0.2126 * each[0] + 0.7152 * each[1] + 0.0722 * each[2]
+
+
+def test_grades_differ_in_gray_or_by_their_hatching() -> None:
+    looks = list(GRADES.values())
+    for one, other in itertools.combinations(looks, 2):
+        light = sorted((luminance(one.fill), luminance(other.fill)))
+        contrast = (light[1] + 0.05) / (light[0] + 0.05)
+        assert contrast > 1.3 or (one.slopes, one.dash) != (other.slopes, other.dash)
+
+
+def crowded(number: int, rows: int) -> Sketch:
+    """Links with long names beside each other, on several axes, with the share of each in words."""
+    uses = itertools.cycle([Use("low", "✓ PASS 5.12 %", (2.0, -0.05)), Use("over", "✗ FAIL 117 %", (0.0, -1.17))])
+    places = [(k % (number // rows), -(k // (number // rows))) for k in range(number)]
+    links = tuple(
+        Link("shaft", (1.6 * x, row), (1.6 * (x + 1), row), f"intermediate shaft {k}", use=replace(use, is_bad=False))
+        for (k, (x, row)), use in zip(enumerate(places), uses, strict=False)
+    )
+    discs = tuple(Disc(1.6 * x, row, 0.8, f"flange of the shaft {k}", "disc") for k, (x, row) in enumerate(places))
+    return Sketch(discs, links, ((4.0, 0.0), Use("over", "worst: FAIL 117 %", is_bad=True)), 190.0)
+
+
+def boxes(drawing: str) -> Iterable[tuple[float, float, float, float]]:
+    for group in ET.fromstring(drawing).iter(f"{SVG}g"):
+        if group.get("class") == "sketch":
+            for one in group.iter(f"{SVG}text"):
+                wide, x, y = GROWTH * width(one.text), float(one.get("x")), float(one.get("y"))
+                left = x if one.get("text-anchor") is None else x - wide / 2
+                yield left, y - 9.5, left + wide, y + 2.5
+
+
+@pytest.mark.parametrize(("number", "rows"), [(5, 1), (20, 1), (40, 1), (40, 2), (39, 3)])
+def test_words_of_a_graded_sketch_overlap_neither_each_other_nor_the_edges(number: int, rows: int) -> None:
+    drawing = svg(Drawing("s", "c", (crowded(number, rows),)))
+    found = list(boxes(drawing))
+    assert len(found) > 2 * min(number, 8)
+    for left, _, right, _ in found:
+        assert left >= -1e-6
+        assert right <= 620.0 + 1e-6
+    for one, other in itertools.combinations(found, 2):
+        assert one[0] >= other[2] or other[0] >= one[2] or one[1] >= other[3] or other[1] >= one[3]
+    kept, said = texts(drawing), [one for one in texts(drawing) if "want of room" in one]
+    fails, passes = kept.count("✗ FAIL 117 %"), kept.count("✓ PASS 5.12 %")
+    left_out = 2 * number - fails - passes - sum(one.startswith("flange") for one in kept)
+    assert (f": {left_out} component" in said[0]) if left_out else not said
+    assert fails >= min(passes, number // 2)
+
+
+def test_a_check_in_words() -> None:
+    assert use(check("outside")).grade == "not judged"
+    assert use(check(value=0.0)).words == "✓ PASS 0 %"
