@@ -7,6 +7,7 @@ from typing import Any
 
 import torsion
 from torsion.commands import solved
+from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.figures.figure import Figure
 from torsion.output.html import html
@@ -18,8 +19,9 @@ EVERY = ("haixun_06402", "usv", "cardan_bearings", "pump_1200kw", "six_cylinder"
 
 @dataclass(frozen=True)
 class Report:
-    """A report, its figures by name, and its page as a file."""
+    """What was found, its report with the figures by name, and its page as a file."""
 
+    findings: Findings
     document: Document
     file: Path
 
@@ -30,15 +32,16 @@ class Report:
     @cached_property
     def results(self) -> dict[str, Any]:
         """As in results.json."""
-        return results(self.document.findings)
+        return results(self.findings)
 
 
 def report(scene: str, folder: Path) -> Report:
     """Solved and written."""
-    made = document(solved(SCENES / f"{scene}.yaml"))
+    findings = solved(SCENES / f"{scene}.yaml")
+    made = document(findings)
     file = folder / f"{scene}.html"
     file.write_text(html(made), encoding="utf-8")
-    return Report(made, file)
+    return Report(findings, made, file)
 
 
 class Opened:

@@ -8,7 +8,8 @@ from tests.output.browser.opened import EVERY, Opened
 
 from torsion.output.blocks import Table
 from torsion.output.figure_csv import csv_of, file_name
-from torsion.output.table_files import table_text
+from torsion.output.table_text import file_name as table_file
+from torsion.output.table_text import table_text
 
 SAVED = """async ([tables, figures]) => {  // what every button saves: name and text
     const saved = [], click = HTMLAnchorElement.prototype.click, make = URL.createObjectURL;
@@ -30,7 +31,7 @@ def test_every_figure_and_table_is_saved_as_the_command_writes_it(opens: Callabl
     wanted = {file_name(one): csv_of(one) for one in page.report.figures.values() if one.plots}
     for item in page.report.document.body:
         if isinstance(item.block, Table) and item.number:
-            wanted[item.number.lower().replace(" ", "-") + ".csv"] = table_text(item, item.block)
+            wanted[table_file(item.number)] = table_text(item.number, item.block)
     assert set(saved) == set(wanted)
     thinned = {name for name, text in saved.items() if text.startswith("# long lines:")}
     assert {name for name in wanted if saved[name] != wanted[name]} == thinned

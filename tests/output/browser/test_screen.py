@@ -8,7 +8,7 @@ from tests.output.browser.opened import EVERY, Opened
 
 from torsion.output.drawing.dark import PAPER
 
-TEXTS = """() => {  // of every text that is seen: its words, colour, size and what lies behind it
+TEXTS = """() => {  // of every text that is seen: its words, colour, what lies behind it, and its box or figure
     const found = new Map();
     const behind = (one) => {
         for (let at = one; at; at = at.parentElement) {
@@ -25,7 +25,8 @@ TEXTS = """() => {  // of every text that is seen: its words, colour, size and w
         if (!node.data.trim() || unseen) continue;
         const paper = one.closest('svg')?.querySelector('.paper');
         const pair = paper ? [look.fill, getComputedStyle(paper).fill] : [look.color, behind(one)];
-        found.set(pair.join(), [node.data.trim().slice(0, 40), ...pair]);
+        const place = one.closest('figure, .box'), name = place?.id || place?.className || '';
+        found.set([name, ...pair].join(), [node.data.trim().slice(0, 40), ...pair, name]);
     }
     return [...found.values()];
 }"""
@@ -42,7 +43,7 @@ def luminance(colour: str) -> float:
 def illegible(page: Opened) -> list[Any]:
     """Texts whose contrast is too small, with it."""
     found = []
-    for words, one, other in page.page.evaluate(TEXTS):
+    for words, one, other, _ in page.page.evaluate(TEXTS):
         low, high = sorted((luminance(one), luminance(other)))
         if (high + 0.05) / (low + 0.05) < LEAST:
             found.append((words, one, other, (high + 0.05) / (low + 0.05)))
@@ -65,6 +66,8 @@ def test_every_text_stands_out_from_what_lies_behind_it(opens: Callable[..., Ope
         page.page.emulate_media(color_scheme=screen)
         assert paper(page) == behind
         assert illegible(page) == []
+        places = {place.split(" ")[0] for *_, place in page.page.evaluate(TEXTS)}
+        assert places > {"box", *(name for name in page.report.figures)}
 
 
 def test_a_button_changes_the_screen_and_back(opens: Callable[..., Opened]) -> None:

@@ -7,11 +7,12 @@ import pytest
 
 from torsion.output.drawing import dark as module
 from torsion.output.drawing.dark import PAPER, contrast, dark, rules
-from torsion.output.drawing.pens import BANDS, COLOURS, GRID, INK, ROLES, SOFT
+from torsion.output.drawing.pens import BANDS, COLOURS, GRADES, GRID, INK, ROLES, SOFT, Pattern
 from torsion.output.drawing.sketch import FILLS
 
 STANDING_OUT = sorted({*COLOURS, INK, SOFT, *(one.colour for one in ROLES.values())})
-BEHIND = sorted({GRID, *FILLS.values(), *(fill for fill, *_ in BANDS.values())})
+PLAIN = (one.fill for one in GRADES.values() if not one.slopes)
+BEHIND = sorted({GRID, *FILLS.values(), *(fill for fill, *_ in BANDS.values()), *PLAIN})
 
 
 def test_contrast_is_that_of_the_standard() -> None:
@@ -37,6 +38,13 @@ def test_what_stands_out_on_paper_stands_out_on_a_dark_screen(colour: str) -> No
 def test_what_lies_behind_leaves_ink_legible(colour: str) -> None:
     assert contrast(dark(INK), dark(colour)) >= 4.5
     assert contrast(dark(colour), PAPER) < 3.0
+
+
+@pytest.mark.parametrize("pattern", [one for one in GRADES.values() if one.slopes], ids=lambda one: one.words)
+def test_a_hatching_stands_out_from_its_area(pattern: Pattern) -> None:
+    """W3C, WCAG 2.1, 1.4.11: what is no text has a contrast of 3 at least."""
+    assert contrast(pattern.colour, pattern.fill) >= 3.0
+    assert contrast(dark(pattern.colour), dark(pattern.fill)) >= 3.0
 
 
 def test_the_rules_are_for_the_colours_that_are_used() -> None:

@@ -7,9 +7,11 @@ from functools import lru_cache
 import numpy as np
 
 from torsion.arrays import FloatArray
+from torsion.output.drawing.pens import GRADES
 
 WHITE, PAPER = "#ffffff", "#151a1f"  # on paper, on a dark screen
 BEHIND = 0.77  # lightness from which a colour is a tint or a thin line that lies behind
+AREAS = frozenset(one.fill for one in GRADES.values() if not one.slopes)  # plain: what is drawn on them is ink
 CONTRAST = 4.6  # at least, of what stands out against the dark paper
 USED = re.compile(r'(fill|stroke)="(#[0-9A-Fa-f]{6})"')
 # Björn Ottosson, "A perceptual color space for image processing" (2020): linear sRGB to cone responses to Oklab
@@ -41,7 +43,7 @@ def dark(colour: str) -> str:
     if colour == WHITE:
         return PAPER
     light, *hue = _oklab(colour).tolist()
-    if light >= BEHIND:
+    if light >= BEHIND or colour in AREAS:
         return _word(np.array([0.24 + 0.75 * (1.0 - light), *hue]))
     light = max(light, 1.15 - light)
     while contrast(found := _word(np.array([light, *hue])), PAPER) < CONTRAST:

@@ -79,6 +79,9 @@ class Page:
         if panel.stops is not None and len(panel.stops.names) <= MOST_POINTS:
             names = self._names.setdefault(panel.stops.names, len(self._names))
             found["stops"] = {"x": self.array(panel.stops.x), "y": self.array(panel.stops.y), "names": names}
+        if not panel.lines and panel.cells is None and not panel.x.places:
+            ranges = [(plain(one.label or one.name), one.low, one.high) for one in panel.bands if one.axis == "x"]
+            found.update({"ranges": ranges} if ranges else {})
         return found
 
     def _piece(self, piece: Piece) -> Any:

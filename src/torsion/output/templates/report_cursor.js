@@ -1,6 +1,10 @@
 // One cursor over all plots that share their axis: what it reads off, and the nearest critical speed.
 const unit = (axis) => axis.unit ? ` ${axis.unit}` : "";
 const texts = (plot) => {
+  if (plot.ranges) {
+    const inside = plot.ranges.filter(([, low, high]) => low <= plot.at && plot.at <= high).map(([words]) => words);
+    return inside.length ? inside : ["in none of the ranges"];
+  }
   if (!plot.stops) return plot.lines
     .filter((line) => !plot.off.has(line.name))
     .map((line) => [line.name, valueAt(line, plot.at)])
@@ -53,10 +57,11 @@ const stepped = (plot, key) => {
   if (!steps) return snapped(plot, now + jump * (high - low) / 200);
   return steps[clamp(nearest(steps, now) + (plot.at === null ? 0 : jump), 0, steps.length - 1)];
 };
-const peaks = (plot) => { // abscissas of the peaks of the line that matters most, or of the points of a diagram
+const peaks = (plot) => { // abscissas of the peaks of the line that matters most, of the points of a diagram, or critical speeds
   const shownLines = plot.lines.filter((line) => !plot.off.has(line.name) && line.x.length > 2);
   const main = shownLines.find((line) => line.name.includes("synthesis")) || shownLines[0];
-  if (!main) return plot.marks.flatMap((marks) => [...marks.x]).sort((one, other) => one - other);
+  const points = plot.ranges ? (plot.figure.critical || []).map((one) => one.x) : plot.marks.flatMap((marks) => [...marks.x]);
+  if (!main) return points.filter((x) => x === clamp(x, ...plot.x.ends)).sort((one, other) => one - other);
   const { x, y } = main;
   return [...x].filter((_, k) => k > 0 && k < x.length - 1 && y[k] > y[k - 1] && y[k] >= y[k + 1]);
 };

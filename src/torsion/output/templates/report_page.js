@@ -1,7 +1,7 @@
 // The page as a whole: its buttons, dark screen, list of keys, print, and the start.
 const KEYS = [
   ["← → ↑ ↓", "cursor to the next value that was computed, or the next station"], ["Page ↑, Page ↓", "ten values on"],
-  ["Home, End", "first, last value"], ["P, Shift P", "next peak, peak before; in a Campbell diagram the next critical speed"],
+  ["Home, End", "first, last value"], ["P, Shift P", "next peak, peak before; in a Campbell diagram or over ranges of speed the next critical speed"],
   ["+ −", "zoom about the cursor"], ["[ ]", "left, right by a quarter"], ["0", "the whole axis"],
   ["Esc", "reset: the whole axis, no cursor, every line"], ["Space", "in the plots of a mode: move, stop; in the key: line off, on"],
   ["Tab", "to the next plot, name in the key or point; arrows go from point to point"],

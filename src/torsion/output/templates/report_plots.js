@@ -96,7 +96,7 @@ const opened = (figure, svg, plot) => { // a plot of the data with what of the d
   const solved = plot.lines.find((line) => line.x.length > 2), at = (one) => Number(one.getAttribute("y"));
   const stands = (one) => Math.abs(one.getAttribute("x") - left) < 0.1 && Math.abs(at(one) - top) < 0.1;
   Object.assign(plot, {
-    figure, svg, stops, at: null, view: [0, 1], off: new Set(), isRead: plot.lines.length > 0 || Boolean(stops),
+    figure, svg, stops, at: null, view: [0, 1], off: new Set(), isRead: plot.lines.length > 0 || Boolean(stops || plot.ranges),
     link: plot.x.title || JSON.stringify(plot.x.ends),
     steps: stops ? [...new Set(stops.x)].sort((one, other) => one - other) : solved ? solved.x : null,
     inner: [...svg.querySelectorAll("svg.plot")].filter(stands),
@@ -110,7 +110,7 @@ const opened = (figure, svg, plot) => { // a plot of the data with what of the d
   });
   if (!plot.isRead) return plot;
   plot.area = make("rect", { x: left, y: top, width: wide, height: high, fill: "transparent", class: "area", tabindex: 0,
-    role: "slider", "aria-label": `cursor: ${plot.x.title || "along the train"}; ${plot.y.title}`, "aria-valuemin": plot.x.ends[0],
+    role: "slider", "aria-label": `cursor: ${[plot.x.title || "along the train", plot.y.title].filter(Boolean).join("; ")}`, "aria-valuemin": plot.x.ends[0],
     "aria-valuemax": plot.x.ends[1], "aria-valuenow": plot.x.ends[0], "aria-valuetext": "not on the plot yet" },
     svg, [...svg.querySelectorAll(".paper, .area")].at(-1).nextSibling);
   plot.cursor = make("path", { d: `M0 ${top}v${high}`, stroke: "#222222", class: "cursor", visibility: "hidden" }, svg);
