@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 Settings = TypeVar("Settings", bound=Declared)
+NORMAL = "normal"  # what the file as it stands is called among its cases
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
 
@@ -151,11 +152,28 @@ class Findings(Results):
     """Everything that a study requests."""
 
     plan: Plan
+    cases: "Mapping[str, Findings]" = field(default_factory=dict)  # of every case of the study, by name
 
     @property
     def failed(self) -> bool:
         """A limit, of a rule or of the comparison of the models, is not kept."""
         return any(getattr(found, "fails", False) for found in self.results.values())
+
+    @property
+    def is_answered(self) -> bool:
+        """There are results; a case may have none, and its plan then says why."""
+        return bool(self.results)
+
+    @property
+    def is_judged(self) -> bool:
+        """It counts for the verdict over all cases."""
+        return self.study.case is None or self.study.case.is_judged
+
+    @property
+    def each(self) -> "dict[str, Findings]":
+        """These findings and those of every case, by name; a study that has no case is `normal`."""
+        own = self.study.case.name if self.study.case is not None else NORMAL
+        return {own: self, **self.cases}
 
 
 @dataclass(frozen=True)

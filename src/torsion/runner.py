@@ -6,7 +6,7 @@ from dataclasses import replace
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import Findings, Progress, Unanswered, Work, silent
+from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import located
@@ -23,7 +23,7 @@ ANSWERS = (  # results of which one at least makes a report
 def run(
     study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
 ) -> Findings:
-    """Compute everything that the study requests, or of it `only` those analyses and what they need.
+    """Compute everything that the study requests, and its cases, or of it `only` those analyses and what they need.
 
     An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
     raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
@@ -31,6 +31,46 @@ def run(
     """
     if memory is not None:
         study = replace(study, memory=bytes_of(memory))
+    if not study.cases:
+        return _one(study, only, progress)
+    total = 1 + len(study.cases)
+    found = _one(study, only, _part_of(progress, NORMAL, (0, total)))
+    cases = {}
+    for place, (name, case) in enumerate(study.cases.items(), start=1):
+        part = _part_of(progress, name, (place, total))
+        part("", 0.0)
+        try:
+            cases[name] = _one(replace(case, memory=study.memory), only, part)
+        except (InputError, SolveError) as error:
+            cases[name] = _without_answer(case, error)
+    return replace(found, cases=cases)
+
+
+def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:
+    """The progress of one case as a share of that of all."""
+    at, total = place
+    return lambda what, share: progress(f"case {name}{': ' if what else ''}{what}", (at + share) / total)
+
+
+def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
+    """The findings of a case that has none, whose plan says why."""
+    if isinstance(error, InputError):
+        faults, text = error.faults, str(error)
+        why, remedy = (
+            "; ".join(filter(None, words)) for words in zip(*((f.message, f.hint) for f in faults), strict=True)
+        )
+    else:
+        why, remedy, text = error.message, error.hint, error.located or str(error)
+    name = case.case.name if case.case is not None else ""
+    one = Unanswered(
+        "", f"case '{name}'", why.removeprefix(f"case '{name}': "), remedy, None, True, isinstance(error, InputError),
+        text,
+    )  # fmt: skip
+    return Findings(case, {}, Plan((), ((one.what, one.words),), {}, (one,)))
+
+
+def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
+    """The findings of a study, without its cases."""
     work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judgement)
     errors = []
     try:

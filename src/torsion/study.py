@@ -129,6 +129,39 @@ class ShaftModel(Declared):
 
 
 @dataclass(frozen=True)
+class Change:
+    """One thing that a case changes, in words: what, its value without the case, and with it."""
+
+    what: str
+    before: str
+    after: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """What makes a study the case of another one."""
+
+    name: str
+    changes: tuple[Change, ...]
+    is_judged: bool = True  # it counts for the verdict over all cases
+    source: Any = field(default=None, repr=False, compare=False)  # the values of the file, changed, with their places
+
+    @property
+    def folder(self) -> str:
+        """The folder of its report, in that of the others."""
+        return case_folder(self.name)
+
+
+def case_folder(name: str) -> str:
+    """The name of a case as that of a folder.
+
+    >>> case_folder("zero pitch, 50 %")
+    'zero-pitch-50'
+    """
+    return re.sub(r"[^\w+]+", "-", name).strip("-") or "case"
+
+
+@dataclass(frozen=True)
 class Study:
     """A scene: everything that a file says."""
 
@@ -143,6 +176,8 @@ class Study:
     file: str = ""
     text: str = ""  # the file as read
     memory: float = MEMORY  # bytes that a response may need
+    case: Case | None = None  # which one of another study it is
+    cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
 
     @property
     def has_supports(self) -> bool:

@@ -48,6 +48,10 @@ class Column:
     short: str = ""  # its title on the terminal; '' where it is left out there
 
 
+class Link(str):
+    """The text of a cell that names a file beside the report; on a page it leads there."""
+
+
 @dataclass(frozen=True)
 class Table:
     """A table of texts; `marks` says of every row how it stands out ('' is plain)."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from torsion.output.blocks import Heading
+from torsion.output.blocks import Heading, Link
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.live import Page
 from torsion.output.drawing.svg import framed
@@ -24,7 +24,9 @@ def html(document: Document) -> str:
         loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True,
     )  # fmt: skip
-    environment.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word)
+    environment.filters.update(
+        words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word, linked=linked
+    )
     live = Page()
     environment.filters.update(drawn=partial(_figure, live), kind=lambda block: type(block).__name__)
     style, script = (
@@ -48,6 +50,11 @@ def _figure(live: Page, figure: Figure) -> Markup:
 def words(text: str) -> Markup:
     """Text escaped, with its subscripts."""
     return Markup(SUBSCRIPT.sub(r"<sub>\1</sub>", str(escape(text))))
+
+
+def linked(text: str) -> Markup:
+    """A cell of a table, which may name a file."""
+    return Markup('<a href="{0}">{0}</a>').format(text) if isinstance(text, Link) else escape(text)
 
 
 def css_text(text: str) -> Markup:

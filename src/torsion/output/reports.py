@@ -25,8 +25,9 @@ REPORTS = {
     "solve": Report(
         "Torsional vibration calculation",
         (
-            "verdict", "plant", "data_sheets", "mass_elastic", "@modes", "twisted_train", "@critical", "excitations",
-            "damping_given", "@*", "verdict:closing", "provenance:steps", "verdict:remarks", "provenance:input_file",
+            "case_comparison", "verdict", "plant", "data_sheets", "mass_elastic", "@modes", "twisted_train",
+            "@critical", "excitations", "damping_given", "@*", "verdict:closing", "provenance:steps",
+            "verdict:remarks", "provenance:input_file",
         ),
         "report", {"json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip"},
         on_request={"twisted_train": "vtu"},

@@ -120,6 +120,7 @@ def _joined(brackets: str, parts: Iterable[Iterable[str]]) -> Iterator[str]:
 
 
 FORMAT = 1
+OF_ALL_CASES = ("format", "program", "legend", "cases")  # keys that no case has of its own
 HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has
 LEGEND = {
     "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
@@ -158,6 +159,11 @@ FIXED = (
     Key("legend", "", (), "conventions in words"),
 )
 
+CASES = Key(
+    "cases", "", (), "of every case by its name all keys of this list but these; a case without an answer has `plan` "
+    "alone, which says why; {} where the file states no case",
+)  # fmt: skip
+
 
 def results(findings: Findings) -> dict[str, Any]:
     """Everything that was found, in nested lists; what was not requested is null or an empty list."""
@@ -193,7 +199,16 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
     }
     found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
     found["plan"] = lambda: plain(findings.plan, chosen)
+    found["cases"] = lambda: {name: _of_case(one) for name, one in findings.cases.items()}
     return {key: make for key, make in found.items() if not only or key in (*HEAD, *only)}
+
+
+def _of_case(findings: Findings) -> dict[str, Any]:
+    """Every key of a case; of one without an answer its plan alone, which says why."""
+    if not findings.is_answered:
+        no_train: Any = None  # a plan runs over none
+        return {"plan": plain(findings.plan, Selection(no_train))}
+    return {key: make() for key, make in _made(findings).items() if key not in OF_ALL_CASES}
 
 
 def documented() -> tuple[Key, ...]:
@@ -201,7 +216,7 @@ def documented() -> tuple[Key, ...]:
     found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
     every = head | found | {"checks": Checks, "plan": Plan}
-    return (*FIXED, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
+    return (*FIXED, CASES, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
 
 
 def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:

@@ -39,21 +39,23 @@ def show(document: Document, folder: Path | None = None, console: Console | None
 
 
 def screen(document: Document) -> list[RenderableType]:
-    """Everything that is printed; the verdict last, where the eye is."""
+    """Everything that is printed; the verdict last, where the eye is: of several chapters at the end the first."""
     first: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
-    last, words = list[RenderableType](), list[RenderableType]()  # of the verdict: its tables, then its sentences
+    ends = list[tuple[list[RenderableType], list[RenderableType]]]()  # of a verdict: its tables, then its sentences
     chapter = said = first
     for block in (item.block for item in document.body):
         match block:
             case Heading(level=1, at_end=at_end):
-                chapter, said = (last, words) if at_end else (first, first)
+                if at_end:
+                    ends.append(([], []))
+                chapter, said = ends[-1] if at_end else (first, first)
             case Table(short=title) if title and block.rows:
                 chapter.append(_in_short(block))
             case Paragraph(text=text, kind=kind, brief=True):
                 said.append(Text(_plain(text), style=COLOURS.get(kind, "")))
             case Points(items=items, brief=True):
                 said.append(Text("\n".join(f"- {_plain(item)}" for item in items)))
-    return [*first, *last, *words]
+    return [*first, *(one for tables, words in reversed(ends) for one in (*tables, *words))]
 
 
 def _in_short(table: Table) -> Grid:

@@ -20,16 +20,25 @@ def write(
 ) -> Document:  # fmt: skip
     """Write every file of a report into the folder, `also` those of outputs on request; the report.
 
+    That of every case with an answer goes into a folder of its own there.
+
     Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    write_texts(files(made, also), folder)
+    contents = files(made, also)
+    for found in findings.cases.values():
+        if found.is_answered and found.study.case is not None:
+            own = files(document(found, today or date.today(), also, REPORTS[report]), also)
+            contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
+    write_texts(contents, folder)
     return made
 
 
 def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Path]:
     """Write contents under their names into the folder, all or none; raises OSError where it cannot be written.
+
+    A name may begin with a folder: `warm/report.html`.
 
     Every file is finished in a temporary folder inside the target before the first is put in its place.
     """
@@ -39,9 +48,11 @@ def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Pat
     try:
         workshop.mkdir(mode=0o700)
         finished = [path for name, content in contents.items() for path in _finished(workshop / name, content)]
-        placed = [Path(shutil.move(path, target / path.name)) for path in finished]
-        if not any(path.name == SERIES for path in placed):
-            (target / SERIES).unlink(missing_ok=True)  # of an earlier report
+        for folder_of in (folders := {(target / name).parent for name in contents}):
+            folder_of.mkdir(exist_ok=True)
+        placed = [Path(shutil.move(path, target / path.relative_to(workshop))) for path in finished]
+        for one in folders - {path.parent for path in placed if path.name == SERIES}:
+            (one / SERIES).unlink(missing_ok=True)  # of an earlier report
         return placed
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
@@ -49,6 +60,7 @@ def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Pat
 
 def _finished(path: Path, content: Content) -> list[Path]:
     """The files of a content, after all of them are on the disk."""
+    path.parent.mkdir(exist_ok=True)
     if callable(content):
         made = content(path)
     else:

@@ -20,6 +20,7 @@ from torsion.fields import Declared, given, required, shown
 from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
+from torsion.schema.cases import located_in_case, with_cases
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.missing_marks import without_mark
@@ -52,22 +53,25 @@ class Scene(Declared):
     excitations: Any = given("torques beyond those that components bring")
     analyses: Any = given("what is computed (default: modes, and response when something excites)")
     rules: Any = given("the rules that are checked")
+    cases: Any = given("variants of this file, solved beside it")
 
 
 def read(path: str | FilePath) -> Study:
     """The study that a file describes; raises InputError with every fault in it."""
-    return _study(read_source(path))
+    return with_cases(read_source(path), _study)
 
 
 def parse(text: str, name: str = "train.yaml") -> Study:
     """The study that a text describes; `name` is the file name in messages. Raises InputError."""
-    return _study(parse_source(text, name))
+    return with_cases(parse_source(text, name), _study)
 
 
 def located(error: InputError, study: Study) -> InputError:
     """The same faults with the places in the study's file and the lines quoted; for what is found after reading."""
     if not study.text or all(fault.line for fault in error.faults):
         return error
+    if study.case is not None:
+        return located_in_case(error, study.case)
     return input_error(list(error.faults), parse_source(study.text, study.file))
 
 

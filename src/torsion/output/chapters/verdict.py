@@ -38,7 +38,7 @@ MOST_LISTED = 8  # orders to be measured, ranges of speed without a reliable val
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """The verdict comes first in every report."""
-    yield Heading("Verdict", at_end=True)
+    yield Heading("Verdict of the case normal" if findings.cases else "Verdict", at_end=True)
     yield from on_terminal(conclusion(findings))
     yield from barred_ranges(findings)
     checks = sorted(findings.need(Checks).lines, key=_rank)

@@ -1,0 +1,291 @@
+"""Chapters: all cases of a file side by side, their checks, frequencies and curves; and what one case changes."""
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Column, Heading, Link, Paragraph, Table, on_terminal, table, texts
+from torsion.output.chapters.component_loads import stress_curves
+from torsion.output.figures import case_curves
+from torsion.output.figures.figure import Figure
+from torsion.output.numbers import NONE, RPM, counted, given, number, order, rpm, symbols
+from torsion.output.reported_values import barred_rpm, responds, synthesis
+from torsion.output.selection import elements, highest, torques
+from torsion.rules.verdict_line import Check, Checks
+from torsion.study import Change
+
+MOST_COLUMNS = 4  # cases beside each other in one table
+MOST_MODES = 8
+RANK = {"fail": 0, "not kept": 1, "outside": 2, "pass": 3}  # from the worst
+NO_ANSWER = "no answer"
+Cases = Mapping[str, Findings]
+Loads = dict[str, dict[str, case_curves.Curve]]  # by component, by case
+Key = tuple[str, str, str, str, int]  # rule, clause, component, what, which of several
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """The first of a file with cases; of one case what it changes; nothing of a file without."""
+    if findings.study.case is not None:
+        yield from _one(findings)
+    if findings.cases:
+        yield Heading("Cases side by side", at_end=True)
+        yield from _all(findings.each)
+
+
+def _one(findings: Findings) -> Iterator[Block]:
+    """What a case changes of the file."""
+    case = findings.study.case
+    if case is not None:
+        yield Heading("What this case changes")
+        if not case.is_judged:
+            yield Paragraph("The file has this case for information: it is no part of its verdict.", "note", brief=True)
+        rows = [(one.what, one.before, one.after) for one in case.changes]
+        yield table("< What | < In the file | < In this case", rows, "Changes of the input file that make this case")
+
+
+def _all(cases: Cases) -> Iterator[Block]:
+    yield from on_terminal(_conclusion(cases))
+    yield _overview(cases)
+    yield from _checks(cases)
+    yield from _barred(cases)
+    yield from _frequencies(cases)
+    yield from _loads(cases)
+    changes = [(name, one.what, one.before, one.after) for name, f in cases.items() for one in _changes(f)]
+    titles = "< Case | < What | < In the file | < In this case"
+    yield table(titles, changes, "What the cases change of the input file")
+    normal = next(iter(cases))
+    yield Paragraph(
+        f"What follows is the case {normal}, the file as it stands. Each other case has a report of its own."
+    )
+
+
+def _changes(findings: Findings) -> tuple[Change, ...]:
+    return () if findings.study.case is None else findings.study.case.changes
+
+
+def _lines(findings: Findings) -> tuple[Check, ...]:
+    return findings.need(Checks).lines if findings.is_answered else ()
+
+
+def verdict(findings: Findings) -> str:
+    """The worst verdict of a case: fail, not kept, outside, pass, no answer, or empty where nothing judged."""
+    if not findings.is_answered or any(one.is_named for one in findings.plan.unanswered):
+        return NO_ANSWER
+    return min((check.verdict for check in _lines(findings)), key=RANK.__getitem__, default="")
+
+
+def _conclusion(cases: Cases) -> Iterator[Block]:
+    """The verdict over all cases that are judged."""
+    judged = {name: verdict(one) for name, one in cases.items() if one.is_judged}
+    bad = [name for name, one in judged.items() if one in ("fail", "not kept")]
+    none = [name for name, one in judged.items() if one == NO_ANSWER]
+    number_of = counted(len(judged), "case")
+    if bad or none:
+        words = [f"the train does not satisfy what is judged in {', '.join(bad)}"] if bad else []
+        words += [f"there is no answer to {', '.join(none)}"] if none else []
+        text = f"Of {number_of} judged, {' and '.join(words)}."
+        yield Paragraph(text, "fail")
+    elif not any(judged.values()):
+        yield Paragraph(f"No rule judges any of {number_of}: the report gives results without a verdict.", "note")
+    elif all(one == "pass" for one in judged.values()):
+        restricted = ", with the restrictions of speed below" if any(map(_restricts, cases.values())) else ""
+        yield Paragraph(f"Every check of every case passed ({number_of} judged){restricted}.", "pass")
+    else:
+        unjudged = ", ".join(name for name, one in judged.items() if not one)
+        more = f"; nothing judges {unjudged}" if unjudged else ""
+        yield Paragraph(f"No check of {number_of} judged failed, but not all are within the range of a rule{more}.",
+                        "note")  # fmt: skip
+    if left := [name for name, one in cases.items() if not one.is_judged]:
+        yield Paragraph(f"For information, no part of this verdict: {', '.join(left)}.", "note")
+
+
+def _restricts(findings: Findings) -> bool:
+    return findings.is_answered and bool(barred_rpm(findings))
+
+
+def _overview(cases: Cases) -> Table:
+    """One row a case."""
+    rows, marks = list[tuple[object, ...]](), list[str]()
+    for name, found in cases.items():
+        lines, word = _lines(found), verdict(found)
+        used = [check for check in lines if check.utilisation is not None]
+        most = max(used, key=lambda check: check.utilisation or 0.0, default=None)
+        failing = sum(check.fails for check in lines)
+        text = word.upper() or "not judged"
+        case = found.study.case
+        file = Link(f"{case.folder}/report.html") if case is not None and found.is_answered else NONE
+        rows.append((
+            name, file, len(lines), failing,
+            NONE if most is None else number(100.0 * (most.utilisation or 0.0), 4),
+            NONE if most is None else f"{most.where}: {symbols(most.clause)}",
+            text if found.is_judged else f"{text} (information)",
+        ))  # fmt: skip
+        marks.append(("fail" if word == NO_ANSWER else word) if found.is_judged else "")
+    return table(
+        "< Case -> | < Report | Checks | Not passed -> not passed | Highest utilisation [%] -> highest use, % | "
+        "< Of -> | < Verdict ->",
+        rows, "The cases: checks, those whose limit is not kept, and the highest utilisation of a limit", marks=marks,
+        short="Cases",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Row:
+    """One check in every case that has it."""
+
+    key: Key
+    each: Mapping[str, Check]  # by name of the case
+    worst: str  # name of the case
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """Its place among the rows: the worst first."""
+        return _rank(self.each[self.worst])
+
+
+def side_by_side(cases: Cases) -> list[Row]:
+    """Every check of every case, those that fail first, then by utilisation; the worst is one that is judged."""
+    found: dict[Key, dict[str, Check]] = {}
+    for name, findings in cases.items():
+        seen = Counter[tuple[str, ...]]()
+        for check in _lines(findings):
+            plain = (check.rule, check.clause, check.where, check.what)
+            found.setdefault((*plain, seen[plain]), {})[name] = check
+            seen[plain] += 1
+    rows = []
+    for key, each in found.items():
+        judged = [name for name in each if cases[name].is_judged] or list(each)
+        rows.append(Row(key, each, min(judged, key=lambda name: _rank(each[name]))))
+    return sorted(rows, key=lambda row: row.rank)
+
+
+def _rank(check: Check) -> tuple[int, float]:
+    used = check.utilisation
+    return RANK[check.verdict], math.inf if used is None else -used
+
+
+def _checks(cases: Cases) -> Iterator[Table]:
+    """Rows are checks, columns cases, the last the worst case; of many cases several tables."""
+    rows = side_by_side(cases)
+    if not rows:
+        return
+    names = list(cases)
+    for first in range(0, len(names), MOST_COLUMNS):
+        shown = names[first : first + MOST_COLUMNS]
+        columns = [texts("Check"), texts("Component"), texts("Clause"), texts("Limit"), *map(texts, shown),
+                   texts("Worst case")]  # fmt: skip
+        part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}" if len(names) > MOST_COLUMNS else ""
+        yield table(
+            tuple(columns), [_cells(row, shown) for row in rows],
+            "Checks side by side, each at its worst point: value, at which speed of the reference, and in brackets the "
+            f"order that contributes most; where the limit differs by case, value / limit{part}",
+            marks=[row.each[row.worst].verdict for row in rows],
+        )  # fmt: skip
+
+
+def _cells(row: Row, shown: Sequence[str]) -> tuple[str, ...]:
+    first = next(iter(row.each.values()))
+    limits = {_limit(check) for check in row.each.values()}
+    unit = symbols(first.unit)
+    limit = f"{limits.pop()} {unit}".strip() if len(limits) == 1 else f"by case {unit and f'[{unit}]'}".strip()
+    each = [_cell(row.each[name], with_limit=limit.startswith("by case")) if name in row.each else NONE
+            for name in shown]  # fmt: skip
+    most = row.each[row.worst].verdict
+    return (f"{first.what} ({first.rule})", first.where, symbols(first.clause), limit, *each,
+            f"{row.worst}: {most.upper()}")  # fmt: skip
+
+
+def _limit(check: Check) -> str:
+    return "none" if math.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit)
+
+
+def _cell(check: Check, *, with_limit: bool) -> str:
+    """The worst value of a check, where it stands, and its verdict where that is no pass."""
+    nothing = NO_ANSWER if check.clause == "stability" else "no finite value"
+    text = nothing if math.isinf(check.value) else number(check.value)
+    text += f" / {_limit(check)}" if with_limit else ""
+    text += "" if check.speed is None else f" at {rpm(check.speed)} rpm"
+    text += "" if check.order is None else f" ({order(Fraction(check.order))})"
+    return text if check.verdict == "pass" else f"{text} {check.verdict.upper()}"
+
+
+def _barred(cases: Cases) -> Iterator[Table]:
+    """The barred ranges of every case; nothing where there is none."""
+    rows = [
+        (name, rpm(low / RPM), rpm(high / RPM))
+        for name, found in cases.items()
+        for low, high in (barred_rpm(found) if found.is_answered else ())
+    ]
+    if rows:
+        titles = "< Case -> | From [rpm] -> from rpm | To [rpm] -> to rpm"
+        caption = "Ranges barred for continuous operation in the cases"
+        yield table(titles, rows, caption, short="Barred ranges of the cases")
+
+
+def _frequencies(cases: Cases) -> Iterator[Block]:
+    """Natural frequencies of every case, one row each, and over the cases."""
+    found = {name: one.need(Modes).frequency for name, one in cases.items() if one.get(Modes) is not None}
+    count = min(max((len(one) for one in found.values()), default=0), MOST_MODES)
+    if not count:
+        return
+    columns = (texts("Case"), *(Column(f"Mode {k + 1}", "Hz") for k in range(count)))
+    rows = [(name, *_padded([number(f, 7) for f in one.tolist()], count)) for name, one in found.items()]
+    yield table(columns, rows, "Natural frequencies of the cases")
+    if len(found) > 1:
+        values = np.full((len(found), count), np.nan)
+        for row, one in zip(values, found.values(), strict=True):
+            row[: min(count, len(one))] = one[:count]
+        yield case_curves.frequencies("case-frequencies", "Natural frequencies of the cases", list(found), values)
+
+
+def _padded(cells: list[str], count: int) -> list[str]:
+    return (cells + [NONE] * count)[:count]
+
+
+def _loads(cases: Cases) -> Iterator[Figure]:
+    """The most stressed shaft, and the coupling nearest to its rating, else the largest torque, in every case."""
+    answered = {name: one for name, one in cases.items() if one.is_answered and responds(one)}
+    stresses: Loads = {}
+    for name, found in answered.items():
+        for bar in found.study.train.bars:
+            curve = stress_curves(found, bar)
+            stresses.setdefault(bar.name, {})[name] = (curve.speed * RPM, curve.stress)
+    if stresses:
+        most = _largest(stresses)
+        caption = f"Vibratory shear stress of {most} in the cases (half range of the synthesis)"
+        yield case_curves.curves("case-stress", caption, stresses[most], "shear stress amplitude", "N/mm²")
+    rated, loads = _torques(answered)
+    if rated or (loads and not stresses):
+        most = _largest(rated or loads)
+        unit = torques(values for _, values in loads[most].values())
+        drawn = {name: (speed, values * unit.factor) for name, (speed, values) in loads[most].items()}
+        caption = f"Vibratory torque in {most} in the cases (half range of the synthesis)"
+        yield case_curves.curves("case-torque", caption, drawn, "torque amplitude", unit.unit)
+
+
+def _torques(answered: Cases) -> tuple[Loads, Loads]:
+    """Over rpm: of couplings with a rating the torque as a share of it; of every element but shafts that in N m."""
+    rated: Loads = {}
+    loads: Loads = {}
+    for name, found in answered.items():
+        speed = found.need(Response).speed * RPM
+        for element in elements(found.system):
+            ratings = found.study.train.parts[element.part].ratings
+            values = synthesis(found, element.spans)
+            if element.kind != "shaft":
+                loads.setdefault(element.name, {})[name] = (speed, values)
+            if ratings is not None and ratings.vibratory_torque:
+                rated.setdefault(element.name, {})[name] = (speed, values / ratings.vibratory_torque)
+    return rated, loads
+
+
+def _largest(loads: Loads) -> str:
+    """The name whose curves reach highest."""
+    return max(loads, key=lambda name: max(highest(values) for _, values in loads[name].values()))

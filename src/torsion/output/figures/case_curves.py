@@ -1,0 +1,31 @@
+"""The same quantity in all cases of a file: one line a case over the speed, and frequencies over the cases."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.output.figures.figure import Axis, Figure, Line, Panel
+from torsion.output.figures.ranges import MAIN, MOST_LINES, SPEED, amplitudes, span
+
+Curve = tuple[FloatArray, FloatArray]  # (points,) rpm, (points,) values; NaN where there is no answer
+
+
+def curves(name: str, caption: str, drawn: Mapping[str, Curve], quantity: str, unit: str) -> Figure:
+    """One line a case, the first heavier; of many cases it and those that reach highest."""
+    first, *others = drawn
+    others = sorted(others, key=lambda key: -float(np.nanmax(np.append(drawn[key][1], 0.0))))[: MOST_LINES - 1]
+    chosen = [key for key in drawn if key == first or key in others]
+    lines = tuple(Line(key, *drawn[key], pen, weight=MAIN if key == first else 1.0) for pen, key in enumerate(chosen))
+    x = span(SPEED, np.concatenate([line.x for line in lines]))
+    return Figure(name, caption, (Panel(x, amplitudes(quantity, unit, [line.y for line in lines]), lines),))
+
+
+def frequencies(name: str, caption: str, cases: Sequence[str], values: FloatArray) -> Figure:
+    """values: (cases, modes) Hz, NaN where a case has fewer modes."""
+    at = np.arange(len(cases), dtype=float)
+    lines = tuple(
+        Line(f"mode {mode + 1}", at, column, mode, symbol="dot") for mode, column in enumerate(values.T[:MOST_LINES])
+    )
+    x = Axis("case", low=-0.5, high=len(cases) - 0.5, places=tuple(zip(at.tolist(), cases, strict=True)))
+    return Figure(name, caption, (Panel(x, amplitudes("natural frequency", "Hz", [values]), lines),))
