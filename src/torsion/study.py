@@ -144,6 +144,7 @@ class Case:
     name: str
     changes: tuple[Change, ...]
     is_judged: bool = True  # it counts for the verdict over all cases
+    is_corner: bool = False  # its couplings are at an end of their tolerances
     source: Any = field(default=None, repr=False, compare=False)  # the values of the file, changed, with their places
 
     @property
@@ -183,6 +184,11 @@ class Study:
     def has_supports(self) -> bool:
         """A shaft has a `support`: its bending is computed."""
         return any(self.train.shaft(bar).support for bar in self.train.bars)
+
+    @property
+    def varies_tolerances(self) -> bool:
+        """It, or a case of it, has the couplings at an end of their tolerances."""
+        return any(one.case is not None and one.case.is_corner for one in (self, *self.cases.values()))
 
     @property
     def has_joints(self) -> bool:

@@ -37,11 +37,11 @@ OUTPUTS = {
 }
 
 
-def files(document: Document, also: Collection[str] = ()) -> dict[str, Content]:
-    """Name and content of every file of a report, `also` of the outputs that are written on request."""
+def files(document: Document, also: Collection[str] = (), without: Collection[str] = ()) -> dict[str, Content]:
+    """Name and content of every file of a report, `also` of the outputs on request and not of those `without`."""
     found = {}
     for name, output in OUTPUTS.items():
-        if output.suffix and (not output.on_request or name in also):
+        if output.suffix and name not in without and (not output.on_request or name in also):
             content = output(document)
             if content is not None:
                 found[document.report.files.get(name, document.report.stem + output.suffix)] = content

@@ -7,6 +7,7 @@ and ratios are texts "a/b".
 import json
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
+MOST_OF_A_CASE = 2_000  # the same in `cases`, so that many of them do not make a file of many times the size
 BLOCK = 10_000  # numbers turned into text at once
 
 
@@ -68,16 +70,19 @@ def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = M
 
     Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name.
     """
-    beside = file.with_name(SERIES)
+    beside, opened = file.with_name(SERIES), ExitStack()
+    archive: list[zipfile.ZipFile] = []  # made with the first array that stands in it
 
     def stored(name: str, array: NDArray[Any]) -> Any:
-        if array.size <= most:
+        if array.size <= (min(most, MOST_OF_A_CASE) if name.startswith("cases.") else most):
             return array
-        with zipfile.ZipFile(beside, "a") as archive, archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+        if not archive:
+            archive.append(opened.enter_context(zipfile.ZipFile(beside, "w")))
+        with archive[0].open(f"{name}.npy", "w", force_zip64=True) as member:
             np.lib.format.write_array(member, array, allow_pickle=False)
         return {"file": SERIES, "array": name, "shape": list(array.shape)}
 
-    with file.open("w", encoding="utf-8", newline="\n") as target:
+    with opened, file.open("w", encoding="utf-8", newline="\n") as target:
         target.writelines(lines((key, replaced(make(), stored, key)) for key, make in parts.items()))
     return [file, beside] if beside.exists() else [file]
 
@@ -131,8 +136,9 @@ LEGEND = {
     "status": "ok, near-singular or singular: how far a line can be trusted; where not ok, amplitudes are null",
     "long_shafts": f"of a shaft of more than {MOST_GROUPS} segments groups are reported, as `name [first..last]`: "
     "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
-    "series": f"an array of more than {MOST_NUMBERS} numbers stands in {SERIES} beside this file, and here instead "
-    "{file, array, shape}: the file, the name of the array in it and its shape; null is NaN there, words are texts",
+    "series": f"an array of more than {MOST_NUMBERS} numbers, in `cases` of {MOST_OF_A_CASE}, stands in {SERIES} "
+    "beside this file, and here instead {file, array, shape}: the file, the name of the array in it and its shape; "
+    "null is NaN there, words are texts",
     "null": "no value, not a number, or infinite (a fixed station's inertia)",
 }
 POSITIONS = {

@@ -20,7 +20,7 @@ def write(
 ) -> Document:  # fmt: skip
     """Write every file of a report into the folder, `also` those of outputs on request; the report.
 
-    That of every case with an answer goes into a folder of its own there.
+    That of every case with an answer goes into a folder of its own there, without its results, which stand among all.
 
     Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
     """
@@ -29,7 +29,7 @@ def write(
     contents = files(made, also)
     for found in findings.cases.values():
         if found.is_answered and found.study.case is not None:
-            own = files(document(found, today or date.today(), also, REPORTS[report]), also)
+            own = files(document(found, today or date.today(), also, REPORTS[report]), also, without=("json",))
             contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
     write_texts(contents, folder)
     return made

@@ -162,7 +162,8 @@ def _case(one: _Requested, base: Study, study: Study, source: Source, read: Read
             overlay.faults += error.faults
         else:
             changes = _together((*(base.case.changes if base.case else ()), *overlay.changes))
-            case = Case(one.name, changes, one.keys.judged, changed)
+            is_corner = bool(one.corner) or (base.case is not None and base.case.is_corner)
+            case = Case(one.name, changes, one.keys.judged, is_corner, changed)
             if _effect(found) != _effect(base):
                 return replace(found, name=f"{study.name}, case {one.name}", case=case)
             hint = "names, notes, sources and figures that nothing reads have no effect"

@@ -10,6 +10,7 @@ from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.components import KINDS, component
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
+from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.manual import EXAMPLES, declarations
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.yaml_source import parse_source
@@ -51,6 +52,8 @@ def json_schema() -> Schema:
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
+    keys_of_case = shared["$defs"]["CaseKeys"]["properties"]
+    keys_of_case["rules"] |= {key: schema["properties"]["rules"][key] for key in ("type", "items")}
     train = _list_of(_one_of({kind: _kind(kind, refs[kind]) for kind in KINDS}))
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
     schema["$defs"] = {"train": {"description": "components in a row", **train}, **parts}
@@ -89,7 +92,15 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "excitations": _list_of(refs["excitation"]),
         "analyses": _mapping({"model": {"enum": list(MODELS), "description": model}, **settings}),
         "rules": _list_of(rule),
+        "cases": _cases(refs["case"]),
     }
+
+
+def _cases(case: Schema) -> Schema:
+    """Cases by name, and those of the tolerances."""
+    meaning = "soft and stiff: all couplings at either end of their tolerance"
+    corners = {FROM: {"const": TOLERANCES, "description": meaning}}
+    return {"type": "object", "properties": corners, "additionalProperties": case, "minProperties": 1}
 
 
 def _mapping(properties: Schema) -> Schema:

@@ -4,7 +4,6 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 
@@ -12,19 +11,18 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Heading, Link, Paragraph, Table, on_terminal, table, texts
-from torsion.output.chapters.component_loads import stress_curves
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import NONE, RPM, counted, given, number, order, rpm, symbols
+from torsion.output.numbers import NONE, RPM, counted, exact, given, number, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
-from torsion.rules.verdict_line import Check, Checks
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 from torsion.study import Change
 
 MOST_COLUMNS = 4  # cases beside each other in one table
 MOST_MODES = 8
 RANK = {"fail": 0, "not kept": 1, "outside": 2, "pass": 3}  # from the worst
-NO_ANSWER = "no answer"
+NO_ANSWER, BY_CASE = "no answer", "by case"
 Cases = Mapping[str, Findings]
 Loads = dict[str, dict[str, case_curves.Curve]]  # by component, by case
 Key = tuple[str, str, str, str, int]  # rule, clause, component, what, which of several
@@ -84,26 +82,34 @@ def verdict(findings: Findings) -> str:
 def _conclusion(cases: Cases) -> Iterator[Block]:
     """The verdict over all cases that are judged."""
     judged = {name: verdict(one) for name, one in cases.items() if one.is_judged}
+    doubt = _to_be_verified(cases)
     bad = [name for name, one in judged.items() if one in ("fail", "not kept")]
     none = [name for name, one in judged.items() if one == NO_ANSWER]
     number_of = counted(len(judged), "case")
     if bad or none:
         words = [f"the train does not satisfy what is judged in {', '.join(bad)}"] if bad else []
         words += [f"there is no answer to {', '.join(none)}"] if none else []
-        text = f"Of {number_of} judged, {' and '.join(words)}."
+        text = f"Of {number_of} judged, {' and '.join(words)}.{doubt}"
         yield Paragraph(text, "fail")
     elif not any(judged.values()):
         yield Paragraph(f"No rule judges any of {number_of}: the report gives results without a verdict.", "note")
     elif all(one == "pass" for one in judged.values()):
         restricted = ", with the restrictions of speed below" if any(map(_restricts, cases.values())) else ""
-        yield Paragraph(f"Every check of every case passed ({number_of} judged){restricted}.", "pass")
+        yield Paragraph(f"Every check of every case passed ({number_of} judged){restricted}.{doubt}", "pass")
     else:
         unjudged = ", ".join(name for name, one in judged.items() if not one)
         more = f"; nothing judges {unjudged}" if unjudged else ""
-        yield Paragraph(f"No check of {number_of} judged failed, but not all are within the range of a rule{more}.",
-                        "note")  # fmt: skip
+        text = f"No check of {number_of} judged failed, but not all are within the range of a rule{more}.{doubt}"
+        yield Paragraph(text, "note")
     if left := [name for name, one in cases.items() if not one.is_judged]:
         yield Paragraph(f"For information, no part of this verdict: {', '.join(left)}.", "note")
+
+
+def _to_be_verified(cases: Cases) -> str:
+    """How many limits are, as a sentence; empty where none is."""
+    rows = [row for row in side_by_side(cases) if row.each[row.worst].standing == TO_BE_VERIFIED]
+    are = "limit is" if len(rows) == 1 else "limits are"
+    return f" {len(rows)} {are} to be verified against the edition in force." if rows else ""
 
 
 def _restricts(findings: Findings) -> bool:
@@ -179,8 +185,7 @@ def _checks(cases: Cases) -> Iterator[Table]:
     names = list(cases)
     for first in range(0, len(names), MOST_COLUMNS):
         shown = names[first : first + MOST_COLUMNS]
-        columns = [texts("Check"), texts("Component"), texts("Clause"), texts("Limit"), *map(texts, shown),
-                   texts("Worst case")]  # fmt: skip
+        columns = map(texts, ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case"))
         part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}" if len(names) > MOST_COLUMNS else ""
         yield table(
             tuple(columns), [_cells(row, shown) for row in rows],
@@ -193,12 +198,11 @@ def _checks(cases: Cases) -> Iterator[Table]:
 def _cells(row: Row, shown: Sequence[str]) -> tuple[str, ...]:
     first = next(iter(row.each.values()))
     limits = {_limit(check) for check in row.each.values()}
-    unit = symbols(first.unit)
-    limit = f"{limits.pop()} {unit}".strip() if len(limits) == 1 else f"by case {unit and f'[{unit}]'}".strip()
-    each = [_cell(row.each[name], with_limit=limit.startswith("by case")) if name in row.each else NONE
+    limit = limits.pop() if len(limits) == 1 else BY_CASE
+    each = [_cell(row.each[name], with_limit=limit == BY_CASE) if name in row.each else NONE
             for name in shown]  # fmt: skip
     most = row.each[row.worst].verdict
-    return (f"{first.what} ({first.rule})", first.where, symbols(first.clause), limit, *each,
+    return (f"{first.what} ({first.rule})", first.where, symbols(first.clause), limit, symbols(first.unit), *each,
             f"{row.worst}: {most.upper()}")  # fmt: skip
 
 
@@ -212,7 +216,7 @@ def _cell(check: Check, *, with_limit: bool) -> str:
     text = nothing if math.isinf(check.value) else number(check.value)
     text += f" / {_limit(check)}" if with_limit else ""
     text += "" if check.speed is None else f" at {rpm(check.speed)} rpm"
-    text += "" if check.order is None else f" ({order(Fraction(check.order))})"
+    text += "" if check.order is None else f" ({exact(check.order)})"
     return text if check.verdict == "pass" else f"{text} {check.verdict.upper()}"
 
 
@@ -251,6 +255,8 @@ def _padded(cells: list[str], count: int) -> list[str]:
 
 def _loads(cases: Cases) -> Iterator[Figure]:
     """The most stressed shaft, and the coupling nearest to its rating, else the largest torque, in every case."""
+    from torsion.output.chapters.component_loads import stress_curves
+
     answered = {name: one for name, one in cases.items() if one.is_answered and responds(one)}
     stresses: Loads = {}
     for name, found in answered.items():

@@ -8,6 +8,7 @@ from torsion.arrays import FloatArray
 from torsion.output.figures.figure import Axis, Figure, Line, Panel
 from torsion.output.figures.ranges import MAIN, MOST_LINES, SPEED, amplitudes, span
 
+WIDE = 10.0  # times the lowest frequency: with a higher one the axis is logarithmic
 Curve = tuple[FloatArray, FloatArray]  # (points,) rpm, (points,) values; NaN where there is no answer
 
 
@@ -28,4 +29,7 @@ def frequencies(name: str, caption: str, cases: Sequence[str], values: FloatArra
         Line(f"mode {mode + 1}", at, column, mode, symbol="dot") for mode, column in enumerate(values.T[:MOST_LINES])
     )
     x = Axis("case", low=-0.5, high=len(cases) - 0.5, places=tuple(zip(at.tolist(), cases, strict=True)))
-    return Figure(name, caption, (Panel(x, amplitudes("natural frequency", "Hz", [values]), lines),))
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    is_log = high > WIDE * low
+    y = Axis("natural frequency", "Hz", low / 1.5 if is_log else 0.0, 1.5 * high if is_log else None, is_log=is_log)
+    return Figure(name, caption, (Panel(x, y, lines, height=150.0),))
