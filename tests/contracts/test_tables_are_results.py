@@ -97,6 +97,19 @@ def of_check(name: str) -> Values:
     return values
 
 
+def of_cases(*paths: str, how: Callable[[list[Any]], Iterable[Any]] = iter) -> Values:
+    """Any value at these keys in any case, or what follows from all in one."""
+    return lambda found, row: (
+        as_number(one)
+        for case in (found, *found["cases"].values())
+        for one in how([value for path in paths for value in at(case, path)])
+    )
+
+
+def not_passed(verdicts: list[str]) -> Iterable[int]:
+    return [sum(one in ("fail", "not kept") for one in verdicts)]
+
+
 def speed_amplitudes(found: Found, row: Row) -> Iterator[float]:
     for line in found["response"]["lines"]:
         for hertz, speed in zip(line["frequency_Hz"], line["angle_rad"], strict=True):
@@ -145,6 +158,13 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Barred ranges", "Critical speed"): key("checks[].barred[].critical_rad_per_s"),
     ("Barred ranges", "From by formula"): key("checks[].barred[].formula_lower_rad_per_s"),
     ("Barred ranges", "To by formula"): key("checks[].barred[].formula_upper_rad_per_s"),
+    ("Checks side by side", ""): of_cases("checks[].value", "checks[].limit"),
+    ("The cases", "Checks"): of_cases("checks[].verdict", how=lambda verdicts: [len(verdicts)]),
+    ("The cases", "Not passed"): of_cases("checks[].verdict", how=not_passed),
+    ("The cases", "Highest utilisation"): of_cases("checks[].utilisation"),
+    ("Natural frequencies of the cases", "Mode"): of_cases("modes.frequency_Hz"),
+    ("Ranges barred for continuous operation in", "From"): of_cases("checks[].barred[].lower_rad_per_s"),
+    ("Ranges barred for continuous operation in", "To"): of_cases("checks[].barred[].upper_rad_per_s"),
     ("Components", "Speed ratio"): key("stations[].speed_ratio"),
     ("Natural frequencies of the undamped", "Frequency"): key("modes.frequency_Hz"),
     ("Natural frequencies of the undamped", "Per minute"): key("modes.frequency_Hz"),
@@ -260,7 +280,7 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
 }
 # the figures of the file, checked by their chapters
 INPUT = ("Motors", "Couplings: ratings", "Gears", "Propellers and", "Harmonic torques", "Internal damping",
-         "Damping to ground", "Dimensions of the shafts")  # fmt: skip
+         "Damping to ground", "Dimensions of the shafts", "What the cases change", "Changes of the input")  # fmt: skip
 RECOMPUTED = ("Inertias as given", "Elastic elements", "Holzer table", "Constants of the shafts")
 OF_OTHERS = {  # columns of figures that follow from declared ones by a formula of their chapter, checked there
     "Components": ("Rated speed",), "Barred ranges": ("λ",), "Mean torque at": ("Own speed", "Power"),
