@@ -113,6 +113,49 @@ def test_a_change_is_that_of_the_same_key_in_the_file(case: str, pairs: list[tup
     assert numbers(made) == numbers(hand)
 
 
+CHORD = "links: [{between: [engine, disc-1], coupling: {name: chord 1.2, stiffness: 5e3}}]\n"
+SECTIONS = f"""{CHORD}excitations: [{{at: engine, order: 2, torque: 5}}, {{at: disc-1, order: 1, torque: 9}}]
+analyses: {{modes: {{count: 3}}, response: {{}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("case", "pair"),
+    [
+        ("{set: {excitations.2.torque: 11}}", ("torque: 9}", "torque: 11}")),
+        ("{remove: excitations.1}", ("{at: engine, order: 2, torque: 5}, ", "")),
+        ("{set: {excitations: [{at: disc-1, order: 1, torque: 9}]}}", ("{at: engine, order: 2, torque: 5}, ", "")),
+        ("{set: {links.1.coupling.stiffness: 6e3}}", ("stiffness: 5e3", "stiffness: 6e3")),
+        ("""{set: {'"chord 1.2".stiffness': 6e3}}""", ("stiffness: 5e3", "stiffness: 6e3")),
+        ("""{scale: {"'chord 1.2'.stiffness": 1.2}}""", ("stiffness: 5e3", "stiffness: 6000")),
+        ("""{scale: {"'chord 1.2' . stiffness": 120 %}}""", ("stiffness: 5e3", "stiffness: 6000")),
+        ("{remove: chord 1.2}", (CHORD, "")),
+        ("{remove: links.1}", (CHORD, "")),
+        ("{set: {analyses.modes.count: 2}}", ("count: 3", "count: 2")),
+        ("{remove: analyses.response, rules: []}", (", response: {}}\n", "}\n")),
+        ("{set: {analyses: {modes: {count: 2}}}, rules: []}", ("count: 3}, response: {}}", "count: 2}}")),
+        ("{set: {operation.rated.power: 40 kW}}", ("power: 50 kW", "power: 40 kW")),
+        ("{set: {wheel.damping.factor: 40}}", ("factor: 30", "factor: 40")),
+    ],
+)  # fmt: skip
+def test_every_section_is_reached_by_its_key(case: str, pair: tuple[str, str]) -> None:
+    base = BASE + SECTIONS
+    hand = replaced(base, pair)
+    if "rules: []" in case:
+        hand = hand.replace("rules: [coupling-maker]\n", "")
+    assert numbers(torsion.run(with_case(case, base))) == numbers(torsion.run(torsion.parse(hand, "t.yaml")))
+
+
+def test_a_name_with_dots_stands_in_quotes() -> None:
+    with pytest.raises(InputError, match=re.escape('stands in quotes: `"chord 1.2".stiffness`')):
+        with_case("{set: {chord 1.2.stiffness: 6e3}}", BASE + SECTIONS)
+    with pytest.raises(InputError, match="`operation` is a section and a component"):
+        with_case("{set: {operation.inertia: 3}}", BASE.replace("disc: {", "disc: {name: operation, ", 1))
+    case = """{set: {'"operation".inertia': 3}}"""
+    study = with_case(case, BASE.replace("- disc: {", "- disc: {name: operation, ", 1))
+    assert study.train.inertias[1].inertia == 3.0
+
+
 def test_components_keep_their_names_where_others_are_taken_away() -> None:
     study = with_case("{remove: clutch}")
     names = [part.name for part in study.train.parts]
