@@ -54,19 +54,19 @@ def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:
 
 def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
     """The findings of a case that has none, whose plan says why."""
+    name = case.case.name if case.case is not None else ""
     if isinstance(error, InputError):
-        faults, text = error.faults, str(error)
-        why, remedy = (
-            "; ".join(filter(None, words)) for words in zip(*((f.message, f.hint) for f in faults), strict=True)
-        )
+        why = "; ".join(_message(fault, case) for fault in error.faults)
+        remedy, text = "; ".join(fault.hint for fault in error.faults if fault.hint), str(error)
     else:
         why, remedy, text = error.message, error.hint, error.located or str(error)
-    name = case.case.name if case.case is not None else ""
-    one = Unanswered(
-        "", f"case '{name}'", why.removeprefix(f"case '{name}': "), remedy, None, True, isinstance(error, InputError),
-        text,
-    )  # fmt: skip
+    one = Unanswered("", f"case '{name}'", why, remedy, None, True, isinstance(error, InputError), text)
     return Findings(case, {}, Plan((), ((one.what, one.words),), {}, (one,)))
+
+
+def _message(fault: Fault, study: Study) -> str:
+    """The message of a fault, without the case that it is of."""
+    return fault.message.removeprefix(f"case '{study.case.name}': ") if study.case is not None else fault.message
 
 
 def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
@@ -109,7 +109,7 @@ def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError |
     known = (
         located(InputError(faults), study) if all(fault.path for fault in faults) else InputError(faults, str(error))
     )
-    why = "; ".join(fault.message.removeprefix(f"{analysis.title}: ") for fault in known.faults)
+    why = "; ".join(_message(fault, study).removeprefix(f"{analysis.title}: ") for fault in known.faults)
     remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
     line = next((fault.line for fault in known.faults), None)
     return Unanswered(name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known))

@@ -198,4 +198,6 @@ def test_a_tolerance_that_is_read_but_not_varied_is_said_in_the_plan():
         "name: x\ntrain: [disc: {inertia: 1}, coupling: {name: k, stiffness: 5, tolerance: 15 %}, disc: {inertia: 2}]\n"
     )
     left = dict(torsion.run(torsion.parse(text)).plan.left_out)
-    assert left["the tolerance of 'k'"] == "its 15 % are not varied; every result is at the nominal stiffness"
+    assert left["the tolerance of 'k'"] == (
+        "its 15 % are not varied; every result is at the nominal stiffness (`cases: {from: tolerances}` varies them)"
+    )

@@ -15,12 +15,13 @@ from tests.contracts.frozen import SCENES
 from tests.contracts.printed import Interval, Row, printed, rows
 
 import torsion
-from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.output.blocks import Column, Table
 from torsion.output.chapters import chapters
 from torsion.output.numbers import ROUNDING
 from torsion.output.reported_values import NOTHING
 from torsion.output.results_json import results
+from torsion.output.selection import elements
 
 Found = dict[str, Any]
 Values = Callable[[Found, Row], Iterable[Any]]
@@ -70,15 +71,21 @@ def largest(path: str) -> Values:
     return lambda found, row: [max(flat(of_element(found, path, row)))]
 
 
-def somewhere(path: str) -> Values:
-    """Any value of the element that the row is about."""
-    return lambda found, row: flat(of_element(found, path, row))
-
-
 def of_element(found: Found, path: str, row: Row) -> Any:
     result, name = path.split(".")
     element = next(row[title] for title in ("Element", "Mesh", "Coupling") if title in row)
     return found[result][name][found[result]["element"].index(element)]
+
+
+def within(what: str) -> Values:
+    """Any value in the spans of the element that the row is about; results.json has its largest alone."""
+
+    def values(found: Found, row: Row) -> list[float]:
+        findings = found["findings"]
+        spans = next(list(one.spans) for one in elements(findings.system) if one.name == row["Element"])
+        return getattr(findings.need(Synthesis), what)[:, spans].ravel().tolist()
+
+    return values
 
 
 def amplitudes(what: str) -> Values:
@@ -191,8 +198,8 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Largest vibratory torque", "Synthesis"): largest("synthesis.half_range_Nm"),
     ("Largest vibratory torque", "At speed"): key(f"response.{RPM}"),
     ("Largest vibratory torque", "Its torque"): amplitudes("torque"),
-    ("Largest vibratory torque", "RMS"): somewhere("synthesis.rms_Nm"),
-    ("Largest vibratory torque", "Sum of magnitudes"): somewhere("synthesis.bound_Nm"),
+    ("Largest vibratory torque", "RMS"): within("rms"),
+    ("Largest vibratory torque", "Sum of magnitudes"): within("bound"),
     ("Largest vibratory torque", "Mean"): key("response.mean_torque_Nm", "mean.torque_Nm"),
     ("Resonance peaks", "Torque amplitude"): amplitudes("torque"),
     ("Resonance peaks", "At speed"): key(f"response.{RPM}"),

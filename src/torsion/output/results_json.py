@@ -166,8 +166,8 @@ FIXED = (
 )
 
 CASES = Key(
-    "cases", "", (), "of every case by its name all keys of this list but these; a case without an answer has `plan` "
-    "alone, which says why; {} where the file states no case",
+    "cases", "", (), "of every case by its name all keys of this list but `cases` and those above; a case without an "
+    "answer has `plan` alone, which says why; {} where the file states no case",
 )  # fmt: skip
 
 

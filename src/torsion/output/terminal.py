@@ -31,7 +31,7 @@ def show(document: Document, folder: Path | None = None, console: Console | None
     printed = console or Console()
     for item in OUTPUTS["terminal"](document):
         printed.print(item)
-    done = document.findings.plan.done
+    done = [line for found in document.findings.each.values() for line in found.plan.done]
     if done:
         printed.print(Text(f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s"))
     if folder is not None:

@@ -238,6 +238,8 @@ def _flow(value: Any) -> str:
         return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(map(_flow, value)) + "]"
+    if isinstance(value, float):
+        return f"{value:.15g}"
     return "nothing" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
 
 

@@ -3,7 +3,6 @@
 The kind of every entry of a train is decided first; the entry is then read in the words of that kind.
 """
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -20,7 +19,7 @@ from torsion.fields import Declared, given, required, shown
 from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.cases import located_in_case, with_cases
+from torsion.schema.component_names import kinds_by_name, repeated_names
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.missing_marks import without_mark
@@ -28,7 +27,7 @@ from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, ModalDamping, Operation, Several, ShaftModel, Study
-from torsion.train import Link, Train, lowered, name_fault, taken
+from torsion.train import Link, Train, lowered, name_fault
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 EXAMPLES = {  # of the sections that are mappings of names, and of those that are lists
@@ -58,12 +57,12 @@ class Scene(Declared):
 
 def read(path: str | FilePath) -> Study:
     """The study that a file describes; raises InputError with every fault in it."""
-    return with_cases(read_source(path), _study)
+    return _whole(read_source(path))
 
 
 def parse(text: str, name: str = "train.yaml") -> Study:
     """The study that a text describes; `name` is the file name in messages. Raises InputError."""
-    return with_cases(parse_source(text, name), _study)
+    return _whole(parse_source(text, name))
 
 
 def located(error: InputError, study: Study) -> InputError:
@@ -71,8 +70,19 @@ def located(error: InputError, study: Study) -> InputError:
     if not study.text or all(fault.line for fault in error.faults):
         return error
     if study.case is not None:
+        from torsion.schema.cases import located_in_case
+
         return located_in_case(error, study.case)
     return input_error(list(error.faults), parse_source(study.text, study.file))
+
+
+def _whole(source: Source) -> Study:
+    """The study of a file, and of its cases where it states any."""
+    if not isinstance(source.data, dict) or source.data.get("cases") is None:
+        return _study(source)
+    from torsion.schema.cases import with_cases
+
+    return with_cases(source, _study)
 
 
 def _study(source: Source) -> Study:
@@ -295,50 +305,6 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
         return ()
     read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
     return tuple(found for found in read if found is not None)
-
-
-def repeated_names(entries: object) -> Iterator[Fault]:
-    """Faults of names that are given twice, for a train that is too faulty to be looked at as a whole."""
-    seen: dict[str, Path] = {}
-    for name, path in _names(entries, ("train",)):
-        if name in seen:
-            yield taken(name, path[:-1], seen[name])
-        seen.setdefault(name, path[:-1])
-
-
-def _names(body: object, path: Path) -> Iterator[tuple[str, Path]]:
-    for step, item in entries_of(body):
-        if step == "name" and isinstance(item, str):
-            yield item, (*path, step)
-        yield from _names(item, (*path, step))
-
-
-def kinds_by_name(entries: object) -> dict[str, tuple[str, bool]] | None:
-    """The kind of every component by the name it goes by, and whether it is a point, of a train too faulty to lower.
-
-    None where that is not known: a kind is unknown, and so what the others are numbered.
-    """
-    found: dict[str, tuple[str, bool]] = {}
-    return found if _named(entries, found, Counter()) else None
-
-
-def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter[str]) -> bool:
-    for entry in entries if isinstance(entries, list) else [None]:
-        kind, body = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else (None, None)
-        if kind not in KINDS or not isinstance(body, dict | None):
-            return False
-        numbers[kind] += 1
-        given = (body or {}).get("name")
-        name = given if isinstance(given, str) else f"{kind}-{numbers[kind]}"
-        is_point = component(kind).sort == "point"
-        if name not in found or is_point:
-            found[name] = kind, is_point
-        branches = (body or {}).get("branches")
-        inner = [body, *(branches if isinstance(branches, list) else [])]
-        trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]
-        if not all(_named(train, found, numbers) for train in trains):
-            return False
-    return True
 
 
 def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:

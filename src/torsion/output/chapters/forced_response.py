@@ -132,7 +132,7 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
         if half[at] == 0.0:
             rows.append((element.name, "0", NONE, NONE, "0", "0", "0", steady))
             continue
-        both = (unit.text(float(element.largest(values)[at])) for values in (made.rms, made.bound))
+        both = (unit.text(float(values[at, span])) for values in (made.rms, made.bound))
         rows.append((
             element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _name(findings, line),
             unit.text(float(parts[at, line])), *both, steady,
