@@ -170,6 +170,7 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("The cases", "Not passed"): of_cases("checks[].verdict", how=not_passed),
     ("The cases", "Highest utilisation"): of_cases("checks[].utilisation"),
     ("Natural frequencies of the cases", "Mode"): of_cases("modes.frequency_Hz"),
+    ("Damped natural frequencies of the cases", "Mode"): of_cases("damped_modes.frequency_Hz"),
     ("Ranges barred for continuous operation in", "From"): of_cases("checks[].barred[].lower_rad_per_s"),
     ("Ranges barred for continuous operation in", "To"): of_cases("checks[].barred[].upper_rad_per_s"),
     ("Components", "Speed ratio"): key("stations[].speed_ratio"),

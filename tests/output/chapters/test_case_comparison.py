@@ -88,6 +88,10 @@ def test_frequencies_of_all_cases_stand_in_one_table_and_one_figure(ferry: Findi
         frequency = one.results["modes"].frequency
         assert [float(cell) for cell in row[1:]] == pytest.approx(frequency.tolist(), rel=5e-7)
         assert [line.y[place] for line in figure.panels[0].lines] == frequency.tolist()
+    (damped,) = tables(blocks, "Damped natural frequencies of the cases")
+    for row, one in zip(damped.rows, ferry.each.values(), strict=True):
+        frequency = one.results["damped_modes"].frequency.tolist()
+        assert [float(cell) for cell in row[1:] if cell != "–"] == pytest.approx(frequency, rel=5e-7)
 
 
 def test_curves_are_those_of_each_case(ferry: Findings, blocks: list[Any]) -> None:

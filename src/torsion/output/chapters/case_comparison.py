@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Heading, Link, Paragraph, Table, on_terminal, table, texts
 from torsion.output.figures import case_curves
@@ -234,19 +236,30 @@ def _barred(cases: Cases) -> Iterator[Table]:
 
 
 def _frequencies(cases: Cases) -> Iterator[Block]:
-    """Natural frequencies of every case, one row each, and over the cases."""
+    """Natural frequencies of every case, one row each, and over the cases; those of the damped train where it damps."""
     found = {name: one.need(Modes).frequency for name, one in cases.items() if one.get(Modes) is not None}
-    count = min(max((len(one) for one in found.values()), default=0), MOST_MODES)
-    if not count:
-        return
-    columns = (texts("Case"), *(Column(f"Mode {k + 1}", "Hz") for k in range(count)))
-    rows = [(name, *_padded([number(f, 7) for f in one.tolist()], count)) for name, one in found.items()]
-    yield table(columns, rows, "Natural frequencies of the cases")
-    if len(found) > 1:
+    damped = {name: one.need(DampedModes).frequency for name, one in cases.items() if one.get(DampedModes) is not None}
+    yield from _frequency_table(found, "Natural frequencies of the cases")
+    yield from _frequency_table(damped, "Damped natural frequencies of the cases")
+    count = _shown(found)
+    if len(found) > 1 and count:
         values = np.full((len(found), count), np.nan)
         for row, one in zip(values, found.values(), strict=True):
             row[: min(count, len(one))] = one[:count]
         yield case_curves.frequencies("case-frequencies", "Natural frequencies of the cases", list(found), values)
+
+
+def _shown(found: Mapping[str, FloatArray]) -> int:
+    """How many modes are shown."""
+    return min(max((len(one) for one in found.values()), default=0), MOST_MODES)
+
+
+def _frequency_table(found: Mapping[str, FloatArray], caption: str) -> Iterator[Table]:
+    """found: (modes,) Hz by case."""
+    if count := _shown(found):
+        columns = (texts("Case"), *(Column(f"Mode {k + 1}", "Hz") for k in range(count)))
+        rows = [(name, *_padded([number(f, 7) for f in one.tolist()], count)) for name, one in found.items()]
+        yield table(columns, rows, caption)
 
 
 def _padded(cells: list[str], count: int) -> list[str]:
