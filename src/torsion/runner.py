@@ -71,10 +71,15 @@ def _message(fault: Fault, study: Study) -> str:
 
 def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
     """The findings of a study, without its cases."""
-    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judgement)
+    names = _with_needs(only) if only else list(ANALYSES)
+    judged = replace(study, rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)))
+    work = Work(judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement)
+    for name, _ in study.rules:
+        if name not in dict(judged.rules):
+            work.log.without(f"the rule {name}", "what it reads is not requested")
     errors = []
     try:
-        for name in ordered({key: ANALYSES[key] for key in _with_needs(only)} if only else ANALYSES):
+        for name in ordered({key: ANALYSES[key] for key in names}):
             analysis = ANALYSES[name]
             if name in study.analyses or name in only or analysis.wanted(study):
                 try:
