@@ -15,7 +15,7 @@ A result is a frozen dataclass whose fields (and properties) are declared so:
 import dataclasses
 import inspect
 import typing
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache, cached_property
@@ -29,6 +29,7 @@ Value = TypeVar("Value")
 Axes = tuple[str, ...]
 BY_UNIT = "*"
 NOTEBOOK = "torsion.output.notebook:bundle"  # a name, since outputs stand above results
+MOST_NAMES = 12  # one after another in a sentence
 _SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
 
@@ -98,6 +99,18 @@ def words(codes: Any, kind: type[Enum]) -> np.ndarray:
     """An array of codes as the words of their kind: near-singular."""
     table = np.array([code.name.lower().replace("_", "-") for code in kind])
     return np.asarray(table[np.asarray(codes, dtype=np.int64)])
+
+
+def listed(names: Iterable[str], between: str = ", ", most: int = MOST_NAMES) -> str:
+    """The first names, and how many more there are.
+
+    >>> listed("abc"), listed((f"c{k}" for k in range(1, 9_985)), most=3)
+    ('a, b, c', 'c1, c2, c3 and 9,981 more')
+    """
+    found = list(names)
+    if len(found) <= most + 1:
+        return between.join(found)
+    return f"{between.join(found[:most])} and {len(found) - most:,} more"
 
 
 def quantities(kind: type) -> tuple[Quantity, ...]:

@@ -78,6 +78,17 @@ def test_the_peak_as_given_is_that_of_the_response_over_a_fixed_end(tmp_path: An
     assert float(angle[:, housing].max()) * STIFFNESS == pytest.approx(one.given_peak, rel=1e-5)
 
 
+def test_a_damper_beside_another_point_is_joined_to_it_rigidly(tmp_path: Any) -> None:
+    beside = [
+        {"disc": {"name": "wheel", "inertia": WHEEL}}, {"coupling": {"stiffness": STIFFNESS}},
+        {"disc": {"name": "nose", "inertia": HOUSING / 2}},
+        {"damper": {"housing": HOUSING / 2, "ring": RING, "damping": 30}},
+    ]  # fmt: skip
+    (plain,), (joined,) = (one.results["dampers"].each for one in (found(tmp_path), found(tmp_path, train=beside)))
+    assert joined.inertia == pytest.approx(plain.inertia, rel=1e-13)
+    assert joined.given_peak == pytest.approx(plain.given_peak, rel=1e-13)
+
+
 def test_a_ring_that_is_too_small_for_a_mode_is_left_out(tmp_path: Any) -> None:
     train = [
         {"disc": {"inertia": WHEEL}}, {"coupling": {"stiffness": STIFFNESS}},

@@ -11,7 +11,6 @@ import pytest
 
 import torsion
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output.blocks import Block, Column, Figure, Paragraph, Table, Verbatim, table
 from torsion.output.chapters import plant
 from torsion.output.chapters.natural_frequencies import FEWEST_TABLES, chapter
@@ -21,6 +20,7 @@ from torsion.output.joined_sketch import MOST_DRAWN, MOST_LINKS, joined
 from torsion.output.long_blocks import FIRST, GAP, LARGEST, LAST, MOST_LINES, MOST_ROWS, shortened
 from torsion.output.table_files import archive
 from torsion.output.write import write
+from torsion.results import listed
 
 COLUMNS = (Column("No."), Column("Name", align="left"), Column("Torque", "N m"), Column("Ratio"))
 

@@ -60,7 +60,7 @@ def test_every_kind_of_block_is_set_by_its_number(source) -> None:
     )  # fmt: skip
     assert plot.name == "one"
     assert lines == [
-        '#cover("Title", "scene", (("Date", "today"), ), (), "as it is", (), "")', '#title(1, "1", text("A"))',
+        '#cover("Title", "scene", "", basis((("Date", "today"), ), (), "as it is", ()))', '#title(1, "1", text("A"))',
         '#title(2, "1.1", text("B"))', '#sentences("note", text("p"))', '#points((text("x"), text("y"), ))',
         '#facts((("k", "v"), ))', '#verbatim("v")',
     ]  # fmt: skip

@@ -50,7 +50,7 @@ def run(work: Work) -> None:
         return
     with work.log.step("optimum of the dampers", "the train has dampers") as step:
         step.method = "closed forms of one mode, with the inertia that it has at the housing"
-        rings = [one for one in train.springs if train.parts[one.part].kind == "damper"]
+        rings = [one for one in train.springs if train.parts[one.part].kind == "damper" and one.flexibility]
         best = [one for ring in rings for one in _at_modes(found.system, ring, len(found.frequency))]
     work.put(dampers=Dampers(tuple(best)))
 

@@ -11,7 +11,7 @@ from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
 from torsion.assembly.system import MOST_GROUPS, System, condensed
 from torsion.findings import Work
-from torsion.listed import listed
+from torsion.results import listed
 from torsion.study import Study
 
 LARGEST_ESTIMATE = 0.1  # relative error; the estimate holds for small ones

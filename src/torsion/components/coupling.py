@@ -2,17 +2,21 @@
 
 import math
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.losses import MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
 from torsion.components.lowering import CouplingRatings, Lowering, NonlinearRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Spring
 
+DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
+Psi = Annotated[float, Quantity("1", at_least=0, usual=(None, 4.0 * math.pi), slip=("%",))]
+Magnifier = Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken="a loss factor")]
+PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
+MAGNIFIER = "dynamic magnifier M; eta = 1/M"
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
 
 
@@ -119,6 +123,21 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
         build.record(nonlinear=nonlinear)
         viscous = build.own(self.viscous or 0.0) if nonlinear is None or not nonlinear.play else nonlinear.viscous
         build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss_factor(damping)))
+
+
+def given_damping(component: Any, keys: tuple[str, ...] = DAMPINGS) -> tuple[str, float] | None:
+    """Key and value of the damping that a component gives; None without one. Raises where it gives several."""
+    found = [(key, value) for key in keys if (value := getattr(component, key)) is not None]
+    if len(found) > 1:
+        both = " and ".join(key for key, _ in found)
+        raise refuse(f"{both} exclude each other", "give one kind of damping", found[1][0])
+    return found[0] if found else None
+
+
+def loss_factor(damping: tuple[str, float] | None) -> float:
+    """The loss factor eta of a damping by its key and value; 0 where it is viscous or there is none."""
+    key, value = damping or ("", 0.0)
+    return {"loss_factor": value, "psi": value / (2.0 * math.pi), "magnifier": 1.0 / (value or 1.0)}.get(key, 0.0)
 
 
 def _refuse_nonlinear_clashes(coupling: Coupling) -> None:

@@ -57,7 +57,8 @@ def _findings(findings: Findings) -> Iterator[Block]:
     """The first chapter of the report, and its first figure."""
     first = [*verdict.chapter(findings)] if findings.get(Checks) is not None else []
     yield KeyValues((("Scene", findings.study.name),))
-    yield from first
+    further = [block for block in first if isinstance(block, Figure)][1:]
+    yield from (block for block in first if not any(block is one for one in further))
     if not any(isinstance(block, Figure) for block in first):
         yield from (block for block in plant.chapter(findings) if isinstance(block, Figure))
 

@@ -15,7 +15,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.primitives import Torque
-from torsion.results import reported, result
+from torsion.results import listed, reported, result
 from torsion.train import Train
 
 
@@ -42,7 +42,7 @@ class Line:
         of: dict[Fraction, dict[str, None]] = {}
         for name, own in zip_longest(self.sources, self.own_orders, fillvalue=self.order):
             of.setdefault(Fraction(own), {})[str(name)] = None
-        words = first_of([f"{_decimal(own)} × {in_runs(names)}" for own, names in of.items()])
+        words = listed([f"{_decimal(own)} × {in_runs(names)}" for own, names in of.items()], most=MOST_SOURCES)
         order = _decimal(self.order)
         if set(of) == {self.order}:
             return words
@@ -113,17 +113,7 @@ def in_runs(names: Iterable[str]) -> str:
             words.append(f"{stem}{run[0]}–{run[-1]}")
         else:
             words += [f"{stem}{end if end >= 0 else ''}" for end in run]
-    return first_of(words)
-
-
-def first_of(words: Sequence[str]) -> str:
-    """Words one after another; of many the first ones, and how many more.
-
-    >>> first_of("abcdefg")
-    'a, b, c, d and 3 more'
-    """
-    more = f" and {len(words) - MOST_SOURCES} more" if len(words) > MOST_SOURCES else ""
-    return ", ".join(words[:MOST_SOURCES]) + more
+    return listed(words, most=MOST_SOURCES)
 
 
 def excitations(system: System, orders: Iterable[Fraction] | None = None) -> tuple[Excitation, ...]:

@@ -7,7 +7,6 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.numbers import RPM, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
@@ -20,6 +19,7 @@ from torsion.output.reported_values import (
     unreliable,
 )
 from torsion.output.selection import elements, highest
+from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
 STANDING = {

@@ -9,11 +9,11 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, given, given_rpm, number
 from torsion.output.reported_values import NOT_STATED, rated
 from torsion.output.selection import damps, elements
+from torsion.results import listed
 
 MODEL = (
     "Internal damping of a loss factor η enters as k (1 + i η), with η = ψ/(2π) = 1/M, independent of frequency; "

@@ -8,11 +8,11 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, degrees, given, given_rpm, number, order, scale
 from torsion.output.reported_values import NOT_STATED, rated, reference, steady_at_rated
 from torsion.primitives import Torque
+from torsion.results import listed
 
 
 def chapter(findings: Findings) -> Iterator[Block]:

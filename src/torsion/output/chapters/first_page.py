@@ -12,7 +12,6 @@ from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.listed import listed
 from torsion.output import check_words
 from torsion.output.blocks import Block, Box, PageEnd
 from torsion.output.chapters import closing, plant
@@ -34,6 +33,7 @@ from torsion.output.reported_values import (
 )
 from torsion.output.scene import checksum
 from torsion.output.station_layout import layout
+from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
 MOST_BARRED, MOST_UNANSWERED = 3, 3  # stated one by one in the box

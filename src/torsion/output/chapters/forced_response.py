@@ -11,7 +11,6 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
@@ -34,6 +33,7 @@ from torsion.output.reported_values import (
     worth_a_figure,
 )
 from torsion.output.selection import NO_VALUE, Element, elements, highest, largest, strongest, torques
+from torsion.results import listed
 from torsion.rules import needed
 
 MOST_CURVES = 10  # in a figure over frequency

@@ -11,13 +11,13 @@ from torsion.analyses.transient.milling_ice import Ice
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
 from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
 from torsion.output.reported_values import NOTHING
 from torsion.output.selection import Element, elements
+from torsion.results import listed
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 MOST_PASSAGES = 20  # lines of a table

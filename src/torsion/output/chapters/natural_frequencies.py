@@ -10,13 +10,13 @@ from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import mode_shape
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import LESS, NONE, ROUNDING, counted, number, rpm
 from torsion.output.selection import by_part, elements
 from torsion.output.station_layout import MOST_NAMES, layout
+from torsion.results import listed
 
 MOST_MODES = 12  # of which plots and tables are printed
 FEWEST_TABLES, MOST_ROWS = 3, 600  # Holzer tables printed at least, and rows of all that more of them may fill

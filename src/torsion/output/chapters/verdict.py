@@ -5,13 +5,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import case_comparison, first_page
 from torsion.output.check_words import STRESS, contributing
 from torsion.output.numbers import NONE, counted, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred, barred_rpm, mode_near, rated
+from torsion.results import listed
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 MOST_NAMED = 12  # components without a source that are named on the first page

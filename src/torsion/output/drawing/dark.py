@@ -35,8 +35,8 @@ def rules(drawings: Iterable[str]) -> str:
 def dark(colour: str) -> str:
     """The counterpart of a colour.
 
-    >>> dark("#ffffff"), dark("#222222")
-    ('#151a1f', '#dfdfdf')
+    >>> dark("#ffffff"), contrast(dark("#222222"), PAPER) > CONTRAST
+    ('#151a1f', True)
     """
     if colour == WHITE:
         return PAPER
