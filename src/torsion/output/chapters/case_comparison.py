@@ -11,7 +11,6 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.listed import listed
 from torsion.output import check_words
 from torsion.output.blocks import Block, Box, Column, Heading, Paragraph, Table, head, table, texts
 from torsion.output.chapters import first_page
@@ -21,6 +20,7 @@ from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, counted, exact, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
+from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 from torsion.study import Change
 

@@ -40,6 +40,7 @@ MOST_BARRED, MOST_UNANSWERED = 3, 3  # stated one by one in the box
 MOST_CRITICAL = 5  # critical speeds that are drawn
 MOST_SHARES, FEWEST_SHARES = 20, 8  # shares of limits that are drawn
 LETTERS, USUAL_ROWS = 115, 8  # of a row of the box, and its rows beside which MOST_SHARES have room on A4
+LEAST_FOR_SPEEDS = -6  # shares for which there is room, below two boxes, where the speeds have room
 BRANCHES = 13  # shares for which another row of the sketch leaves no room
 HEIGHT = 190.0  # px from the lowest to the highest axis of the sketch, at most
 Head = tuple[str, str]  # sign, words
@@ -159,7 +160,8 @@ def _basis(findings: Findings) -> str:
 def blocks(findings: Findings, notes: Iterable[Block], taken: int = 0) -> Iterator[Block]:
     """One A4: the box, the train by its utilisation, the speeds, as many shares of limits as have room, and notes.
 
-    Where few have, they are the first thing behind its end. `taken`: rows of the page that stand before them.
+    Where few have, they are the first thing behind its end, and before them the speeds where these have no room either.
+    `taken`: rows of the page that stand before the box.
     """
     verdict, (train, joining) = box(findings), _train(findings)
     axes = {row for link in train.links for row in (link.start[1], link.end[1])}
@@ -173,10 +175,12 @@ def blocks(findings: Findings, notes: Iterable[Block], taken: int = 0) -> Iterat
         "stress or torque. Other limits, as that of a least diameter, stand in words. Not to scale" + joining,
         (train,),
     )
-    yield from _speeds(findings)
+    speeds, behind = tuple(_speeds(findings)), bool(taken) and most < LEAST_FOR_SPEEDS
+    yield from () if behind else speeds
     yield from shares if most >= FEWEST_SHARES else ()
     yield from notes
     yield PageEnd()
+    yield from speeds if behind else ()
     yield from shares if most < FEWEST_SHARES else ()
 
 
