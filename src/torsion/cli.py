@@ -22,6 +22,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
 Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
+Case = Annotated[str | None, typer.Option("--case", help="One case of the file alone (normal: the file as it stands).")]
 JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
@@ -36,6 +37,8 @@ def solve(
     file: File,
     out: Out = None,
     json: Json = False,
+    *,
+    case: Case = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     matrices: Annotated[
         Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
@@ -54,12 +57,13 @@ def solve(
 
     Exit status: 0 solved and no check fails, 1 solved and a check fails or a limit is not kept, 2 the input is at
     fault, 3 no answer to the promised accuracy. Where only some analyses have no answer, the report holds all others.
+    Every case of the file is solved beside it; the exit status is that of the worst that is judged.
     """
     from torsion import commands
 
     _alone(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--matrices": matrices, "-o": out})
     also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
-    solved = partial(commands.solved, file, memory=memory)
+    solved = partial(commands.solved, file, case=case, memory=memory)
     _report("solve", file, out, solved, also, as_json=json, matrices=matrices)
 
 
@@ -68,6 +72,7 @@ def joint(
     file: File,
     out: Out = None,
     json: Json = False,
+    case: Case = None,
     turns: Annotated[
         int | None, typer.Option("--turns", min=1, max=100, help="Revolutions of the driving shaft.")
     ] = None,
@@ -79,11 +84,11 @@ def joint(
     from torsion import commands
 
     _alone(json, {"-o": out})
-    _report("joint", file, out, partial(commands.joint, file, turns=turns), as_json=json)
+    _report("joint", file, out, partial(commands.joint, file, turns=turns, case=case), as_json=json)
 
 
 @app.command()
-def check(file: File, out: Out = None, json: Json = False) -> None:
+def check(file: File, out: Out = None, json: Json = False, case: Case = None) -> None:
     """Compare the models of the shafts (lumped, fem, exact), print their errors and write check.html and check.json.
 
     Every error is against the exact model: frequencies, shapes, response torques. Exit status: 0 all within the
@@ -92,7 +97,7 @@ def check(file: File, out: Out = None, json: Json = False) -> None:
     from torsion import commands
 
     _alone(json, {"-o": out})
-    _report("check", file, out, partial(commands.check, file), as_json=json)
+    _report("check", file, out, partial(commands.check, file, case=case), as_json=json)
 
 
 @app.command()
@@ -100,6 +105,7 @@ def study(
     file: File,
     out: Out = None,
     json: Json = False,
+    case: Case = None,
     tolerance: Annotated[
         str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
     ] = "0.1%",
@@ -114,7 +120,9 @@ def study(
     _alone(json, {"-o": out})
     with _refusals(file):
         with _progress() as report_progress:
-            findings, timings = commands.study(file, tolerance=tolerance, quick=quick, progress=report_progress)
+            findings, timings = commands.study(
+                file, tolerance=tolerance, quick=quick, case=case, progress=report_progress
+            )
         if json:
             from torsion.output.run_time_study import json_text
 
@@ -122,7 +130,7 @@ def study(
         else:
             from torsion.output.terminal import show
 
-            folder = commands.folder_of(file, out)
+            folder = commands.folder_of(file, out, findings.study.case)
             show(commands.write_study(findings, timings, folder), folder)
 
 
@@ -149,19 +157,22 @@ def report(
 
 
 @app.command()
-def plan(file: File) -> None:
-    """Print what `solve` would compute of a scene, with sizes and reasons; nothing is solved.
+def plan(file: File, case: Case = None) -> None:
+    """Print what `solve` would compute of a scene and its cases, with sizes and reasons; nothing is solved.
 
     Exit status: 0, or 2 the input is at fault.
     """
     from torsion import commands
 
     with _refusals(file):
-        planned = commands.plan(file)
-        for what, size, why in planned.steps:
-            typer.echo(f"{what}: {size} ({why})" if size else f"{what} ({why})")
-        for what, why in planned.left_out:
-            typer.echo(f"left out: {what}, because {why}")
+        planned = commands.plan(file, case=case)
+        for name, one in {"": planned, **planned.cases}.items():
+            if name:
+                typer.echo(f"\ncase {name}")
+            for what, size, why in one.steps:
+                typer.echo(f"{what}: {size} ({why})" if size else f"{what} ({why})")
+            for what, why in one.left_out:
+                typer.echo(f"left out: {what}, because {why}")
 
 
 @app.command()
@@ -170,12 +181,13 @@ def sketch(
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <scene>.svg).")
     ] = None,
+    case: Case = None,
 ) -> None:
     """Draw the train of a scene alone, as SVG; nothing is solved. Exit status as of `plan`."""
     from torsion import commands
 
     with _refusals(file):
-        typer.echo(f"Sketch: {commands.sketch(file, out)}")
+        typer.echo(f"Sketch: {commands.sketch(file, out, case=case)}")
 
 
 @contextmanager
@@ -214,11 +226,11 @@ def _report(
         else:
             from torsion.output.terminal import show
 
-            folder = commands.folder_of(file, out)
+            folder = commands.folder_of(file, out, findings.study.case)
             show(commands.write(findings, folder, report, also=also), folder)
         if matrices is not None:
             typer.echo(commands.write_matrices(findings, matrices))
-    _end(findings.plan.without_answer, findings.exit_status)
+    _end(findings.without_answer, findings.exit_status)
 
 
 def _end(unanswered: Iterable[str], status: int) -> NoReturn:

@@ -1,8 +1,8 @@
 """A file to its findings and its report: what the command does."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +13,12 @@ from torsion.analyses.discretisation import assembled, discretisation_words, has
 from torsion.analyses.response.harmonic_components import lines
 from torsion.analyses.undamped_modes import ModesSettings, modes_settings
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError
-from torsion.findings import Findings, Plan, Progress, silent
+from torsion.errors import Fault, InputError, nearest, printable
+from torsion.findings import NORMAL, Findings, Plan, Progress, silent
 from torsion.rules import needed, not_judged
 from torsion.runner import run
 from torsion.schema.scene_reader import located, read
-from torsion.study import Study
+from torsion.study import Case, Study
 
 if TYPE_CHECKING:
     from torsion.analyses.compare.timing import Timings
@@ -37,22 +37,49 @@ def solve(
     *,
     pdf: bool = False,
     vtu: bool = False,
+    case: str | None = None,
     memory: str | float | None = None,
     progress: Progress = silent,
 ) -> Findings:
     """Read, solve and judge a scene; write its report into `out` (default: reports/<scene>/ beside where you stand).
 
+    Every case of the file is solved beside it and has its own report in a folder there; or of them `case` alone.
+
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
     report stays whole then. With `vtu` the mode shapes are written too, as a surface, and pictured.
     """
-    findings = solved(file, memory=memory, progress=progress)
-    write(findings, folder_of(file, out), also=outputs(pdf=pdf, vtu=vtu))
+    findings = solved(file, case=case, memory=memory, progress=progress)
+    write(findings, folder_of(file, out, findings.study.case), also=outputs(pdf=pdf, vtu=vtu))
     return findings
 
 
-def solved(file: str | Path, *, memory: str | float | None = None, progress: Progress = silent) -> Findings:
-    """Read, solve and judge a scene; nothing is written. memory: as of `run`."""
-    return run(read(file), memory=memory, progress=progress)
+def solved(
+    file: str | Path, *, case: str | None = None, memory: str | float | None = None, progress: Progress = silent
+) -> Findings:
+    """Read, solve and judge a scene; nothing is written. memory: as of `run`; case: one alone, "normal" without any."""
+    study = read(file)
+    return run(study if case is None else one_case(study, case), memory=memory, progress=progress)
+
+
+def one_case(study: Study, case: str | None) -> Study:
+    """The study without its cases, or one of them; raises InputError where none goes by that name."""
+    if case is None or (case == NORMAL and study.cases):
+        return replace(study, cases={})
+    if case in study.cases:
+        return study.cases[case]
+    near = nearest(case, study.cases)
+    known = f"did you mean '{near}'?" if near else f"there is {', '.join((NORMAL, *study.cases))}"
+    hint = known if study.cases else "`cases: {...}` is where a file states them"
+    fault = Fault(("cases",), f"no case is called '{printable(case)}'", hint, at_key=True)
+    raise located(InputError([fault]), study)
+
+
+def _beside(study: Study, left_out: tuple[tuple[str, str], ...], command: str) -> tuple[tuple[str, str], ...]:
+    """What was left out, with the cases of a study of which one alone was taken."""
+    if not study.cases:
+        return left_out
+    words = f"`torsion {command}` takes one: the file as it stands, or that of --case; `torsion solve` solves all"
+    return (*left_out, (f"the cases {', '.join(study.cases)}", words))
 
 
 def outputs(**requested: bool) -> tuple[str, ...]:
@@ -60,9 +87,12 @@ def outputs(**requested: bool) -> tuple[str, ...]:
     return tuple(name for name, is_requested in requested.items() if is_requested)
 
 
-def folder_of(file: str | Path, out: str | Path | None) -> Path:
-    """Where the report of a scene goes."""
-    return Path(out) if out is not None else Path("reports") / Path(file).stem
+def folder_of(file: str | Path, out: str | Path | None, case: Case | None = None) -> Path:
+    """Where the report of a scene goes, or of one case alone."""
+    if out is not None:
+        return Path(out)
+    folder = Path("reports") / Path(file).stem
+    return folder if case is None else folder / case.folder
 
 
 def write(findings: Findings, folder: Path, report: str = "solve", *, also: Collection[str] = ()) -> "Document":
@@ -106,15 +136,18 @@ def _writing(study: Study | None, what: str, place: Path, remedy: str = "") -> I
         raise error if study is None else located(error, study) from None
 
 
-def joint(file: str | Path, *, turns: int | None = None, progress: Progress = silent) -> Findings:
-    """Read a scene and compute its joints alone, with the rules that judge them; nothing is written.
+def joint(
+    file: str | Path, *, turns: int | None = None, case: str | None = None, progress: Progress = silent
+) -> Findings:
+    """Read a scene, or one case of it, and compute its joints alone, with their rules; nothing is written.
 
     `turns` takes the place of the file's own. Raises InputError, also where the train has no joint, and SolveError.
     """
     from torsion.analyses.joints.joint_analysis import JointsSettings
     from torsion.rules.universal_joints import tubes
 
-    study = read(file)
+    scene = read(file)
+    study = one_case(scene, case)
     if not study.has_joints:
         fault = Fault(("train",), "the train has no joint", "`torsion joint` reports joints; use `torsion solve`")
         raise located(InputError([fault]), study)
@@ -126,18 +159,21 @@ def joint(file: str | Path, *, turns: int | None = None, progress: Progress = si
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
     supported = [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks] if rules else []
     unjudged = tuple((f"{JOINT_RULES[0]}: bending of {name}", ON_SUPPORTS) for name in supported)
-    return replace(findings, plan=replace(findings.plan, left_out=(REST, *mine, *unjudged)))
+    left_out = _beside(scene, (REST, *mine, *unjudged), "joint")
+    return replace(findings, plan=replace(findings.plan, left_out=left_out))
 
 
-def check(file: str | Path, *, progress: Progress = silent) -> Findings:
-    """Read a scene and compare the models of its shafts, whether it requests that or not; nothing is written.
+def check(file: str | Path, *, case: str | None = None, progress: Progress = silent) -> Findings:
+    """Read a scene, or one case of it, and compare the models of its shafts, requested or not; nothing is written.
 
     Raises InputError, also for closed loops, of which there is no exact model, and SolveError.
     """
-    study = read(file)
+    scene = read(file)
+    study = one_case(scene, case)
     findings = run(replace(study, rules=()), only=("check",), progress=progress)
     rest = ("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
-    return replace(findings, study=study, plan=replace(findings.plan, left_out=(*findings.plan.left_out, rest)))
+    left_out = _beside(scene, (*findings.plan.left_out, rest), "check")
+    return replace(findings, study=study, plan=replace(findings.plan, left_out=left_out))
 
 
 def study(
@@ -145,9 +181,10 @@ def study(
     *,
     tolerance: str | float | None = None,
     quick: bool = False,
+    case: str | None = None,
     progress: Progress = silent,
 ) -> "tuple[Findings, Timings]":
-    """Read a scene and time every model and method on it, against their errors; nothing is written.
+    """Read a scene, or one case of it, and time every model and method on it, against their errors; nothing is written.
 
     tolerance: relative, or text such as "0.1 %". Raises InputError, also where there is nothing to compare, and
     SolveError.
@@ -157,7 +194,7 @@ def study(
     from torsion.rules import needed
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
-    scene = read(file)
+    scene = one_case(read(file), case)
     try:
         system, ruled = assembled(scene), needed(scene)
         timings = study_times(
@@ -232,11 +269,21 @@ class Planned:
 
     steps: tuple[tuple[str, str, str], ...]  # (what, size, why)
     left_out: tuple[tuple[str, str], ...]  # (what, why)
+    cases: "Mapping[str, Planned]" = field(default_factory=dict)  # by name
 
 
-def plan(file: str | Path) -> Planned:
-    """Read a scene and say what `solve` would compute; nothing is solved. Raises InputError as `solve` does."""
+def plan(file: str | Path, *, case: str | None = None) -> Planned:
+    """Read a scene and say what `solve` would compute of it and of its cases, or of one `case`; nothing is solved.
+
+    Raises InputError as `solve` does.
+    """
     study = read(file)
+    found = _planned(one_case(study, case))
+    return found if case is not None else replace(found, cases={key: _planned(one) for key, one in study.cases.items()})
+
+
+def _planned(study: Study) -> Planned:
+    """What would be computed of one study."""
     ruled, system = needed(study), assembled(study)
     if highest := highest_excited(study, system, ruled):
         system = assembled(study, highest)
@@ -287,8 +334,8 @@ def _lacking(study: Study, system: System, ruled: frozenset[str]) -> dict[str, s
     }  # fmt: skip
 
 
-def sketch(file: str | Path, out: str | Path | None = None) -> Path:
-    """Draw the train of a scene alone, as SVG, into `out` (default: <scene>.svg where you stand); its path.
+def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None = None) -> Path:
+    """Draw the train of a scene, or of one case, as SVG, into `out` (default: <scene>.svg where you stand); its path.
 
     Nothing is solved. Raises InputError, also where the file cannot be written.
     """
@@ -296,7 +343,7 @@ def sketch(file: str | Path, out: str | Path | None = None) -> Path:
     from torsion.output.drawing.svg import svg
     from torsion.output.figures.figure import Figure
 
-    findings = run(replace(read(file), rules=()), only=("assembly",))
+    findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
     place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
     figure = next(block for block in chapter(findings) if isinstance(block, Figure))
     with _writing(findings.study, "the sketch", place):

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 Settings = TypeVar("Settings", bound=Declared)
+NORMAL = "normal"  # what the file as it stands is called among its cases
 Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
 
@@ -76,11 +77,6 @@ class Plan:
     versions: dict[str, str] = result("", (), "versions of the libraries")
 
     unanswered: tuple[Unanswered, ...] = result("", (), "analyses without an answer", default=())
-
-    @property
-    def without_answer(self) -> tuple[str, ...]:
-        """Every analysis without an answer, with its cause, as the commands say it."""
-        return tuple(f"no answer: {one.what}\n{one.text}" for one in self.unanswered)
 
     @derived("", (), "what was left out, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:
@@ -157,6 +153,7 @@ class Findings(Displayed, Results):
     """Everything that a study requests."""
 
     plan: Plan
+    cases: "Mapping[str, Findings]" = field(default_factory=dict)  # of every case of the study, by name
 
     @property
     def failed(self) -> bool:
@@ -165,12 +162,39 @@ class Findings(Displayed, Results):
 
     @property
     def exit_status(self) -> int:
-        """What a command ends with that printed them."""
-        if any(one.is_input for one in self.plan.unanswered):
+        """What a command ends with that printed them: of several cases the worst that is judged."""
+        judged = [one for one in self.each.values() if one.is_judged or not self.cases]
+        unanswered = [what for one in judged for what in one.plan.unanswered]
+        if any(one.is_input for one in unanswered):
             return BAD_INPUT
-        if any(one.is_named for one in self.plan.unanswered):
+        if any(one.is_named for one in unanswered):
             return REFUSED
-        return FAILED_CHECK if self.failed else SOLVED
+        return FAILED_CHECK if any(one.failed for one in judged) else SOLVED
+
+    @property
+    def without_answer(self) -> tuple[str, ...]:
+        """Every analysis without an answer, and the case that it is of, with its cause, as the commands say it."""
+        return tuple(
+            f"no answer: {one.what}{f' of case {name}' if self.cases and one.analysis else ''}\n{one.text}"
+            for name, found in self.each.items()
+            for one in found.plan.unanswered
+        )
+
+    @property
+    def is_answered(self) -> bool:
+        """There are results; a case may have none, and its plan then says why."""
+        return bool(self.results)
+
+    @property
+    def is_judged(self) -> bool:
+        """It counts for the verdict over all cases."""
+        return self.study.case is None or self.study.case.is_judged
+
+    @property
+    def each(self) -> "dict[str, Findings]":
+        """These findings and those of every case, by name; a study that has no case is `normal`."""
+        own = self.study.case.name if self.study.case is not None else NORMAL
+        return {own: self, **self.cases}
 
 
 @dataclass(frozen=True)

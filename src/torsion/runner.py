@@ -6,7 +6,7 @@ from dataclasses import replace
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import Findings, Progress, Unanswered, Work, silent
+from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import located
@@ -23,7 +23,7 @@ ANSWERS = (  # results of which one at least makes a report
 def run(
     study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
 ) -> Findings:
-    """Compute everything that the study requests, or of it `only` those analyses and what they need.
+    """Compute everything that the study requests, and its cases, or of it `only` those analyses and what they need.
 
     An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
     raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
@@ -31,10 +31,55 @@ def run(
     """
     if memory is not None:
         study = replace(study, memory=bytes_of(memory))
-    work = Work(study, {}, progress=progress, ruled=rules.needed(study), rules=judgement)
+    if not study.cases:
+        return _one(study, only, progress)
+    total = 1 + len(study.cases)
+    found = _one(study, only, _part_of(progress, NORMAL, (0, total)))
+    cases = {}
+    for place, (name, case) in enumerate(study.cases.items(), start=1):
+        part = _part_of(progress, name, (place, total))
+        part("", 0.0)
+        try:
+            cases[name] = _one(replace(case, memory=study.memory), only, part)
+        except (InputError, SolveError) as error:
+            cases[name] = _without_answer(case, error)
+    return replace(found, cases=cases)
+
+
+def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:
+    """The progress of one case as a share of that of all."""
+    at, total = place
+    return lambda what, share: progress(f"case {name}{': ' if what else ''}{what}", (at + share) / total)
+
+
+def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
+    """The findings of a case that has none, whose plan says why."""
+    name = case.case.name if case.case is not None else ""
+    if isinstance(error, InputError):
+        why = "; ".join(_message(fault, case) for fault in error.faults)
+        remedy, text = "; ".join(fault.hint for fault in error.faults if fault.hint), str(error)
+    else:
+        why, remedy, text = error.message, error.hint, error.located or str(error)
+    one = Unanswered("", f"case '{name}'", why, remedy, None, True, isinstance(error, InputError), text)
+    return Findings(case, {}, Plan((), ((one.what, one.words),), {}, (one,)))
+
+
+def _message(fault: Fault, study: Study) -> str:
+    """The message of a fault, without the case that it is of."""
+    return fault.message.removeprefix(f"case '{study.case.name}': ") if study.case is not None else fault.message
+
+
+def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
+    """The findings of a study, without its cases."""
+    names = _with_needs(only) if only else list(ANALYSES)
+    judged = replace(study, rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)))
+    work = Work(judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement)
+    for name, _ in study.rules:
+        if name not in dict(judged.rules):
+            work.log.without(f"the rule {name}", "what it reads is not requested")
     errors = []
     try:
-        for name in ordered({key: ANALYSES[key] for key in _with_needs(only)} if only else ANALYSES):
+        for name in ordered({key: ANALYSES[key] for key in names}):
             analysis = ANALYSES[name]
             if name in study.analyses or name in only or analysis.wanted(study):
                 try:
@@ -69,7 +114,7 @@ def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError |
     known = (
         located(InputError(faults), study) if all(fault.path for fault in faults) else InputError(faults, str(error))
     )
-    why = "; ".join(fault.message.removeprefix(f"{analysis.title}: ") for fault in known.faults)
+    why = "; ".join(_message(fault, study).removeprefix(f"{analysis.title}: ") for fault in known.faults)
     remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
     line = next((fault.line for fault in known.faults if not fault.file), None)
     return Unanswered(name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known))

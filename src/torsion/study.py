@@ -173,6 +173,40 @@ class FrontMatter(Declared):
 
 
 @dataclass(frozen=True)
+class Change:
+    """One thing that a case changes, in words: what, its value without the case, and with it."""
+
+    what: str
+    before: str
+    after: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """What makes a study the case of another one."""
+
+    name: str
+    changes: tuple[Change, ...]
+    is_judged: bool = True  # it counts for the verdict over all cases
+    is_corner: bool = False  # its couplings are at an end of their tolerances
+    source: Any = field(default=None, repr=False, compare=False)  # the values of the file, changed, with their places
+
+    @property
+    def folder(self) -> str:
+        """The folder of its report, in that of the others."""
+        return case_folder(self.name)
+
+
+def case_folder(name: str) -> str:
+    """The name of a case as that of a folder.
+
+    >>> case_folder("zero pitch, 50 %")
+    'zero-pitch-50'
+    """
+    return re.sub(r"[^\w+]+", "-", name).strip("-") or "case"
+
+
+@dataclass(frozen=True)
 class Study:
     """A scene: everything that a file says."""
 
@@ -190,11 +224,18 @@ class Study:
     memory: float = MEMORY  # bytes that a response may need
     document: FrontMatter | None = None
     logo: str = ""  # its picture as a data URI
+    case: Case | None = None  # which one of another study it is
+    cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
 
     @property
     def has_supports(self) -> bool:
         """A shaft has a `support`: its bending is computed."""
         return any(self.train.shaft(bar).support for bar in self.train.bars)
+
+    @property
+    def varies_tolerances(self) -> bool:
+        """It, or a case of it, has the couplings at an end of their tolerances."""
+        return any(one.case is not None and one.case.is_corner for one in (self, *self.cases.values()))
 
     @property
     def has_joints(self) -> bool:

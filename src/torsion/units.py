@@ -114,6 +114,15 @@ def written(text: str, unit: str) -> tuple[str, float]:
     return (unit, 1.0) if size is None else (spelled, float(size))
 
 
+def amount(text: str) -> tuple[Fraction, str]:
+    """The number in front of a quantity, exact, and what stands behind it; raises UnitFault.
+
+    >>> amount("1.5 kN*m")
+    (Fraction(3, 2), 'kN*m')
+    """
+    return _parts(text)
+
+
 def needs_unit(unit: str) -> bool:
     """A bare number in this unit could be read in two ways: degrees or radians, rpm or rad/s."""
     return unit in {"rad", "rad/s"}

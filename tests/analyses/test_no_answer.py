@@ -199,4 +199,19 @@ def test_a_tolerance_that_is_read_but_not_varied_is_said_in_the_plan():
         "name: x\ntrain: [disc: {inertia: 1}, coupling: {name: k, stiffness: 5, tolerance: 15 %}, disc: {inertia: 2}]\n"
     )
     left = dict(torsion.run(torsion.parse(text)).plan.left_out)
-    assert left["the tolerance of 'k'"] == "its 15 % are not varied; every result is at the nominal stiffness"
+    assert left["the tolerance of 'k'"] == (
+        "its 15 % are not varied; every result is at the nominal stiffness (`cases: {from: tolerances}` varies them)"
+    )
+
+
+def test_of_some_analyses_the_rules_that_read_others_are_left_out():
+    text = "name: x\noperation: {speeds: {from: 300 rpm, to: 900 rpm}, rated: {speed: 800 rpm, power: 50 kW}}\n"
+    text += "train: [motor: {inertia: 1, ripple: [{order: 2, torque: 5 %}]}, "
+    text += (
+        "coupling: {stiffness: 5e4, psi: 0.5, vibratory_torque: 9}, propeller: {inertia: 2}]\nrules: [coupling-maker]\n"
+    )
+    found = torsion.run(torsion.parse(text), only=("modes",))
+    assert found.study.rules
+    assert found.results["checks"].lines == ()
+    assert dict(found.plan.left_out)["the rule coupling-maker"] == "what it reads is not requested"
+    assert torsion.run(torsion.parse(text), only=("response",)).results["checks"].lines

@@ -71,8 +71,13 @@ def of_pages(findings: Findings) -> dict[str, dict[str, str]]:
             blocks[f"{len(blocks)} {name}"] = digest(block.panels if isinstance(block, Figure) else asdict(block))
     if findings.results.get("check") is None:
         found["terminal"] = {"all": digest(terminal(whole))}
-    made = {key: one for key, one in results(findings).items() if key not in LEFT_OUT}
+    made = _kept(results(findings))
+    made["cases"] = {name: _kept(one) for name, one in made["cases"].items()}
     return found | {"results.json": {key: digest(one) for key, one in made.items()}}
+
+
+def _kept(made: dict[str, Any]) -> dict[str, Any]:
+    return {key: one for key, one in made.items() if key not in LEFT_OUT}
 
 
 def terminal(whole: Document) -> list[str]:

@@ -15,12 +15,13 @@ from tests.contracts.frozen import SCENES
 from tests.contracts.printed import Interval, Row, printed, rows
 
 import torsion
-from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.output.blocks import Column, Table
 from torsion.output.chapters import chapters
 from torsion.output.numbers import ROUNDING, symbols
 from torsion.output.reported_values import NOTHING
 from torsion.output.results_json import results
+from torsion.output.selection import elements
 
 Found = dict[str, Any]
 Values = Callable[[Found, Row], Iterable[Any]]
@@ -71,15 +72,21 @@ def largest(path: str) -> Values:
     return lambda found, row: [max(flat(of_element(found, path, row)))]
 
 
-def somewhere(path: str) -> Values:
-    """Any value of the element that the row is about."""
-    return lambda found, row: flat(of_element(found, path, row))
-
-
 def of_element(found: Found, path: str, row: Row) -> Any:
     result, name = path.split(".")
     element = next(row[title] for title in ("Element", "Mesh", "Coupling") if title in row)
     return found[result][name][found[result]["element"].index(element)]
+
+
+def within(what: str) -> Values:
+    """Any value in the spans of the element that the row is about; results.json has its largest alone."""
+
+    def values(found: Found, row: Row) -> list[float]:
+        findings = found["findings"]
+        spans = next(list(one.spans) for one in elements(findings.system) if one.name == row["Element"])
+        return getattr(findings.need(Synthesis), what)[:, spans].ravel().tolist()
+
+    return values
 
 
 def amplitudes(what: str) -> Values:
@@ -96,6 +103,19 @@ def of_check(*names: str) -> Values:
                 yield from (value for name in names for value in flat(one[name]))
 
     return values
+
+
+def of_cases(*paths: str, how: Callable[[list[Any]], Iterable[Any]] = iter) -> Values:
+    """Any value at these keys in any case, or what follows from all in one."""
+    return lambda found, row: (
+        as_number(one)
+        for case in (found, *found["cases"].values())
+        for one in how([value for path in paths for value in at(case, path)])
+    )
+
+
+def not_passed(verdicts: list[str]) -> Iterable[int]:
+    return [sum(one in ("fail", "not kept") for one in verdicts)]
 
 
 def speed_amplitudes(found: Found, row: Row) -> Iterator[float]:
@@ -145,6 +165,14 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Barred ranges", "Critical speed"): key("checks[].barred[].critical_rad_per_s"),
     ("Barred ranges", "From by formula"): key("checks[].barred[].formula_lower_rad_per_s"),
     ("Barred ranges", "To by formula"): key("checks[].barred[].formula_upper_rad_per_s"),
+    ("Checks side by side", ""): of_cases("checks[].value", "checks[].limit"),
+    ("The cases", "Checks"): of_cases("checks[].verdict", how=lambda verdicts: [len(verdicts)]),
+    ("The cases", "Not passed"): of_cases("checks[].verdict", how=not_passed),
+    ("The cases", "Highest utilisation"): of_cases("checks[].utilisation"),
+    ("Natural frequencies of the cases", "Mode"): of_cases("modes.frequency_Hz"),
+    ("Damped natural frequencies of the cases", "Mode"): of_cases("damped_modes.frequency_Hz"),
+    ("Ranges barred for continuous operation in", "From"): of_cases("checks[].barred[].lower_rad_per_s"),
+    ("Ranges barred for continuous operation in", "To"): of_cases("checks[].barred[].upper_rad_per_s"),
     ("Components", "Speed ratio"): key("stations[].speed_ratio"),
     ("Natural frequencies of the undamped", "Frequency"): key("modes.frequency_Hz"),
     ("Natural frequencies of the undamped", "Per minute"): key("modes.frequency_Hz"),
@@ -171,8 +199,8 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Largest vibratory torque", "Synthesis"): largest("synthesis.half_range_Nm"),
     ("Largest vibratory torque", "At speed"): key(f"response.{RPM}"),
     ("Largest vibratory torque", "Its torque"): amplitudes("torque"),
-    ("Largest vibratory torque", "RMS"): somewhere("synthesis.rms_Nm"),
-    ("Largest vibratory torque", "Sum of magnitudes"): somewhere("synthesis.bound_Nm"),
+    ("Largest vibratory torque", "RMS"): within("rms"),
+    ("Largest vibratory torque", "Sum of magnitudes"): within("bound"),
     ("Largest vibratory torque", "Mean"): key("response.mean_torque_Nm", "mean.torque_Nm"),
     ("Resonance peaks", "Torque amplitude"): amplitudes("torque"),
     ("Resonance peaks", "At speed"): key(f"response.{RPM}"),
@@ -278,7 +306,7 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
 }
 # the figures of the file, checked by their chapters
 INPUT = ("Motors", "Couplings: ratings", "Gears", "Propellers and", "Harmonic torques", "Internal damping",
-         "Damping to ground", "Dimensions of the shafts")  # fmt: skip
+         "Damping to ground", "Dimensions of the shafts", "What the cases change", "Changes of the input")  # fmt: skip
 RECOMPUTED = ("Inertias as given", "Elastic elements", "Holzer table", "Constants of the shafts")
 OF_OTHERS = {  # columns of figures that follow from declared ones by a formula of their chapter, checked there
     "Components": ("Rated speed",), "Barred ranges": ("λ",), "Mean torque at": ("Own speed", "Power"),

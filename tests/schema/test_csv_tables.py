@@ -320,3 +320,42 @@ def test_no_table_ends_in_a_traceback(tmp_path_factory: pytest.TempPathFactory, 
 )  # fmt: skip
 def test_a_table_where_none_can_stand_is_refused(tmp_path: Path, train: str, expected: str) -> None:
     assert any(fault.startswith(expected) for fault in faults(tmp_path, GOOD, train))
+
+
+CASES = "cases:\n  soft: {scale: {coupling-1.stiffness: 50 %}}\n  heavy: {set: {b.inertia: 5}}\n"
+
+
+def test_a_case_changes_what_a_table_states(tmp_path: Path) -> None:
+    found = study(tmp_path, GOOD, f"train: {{table: line.csv}}\n{CASES}")
+    soft, heavy = found.cases["soft"], found.cases["heavy"]
+    assert soft.train.springs[0].flexibility == pytest.approx(2.0 * found.train.springs[0].flexibility, rel=1e-15)
+    assert [one.inertia for one in heavy.train.inertias] == [1.0, 5.0]
+    assert [one.before for case in (soft, heavy) for one in case.case.changes] == ["20 kN*m/rad", "2 kg*m**2"]
+    made = torsion.run(found)
+    whole = hashlib.sha256((found.text + GOOD).encode()).hexdigest()
+    assert {results(one)["scene"]["sha256"] for one in made.each.values()} == {whole}
+    assert made.cases["soft"].results["modes"].frequency[0] == pytest.approx(
+        made.results["modes"].frequency[0] / 2.0**0.5, rel=1e-12
+    )
+
+
+def test_a_case_takes_rows_of_a_table_away(tmp_path: Path) -> None:
+    longer = f"{GOOD}coupling,c,,7\ndisc,d,3,\n"
+    found = study(tmp_path, longer, "train: {table: line.csv}\ncases: {short: {remove: [c, d]}}\n")
+    assert [part.name for part in found.cases["short"].train.parts] == ["a", "coupling-1", "b"]
+
+
+def test_what_a_case_states_wrongly_of_a_table_is_quoted_where_the_case_states_it(tmp_path: Path) -> None:
+    line = "train: {table: line.csv}\ncases:\n  x: {set: {b.inertia: 5 N}}\n"
+    (said,) = faults(tmp_path, GOOD, line)
+    assert said.startswith("scene.yaml:5:24: case 'x': ")
+    (said,) = faults(tmp_path, GOOD, line.replace("5 N", "5, b.inerta: 1"))
+    assert said.startswith("scene.yaml:5:27: case 'x': ")
+
+
+def test_a_case_names_a_table_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "load.csv").write_text("speed [rpm],torque [N*m]\n300,10\n900,90\n")
+    line = "train: {table: line.csv}\ncases: {x: {set: {operation.load: {table: load.csv}}}}\n"
+    found = study(tmp_path, GOOD, line + "rules: []\n")
+    assert len(found.cases["x"].operation.load) == 2
+    assert [name for name, _ in found.tables] == ["line.csv", "load.csv"]

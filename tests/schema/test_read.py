@@ -166,7 +166,7 @@ def test_example_reads_with_every_optional_key_that_it_shows():
     lines, found = template("example.yaml").splitlines(), 0
     for number, line in enumerate(lines):
         key = line.strip().removeprefix("# ")
-        indented = line.startswith(("  ", "# analyses:", "# excitations:", "#   "))
+        indented = line.startswith(("  ", "# analyses:", "# excitations:", "# cases:", "#   "))
         if line.strip().startswith("#") and indented and "youngs" not in key:
             lines[number] = line.replace("# ", "", 1)
             found += 1
@@ -175,6 +175,7 @@ def test_example_reads_with_every_optional_key_that_it_shows():
     kinds = {part.kind for part in study.train.parts}
     assert kinds >= {"joint", "disc", "damper", "branch"}
     assert list(study.analyses) == ["modes", "response"]
+    assert list(study.cases) == ["warm"]
 
 
 def test_reading_imports_only_the_kinds_that_the_file_names():

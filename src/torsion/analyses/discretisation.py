@@ -88,8 +88,9 @@ def run_assembly(work: Work) -> None:
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     for part in work.study.train.parts:
-        if part.ratings is not None and part.ratings.tolerance:
+        if part.ratings is not None and part.ratings.tolerance and not work.study.varies_tolerances:
             why = f"its {100 * part.ratings.tolerance:.3g} % are not varied; every result is at the nominal stiffness"
+            why += "" if work.study.case is not None else " (`cases: {from: tolerances}` varies them)"
             work.log.without(f"the tolerance of '{part.name}'", why)
         if part.nonlinear is not None:
             what = "all but motion over time takes" if part.is_clutch else "modes take"

@@ -46,6 +46,7 @@ class Column:
     unit: str = ""
     align: Literal["left", "right", "center"] = "right"
     short: str = ""  # its title on the terminal; '' where it is left out there
+    is_files: bool = False  # its cells name files beside the report, to which they lead on a page
 
 
 @dataclass(frozen=True)

@@ -114,9 +114,9 @@ def document(
 
 
 def _ending(findings: Findings) -> Ending:
-    done = findings.plan.done
+    done = [line for found in findings.each.values() for line in found.plan.done]
     work = f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s" if done else ""
-    return Ending(findings.exit_status, work, findings.plan.without_answer)
+    return Ending(findings.exit_status, work, findings.without_answer)
 
 
 def _cover(findings: Findings, today: date | None, title: str) -> Cover:
@@ -124,6 +124,7 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
     study, front, sha = findings.study, findings.study.document, checksum(findings.study) or ""
     stated = {} if front is None else front.model_dump(exclude_none=True)
     label = [words + stated[key] for key, words in LABEL.items() if key in stated]
+    case = [f"case {study.case.name}"] if label and study.case is not None else []
     facts = [
         ("Document", ", ".join(label)),
         *((words, stated.get(key, "")) for key, words in FRONT_MATTER.items()),
@@ -136,7 +137,7 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
         ("Date", today.isoformat() if today else ""),
     ]
     return Cover(
-        title, study.name, tuple(fact for fact in facts if fact[1]), identity=" · ".join(label) or study.name,
+        title, study.name, tuple(fact for fact in facts if fact[1]), identity=" · ".join([*label, *case]) or study.name,
         origin=f"input SHA-256 {sha[:SHORT]}" if sha else "", logo=study.logo,
         signatures=() if front is None else tuple((words, stated.get(key, "")) for key, words in SIGNED.items()),
     )  # fmt: skip

@@ -16,6 +16,7 @@ from torsion.output.drawing.live import Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import SUBSCRIPT
 from torsion.output.figures.figure import Figure, Twisted
+from torsion.output.numbers import NONE
 
 LONG_WORD = 20  # characters
 SCRIPTS = tuple(f"report_{part}.js" for part in ("numbers", "plots", "cursor", "input", "modes", "page"))
@@ -44,7 +45,7 @@ def environment(drawn: Callable[[Figure], str]) -> Environment:
         loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True,
     )  # fmt: skip
-    made.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word)
+    made.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word, linked=linked)
     made.filters.update(drawn=lambda figure: Markup(drawn(figure)), kind=lambda block: type(block).__name__)
     return made
 
@@ -66,6 +67,11 @@ def _template(name: str) -> Markup:
 def words(text: str) -> Markup:
     """Text escaped, with its subscripts."""
     return Markup(SUBSCRIPT.sub(r"<sub>\1</sub>", str(escape(text))))
+
+
+def linked(text: str) -> Markup:
+    """The name of a file, which leads there; of none its sign."""
+    return escape(text) if text == NONE else Markup('<a href="{0}">{0}</a>').format(text)
 
 
 def css_text(text: str) -> Markup:

@@ -52,14 +52,17 @@ def beside(document: Document) -> Callable[[Path], list[Path]] | None:
     return written if document.beside else None
 
 
-def files(document: Document, findings: Findings | None = None, also: Collection[str] = ()) -> dict[str, Content]:
-    """Name and content of every file of a report, `also` of the outputs that are written on request.
+def files(
+    document: Document, findings: Findings | None = None, also: Collection[str] = (), without: Collection[str] = ()
+) -> dict[str, Content]:
+    """Name and content of every file of a report, `also` of the outputs on request and not of those `without`.
 
     Without the findings: of every file that the document alone makes.
     """
     found = {}
     for name, output in OUTPUTS.items():
-        if output.suffix and (not output.on_request or name in also) and not (output.of_findings and findings is None):
+        is_made = output.suffix and name not in without and (not output.on_request or name in also)
+        if is_made and not (output.of_findings and findings is None):
             content = output(document, *([findings] if output.of_findings and findings else []))
             if content is not None:
                 found[document.report.files.get(name, document.report.stem + output.suffix)] = content

@@ -7,6 +7,7 @@ and ratios are texts "a/b".
 import json
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
+MOST_OF_A_CASE = 2_000  # the same in `cases`, so that many of them do not make a file of many times the size
 BLOCK = 10_000  # numbers turned into text at once
 
 
@@ -76,16 +78,19 @@ def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = M
 
     Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name.
     """
-    beside = file.with_name(SERIES)
+    beside, opened = file.with_name(SERIES), ExitStack()
+    archive: list[zipfile.ZipFile] = []  # made with the first array that stands in it
 
     def stored(name: str, array: NDArray[Any]) -> Any:
-        if array.size <= most:
+        if array.size <= (min(most, MOST_OF_A_CASE) if name.startswith("cases.") else most):
             return array
-        with zipfile.ZipFile(beside, "a") as archive, archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+        if not archive:
+            archive.append(opened.enter_context(zipfile.ZipFile(beside, "w")))
+        with archive[0].open(f"{name}.npy", "w", force_zip64=True) as member:
             np.lib.format.write_array(member, array, allow_pickle=False)
         return {"file": SERIES, "array": name, "shape": list(array.shape)}
 
-    with file.open("w", encoding="utf-8", newline="\n") as target:
+    with opened, file.open("w", encoding="utf-8", newline="\n") as target:
         target.writelines(lines((key, replaced(make(), stored, key)) for key, make in parts.items()))
     return [file, beside] if beside.exists() else [file]
 
@@ -128,6 +133,7 @@ def _joined(brackets: str, parts: Iterable[Iterable[str]]) -> Iterator[str]:
 
 
 FORMAT = 1
+OF_ALL_CASES = ("format", "program", "legend", "cases")  # keys that no case has of its own
 HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has
 LEGEND = {
     "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
@@ -138,8 +144,9 @@ LEGEND = {
     "status": "ok, near-singular or singular: how far a line can be trusted; where not ok, amplitudes are null",
     "long_shafts": f"of a shaft of more than {MOST_GROUPS} segments groups are reported, as `name [first..last]`: "
     "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
-    "series": f"an array of more than {MOST_NUMBERS} numbers stands in {SERIES} beside this file, and here instead "
-    "{file, array, shape}: the file, the name of the array in it and its shape; null is NaN there, words are texts",
+    "series": f"an array of more than {MOST_NUMBERS} numbers, in `cases` of {MOST_OF_A_CASE}, stands in {SERIES} "
+    "beside this file, and here instead {file, array, shape}: the file, the name of the array in it and its shape; "
+    "null is NaN there, words are texts",
     "null": "no value, not a number, or infinite (a fixed station's inertia)",
 }
 POSITIONS = {
@@ -166,6 +173,11 @@ FIXED = (
     Key("legend", "", (), "conventions in words"),
     Key(reports.KEY, "", (), "in files alone: the report, from which `torsion report` draws it again"),
 )
+
+CASES = Key(
+    "cases", "", (), "of every case by its name all keys of this list but `cases` and those above; a case without an "
+    "answer has `plan` alone, which says why; {} where the file states no case",
+)  # fmt: skip
 
 
 def results(findings: Findings) -> dict[str, Any]:
@@ -205,7 +217,16 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
     }
     found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
     found["plan"] = lambda: plain(findings.plan, chosen)
+    found["cases"] = lambda: {name: _of_case(one) for name, one in findings.cases.items()}
     return {key: make for key, make in found.items() if not only or key in (*HEAD, *only)}
+
+
+def _of_case(findings: Findings) -> dict[str, Any]:
+    """Every key of a case; of one without an answer its plan alone, which says why."""
+    if not findings.is_answered:
+        no_train: Any = None  # a plan runs over none
+        return {"plan": plain(findings.plan, Selection(no_train))}
+    return {key: make() for key, make in _made(findings).items() if key not in OF_ALL_CASES}
 
 
 def documented() -> tuple[Key, ...]:
@@ -213,7 +234,7 @@ def documented() -> tuple[Key, ...]:
     found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
     every = head | found | {"checks": Checks, "plan": Plan}
-    return (*FIXED, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
+    return (*FIXED, CASES, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
 
 
 def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:

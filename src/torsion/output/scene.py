@@ -13,6 +13,7 @@ class Scene:
     """What was read, and how the train is run."""
 
     name: str = result("", (), "name of the scene")
+    case: str | None = result("", (), "which case of the file it is, or null")
     description: str = result("", (), "its description")
     file: str = result("", (), "the file it was read from")
     sha256: str | None = result("", (), "SHA-256 of the file's text and those of its tables behind it, or null")
@@ -74,6 +75,7 @@ def scene(study: Study) -> Scene:
     speeds, rated = study.operation.speeds, study.operation.rated
     return Scene(
         name=study.name,
+        case=None if study.case is None else study.case.name,
         description=study.description,
         file=study.file,
         sha256=checksum(study),

@@ -38,16 +38,18 @@ def show(document: Document, folder: Path | None = None, console: Console | None
 
 
 def screen(document: Document) -> list[RenderableType]:
-    """Everything that is printed; the verdict last, where the eye is."""
+    """Everything that is printed; the verdict last, where the eye is: of several chapters at the end the first."""
     first: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
     if document.cover.numbered:
         first.append(Text(f"{document.cover.identity}, {document.cover.origin}"))
-    last, words = list[RenderableType](), list[RenderableType]()  # of the verdict: its tables, then its sentences
+    ends = list[tuple[list[RenderableType], list[RenderableType]]]()  # of a verdict: its tables, then its sentences
     chapter = said = first
     for block in (item.block for item in document.body):
         match block:
             case Heading(level=1, at_end=at_end):
-                chapter, said = (last, words) if at_end else (first, first)
+                if at_end:
+                    ends.append(([], []))
+                chapter, said = ends[-1] if at_end else (first, first)
             case Table(short=title) if title and block.rows:
                 chapter.append(_in_short(block))
             case Box(sign=sign, text=text, kind=kind, lines=lines):
@@ -57,7 +59,7 @@ def screen(document: Document) -> list[RenderableType]:
                 said.append(Text(_plain(text), style=COLOURS.get(kind, "")))
             case Points(items=items, brief=True):
                 said.append(Text("\n".join(f"- {_plain(item)}" for item in items)))
-    return [*first, *last, *words]
+    return [*first, *(one for tables, words in reversed(ends) for one in (*tables, *words))]
 
 
 def _in_short(table: Table) -> Grid:

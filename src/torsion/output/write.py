@@ -21,16 +21,32 @@ def write(
 ) -> Document:  # fmt: skip
     """Write every file of a report into the folder, `also` those of outputs on request; the report.
 
+    That of every case with an answer goes into a folder of its own there, without its results, which stand among all.
+
     Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    placed = write_texts(files(made, findings, also), folder)
-    for pattern in ("table-[0-9]*.csv", "input.yaml"):
-        for earlier in Path(folder).glob(f"{made.report.stem}-{pattern}"):
-            if earlier not in placed:
-                earlier.unlink(missing_ok=True)  # of an earlier report, of which a table or the input was long
+    contents = files(made, findings, also)
+    for found in findings.cases.values():
+        if found.is_answered and found.study.case is not None:
+            page = document(found, today or date.today(), also, REPORTS[report])
+            own = files(page, found, also, without=("json",))
+            contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
+    placed = write_texts(contents, folder)
+    for one in {path.parent for path in placed}:
+        _clear(made, one, placed)
     return made
+
+
+def _clear(made: Document, folder: Path, placed: Collection[Path]) -> None:
+    """Take away what is left there of an earlier report: of long tables, a long input, or a case solved alone."""
+    stem, of_a_case = made.report.stem, (made.report.files.get("json", f"{made.report.stem}.json"), SERIES)
+    is_case = not any(path.parent == folder and path.suffix == ".json" for path in placed)
+    for pattern in (f"{stem}-table-[0-9]*.csv", f"{stem}-input.yaml", *(of_a_case if is_case else ())):
+        for earlier in folder.glob(pattern):
+            if earlier not in placed:
+                earlier.unlink(missing_ok=True)
 
 
 def redraw(document: Document, folder: str | Path, *, also: Collection[str] = ()) -> None:
@@ -50,6 +66,8 @@ def redraw(document: Document, folder: str | Path, *, also: Collection[str] = ()
 def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Path]:
     """Write contents under their names into the folder, all or none; raises OSError where it cannot be written.
 
+    A name may begin with a folder: `warm/report.html`.
+
     Every file is finished in a temporary folder inside the target before the first is put in its place.
     """
     target = Path(folder)
@@ -58,10 +76,12 @@ def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Pat
     try:
         workshop.mkdir(mode=0o700)
         finished = [path for name, content in contents.items() for path in _finished(workshop / name, content)]
-        placed = [Path(shutil.move(path, target / path.name)) for path in finished]
-        names = {path.name for path in placed}
-        if SERIES not in names and any(name.endswith(".json") for name in names):
-            (target / SERIES).unlink(missing_ok=True)  # of an earlier report
+        for one in {(target / name).parent for name in contents}:
+            one.mkdir(exist_ok=True)
+        placed = [Path(shutil.move(path, target / path.relative_to(workshop))) for path in finished]
+        for one in {path.parent for path in placed if path.suffix == ".json"}:
+            if one / SERIES not in placed:
+                (one / SERIES).unlink(missing_ok=True)  # of an earlier report
         return placed
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
@@ -69,6 +89,7 @@ def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Pat
 
 def _finished(path: Path, content: Content) -> list[Path]:
     """The files of a content, after all of them are on the disk."""
+    path.parent.mkdir(exist_ok=True)
     if callable(content):
         made = content(path)
     else:

@@ -88,7 +88,8 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
             parts += _table(part, key, reading) if is_table else [_spliced(part, "", reading)]
         return node if parts == list(node.parts.values()) else _list(node, parts)
     if isinstance(node.value, dict):
-        inner = {step: _spliced(part, str(step), reading) for step, part in node.parts.items()}
+        last = {step: str(step).rpartition(".")[2] for step in node.parts}  # a case writes `operation.load`
+        inner = {step: _spliced(part, last[step], reading) for step, part in node.parts.items()}
         if inner != node.parts:
             value = node.value | {step: part.value for step, part in inner.items()}
             return replace(node, value=value, parts=inner)
@@ -262,7 +263,11 @@ class _Rows:
         return entry
 
     def _node(self, value: Any, cell: Cell) -> Node:
-        return Node(value, cell.line, cell.column, source=self.source)
+        """A value with all that is in it, at the place of its cell."""
+        inside = dict(value if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
+        parts: dict[str | int, Node] = {step: self._node(one, cell) for step, one in inside.items()}
+        keys = dict.fromkeys(map(str, parts), (cell.line, cell.column))
+        return Node(value, cell.line, cell.column, parts, keys, source=self.source)
 
     def _state(self, body: Node, cell: Cell, column: Column, kind: str) -> None:
         """Enter a cell under its key."""

@@ -108,7 +108,9 @@ def _located(fault: Fault, source: Source) -> Fault:
         quoted = printable(re.sub(r"\s", " ", holds.lines[there - 1]).strip(), _WIDTH // 2)
         message += f" in line {there}" + ("" if holds is where else f" of {holds.name}")
         message += "" if (holds, there) == (where, line) else f", `{quoted}`"
-    return replace(fault, message=message, line=line, column=column, file="" if where is source else where.name)
+    return replace(
+        fault, message=message, line=line, column=column, file="" if where.name == source.name else where.name
+    )
 
 
 def _text(fault: Fault, source: Source) -> str:

@@ -11,6 +11,7 @@ from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.components import KINDS, component
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
+from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.csv_tables import MAPPINGS, PAIRS
 from torsion.schema.manual import EXAMPLES, SETTINGS, declarations
 from torsion.schema.scene_reader import LINKS, Scene
@@ -61,6 +62,8 @@ def json_schema() -> Schema:
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
+    keys_of_case = shared["$defs"]["CaseKeys"]["properties"]
+    keys_of_case["rules"] |= {key: schema["properties"]["rules"][key] for key in ("type", "items")}
     named = {"description": "a CSV file whose rows stand here, one component each", "type": "string"}
     train = _or_table(_list_of(_one_of({**{kind: _kind(kind, refs[kind]) for kind in KINDS}, "table": named})))
     _add_tables(shared["$defs"])
@@ -140,7 +143,15 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "excitations": _or_table(_list_of(refs["excitation"])),
         "analyses": _mapping({"model": {"enum": list(MODELS), "description": model}, **settings}),
         "rules": _list_of(rule),
+        "cases": _cases(refs["case"]),
     }
+
+
+def _cases(case: Schema) -> Schema:
+    """Cases by name, and those of the tolerances."""
+    meaning = "soft and stiff: all couplings at either end of their tolerance"
+    corners = {FROM: {"const": TOLERANCES, "description": meaning}}
+    return {"type": "object", "properties": corners, "additionalProperties": case, "minProperties": 1}
 
 
 def _mapping(properties: Schema) -> Schema:

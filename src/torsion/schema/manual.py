@@ -21,6 +21,7 @@ from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema import template
+from torsion.schema.cases import CaseKeys
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
@@ -130,6 +131,7 @@ def manual() -> str:
         fem=_table(FiniteElements),
         analyses="\n".join(_settings("analysis", name, kind) for name, kind in settings_classes().items()),
         rules="\n".join(_settings("rule", name, rule_settings(name)) for name in RULES),
+        cases=_table(CaseKeys),
         unbuilt=_unbuilt(),
     )
 
@@ -171,7 +173,7 @@ def declarations() -> dict[str, type[Declared]]:
         **{kind: component(kind) for kind in KINDS},
         "document": FrontMatter,
         "material": Material, "operation": Operation, "damping": ModalDamping, "excitation": Excitation,
-        "fem": FiniteElements,
+        "fem": FiniteElements, "case": CaseKeys,
         **settings_classes(), **{name: rule_settings(name) for name in RULES},
     }  # fmt: skip
 

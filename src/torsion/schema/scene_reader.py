@@ -19,12 +19,12 @@ from torsion.fields import Declared, given, required, shown
 from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
+from torsion.schema.component_names import kinds_by_name, repeated_names
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.missing_marks import without_mark
 from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
-from torsion.schema.train_names import kinds_by_name, repeated_names
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
 from torsion.train import Link, Train, lowered, name_fault
@@ -54,26 +54,31 @@ class Scene(Declared):
     excitations: Any = given("torques beyond those that components bring")
     analyses: Any = given("what is computed (default: modes, and response when something excites)")
     rules: Any = given("the rules that are checked")
+    cases: Any = given("variants of this file, solved beside it")
 
 
 def read(path: str | FilePath) -> Study:
     """The study that a file describes; raises InputError with every fault in it."""
-    return _study(read_source(path))
+    return _whole(read_source(path))
 
 
 def parse(text: str, name: str = "train.yaml") -> Study:
     """The study that a text describes; `name` is the file name in messages. Raises InputError."""
-    return _study(parse_source(text, name))
+    return _whole(parse_source(text, name))
 
 
 def located(error: InputError, study: Study) -> InputError:
     """The same faults with the places in the study's file and the lines quoted; for what is found after reading."""
     if not study.text or all(fault.line for fault in error.faults):
         return error
-    return input_error(list(error.faults), _whole(parse_source(study.text, study.file), dict(study.tables)))
+    if study.case is not None:
+        from torsion.schema.cases import located_in_case
+
+        return located_in_case(error, study.case)
+    return input_error(list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables)))
 
 
-def _whole(source: Source, tables: dict[str, str] | None = None) -> Source:
+def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:
     """The source with the rows of the tables that it names, from their files or as they were read before."""
     if "table" not in source.text:
         return source
@@ -82,8 +87,17 @@ def _whole(source: Source, tables: dict[str, str] | None = None) -> Source:
     return with_tables(source, tables)
 
 
+def _whole(source: Source) -> Study:
+    """The study of a file with its tables, and of its cases where it states any."""
+    source = _with_tables(source)
+    if not isinstance(source.data, dict) or source.data.get("cases") is None:
+        return _study(source)
+    from torsion.schema.cases import with_cases
+
+    return with_cases(source, _study)
+
+
 def _study(source: Source) -> Study:
-    source = _whole(source)
     faults = list(source.faults)
     study = _sections(source, faults)
     if study is not None:

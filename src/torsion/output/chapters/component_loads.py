@@ -55,7 +55,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
         return
     of = f"half range of the synthesis of {orders_together(findings)}"
     text = f"Nominal shear stress on the plain section, τ = torque / W_{{p}}, {of}."
-    curves = {bar.name: _curves(findings, bar) for bar in findings.study.train.bars}
+    curves = {bar.name: stress_curves(findings, bar) for bar in findings.study.train.bars}
     if any(curve.continuous is not None for curve in curves.values()):
         text += " τ_{C} limits continuous operation, τ_{T} the stress while a barred range is passed (IACS UR M68)."
     yield Heading("Stress of the shafts")
@@ -80,7 +80,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
         yield Paragraph(f"The {len(drawn)} most stressed of {len(curves)} shafts have a figure.")
 
 
-def _curves(findings: Findings, bar: Bar) -> Curves:
+def stress_curves(findings: Findings, bar: Bar) -> Curves:
     """With the rule's own limits, where the rule is named and the shaft has a role."""
     response, bad = findings.need(Response), unreliable(findings)
     spans, modulus, limited = _section(findings, bar)

@@ -40,6 +40,7 @@ MOST_BARRED, MOST_UNANSWERED = 3, 3  # stated one by one in the box
 MOST_CRITICAL = 5  # critical speeds that are drawn
 MOST_SHARES, FEWEST_SHARES = 20, 8  # shares of limits that are drawn
 LETTERS, USUAL_ROWS = 115, 8  # of a row of the box, and its rows beside which MOST_SHARES have room on A4
+LEAST_FOR_SPEEDS = -6  # shares for which there is room, below two boxes, where the speeds have room
 BRANCHES = 13  # shares for which another row of the sketch leaves no room
 HEIGHT = 190.0  # px from the lowest to the highest axis of the sketch, at most
 Head = tuple[str, str]  # sign, words
@@ -50,7 +51,7 @@ def box(findings: Findings) -> Box:
     """The verdict, its worst place, what is barred and unanswered, and how many checks there are of each verdict."""
     checks = findings.need(Checks).lines
     said = closing.overall(findings).text
-    lines = [("Conclusion", said), *_worst_line(findings)]
+    lines = [("Conclusion", said), *worst_line(findings)]
     lines += [("Barred ranges", "; ".join(words)) for words in [_barred_words(findings)] if words]
     if others := closing.other_restrictions(findings, is_barred=bool(barred(findings))):
         lines.append(("Speeds", " ".join(others)))
@@ -62,7 +63,12 @@ def box(findings: Findings) -> Box:
         lines.append(("Checks", _counts(findings, checks)))
     lines.append(("Calculated", _basis(findings)))
     (sign, words), kind = headline(findings)
-    return Box(sign, words, kind, tuple(lines))
+    return Box(sign, f"Case {case}: {words}" if (case := case_name(findings)) else words, kind, tuple(lines))
+
+
+def case_name(findings: Findings) -> str:
+    """The case that the findings are of; empty of a file without cases."""
+    return next(iter(findings.each)) if findings.cases or findings.study.case is not None else ""
 
 
 def headline(findings: Findings) -> tuple[Head, Kind]:
@@ -86,14 +92,14 @@ def headline(findings: Findings) -> tuple[Head, Kind]:
     return (SIGNS["pass"], ", ".join(["PASS", *limited, *beyond])), "pass"
 
 
-def _worst(findings: Findings) -> Check | None:
+def worst(findings: Findings) -> Check | None:
     """The check that ranks first of those with a limit."""
     return min(filter(is_judged, findings.need(Checks).lines), key=check_words.rank, default=None)
 
 
-def _worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
+def worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
     """The worst check with value, limit, speed and component."""
-    check = _worst(findings)
+    check = worst(findings)
     if check is None or (check.utilisation is None and not check.fails):
         return
     against = f"{check_words.value(check)} against {check_words.limit(check)} {check_words.unit(check)}".rstrip()
@@ -151,14 +157,15 @@ def _basis(findings: Findings) -> str:
     return "; ".join(filter(None, parts))
 
 
-def blocks(findings: Findings, notes: Iterable[Block]) -> Iterator[Block]:
+def blocks(findings: Findings, notes: Iterable[Block], taken: int = 0) -> Iterator[Block]:
     """One A4: the box, the train by its utilisation, the speeds, as many shares of limits as have room, and notes.
 
-    Where few have, they are the first thing behind its end.
+    Where few have, they are the first thing behind its end, and before them the speeds where these have no room either.
+    `taken`: rows of the page that stand before the box.
     """
     verdict, (train, joining) = box(findings), _train(findings)
     axes = {row for link in train.links for row in (link.start[1], link.end[1])}
-    rows = sum(-(-len(text) // LETTERS) for _, text in verdict.lines)
+    rows = taken + rows_of(verdict)
     most = MOST_SHARES - BRANCHES * max(len(axes) - 1, 0) - max(rows - USUAL_ROWS, 0)
     shares = tuple(_shares(findings, most if most >= FEWEST_SHARES else MOST_SHARES))
     yield verdict
@@ -168,11 +175,18 @@ def blocks(findings: Findings, notes: Iterable[Block]) -> Iterator[Block]:
         "stress or torque. Other limits, as that of a least diameter, stand in words. Not to scale" + joining,
         (train,),
     )
-    yield from _speeds(findings)
+    speeds, behind = tuple(_speeds(findings)), bool(taken) and most < LEAST_FOR_SPEEDS
+    yield from () if behind else speeds
     yield from shares if most >= FEWEST_SHARES else ()
     yield from notes
     yield PageEnd()
+    yield from speeds if behind else ()
     yield from shares if most < FEWEST_SHARES else ()
+
+
+def rows_of(made: Box) -> int:
+    """Rows of text that a box has on A4."""
+    return sum(-(-len(text) // LETTERS) for _, text in made.lines)
 
 
 def _train(findings: Findings) -> tuple[Sketch, str]:
@@ -188,12 +202,12 @@ def _train(findings: Findings) -> tuple[Sketch, str]:
 
 def _pointed_at(findings: Findings, links: tuple[Link, ...], *, is_whole: bool) -> tuple[Place, Use] | None:
     """The place of the worst check, and its words; None where it is no single place, or has no share."""
-    worst = _worst(findings)
-    place = None if worst is None else _place(findings, links, worst, is_whole=is_whole)
-    if worst is None or place is None or (worst.utilisation is None and not worst.fails):
+    check = worst(findings)
+    place = None if check is None else _place(findings, links, check, is_whole=is_whole)
+    if check is None or place is None or (check.utilisation is None and not check.fails):
         return None
-    title, found = "worst" if worst.fails else "largest use", check_words.use(worst)
-    return place, replace(found, words=f"{title}: {found.words.partition(' ')[2]}, {symbols(worst.clause)}")
+    title, found = "worst" if check.fails else "largest use", check_words.use(check)
+    return place, replace(found, words=f"{title}: {found.words.partition(' ')[2]}, {symbols(check.clause)}")
 
 
 def _part_of(findings: Findings) -> dict[str, int]:

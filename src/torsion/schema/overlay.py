@@ -1,0 +1,250 @@
+"""What a case of a file changes, as the file's values with their places: keys replaced, multiplied or removed."""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Context, Decimal
+from fractions import Fraction
+from typing import Any
+
+from torsion import units
+from torsion.components.lowering import Part
+from torsion.errors import Fault, Path, nearest, printable
+from torsion.fields import shown
+from torsion.schema.declaration_reader import entries_of
+from torsion.schema.fault_text import Node, Source
+from torsion.study import Change
+
+SECTIONS = ("materials", "operation", "damping", "links", "excitations", "analyses")  # that a key may begin with
+NOT_BY_KEY = {  # section: what changes it
+    "rules": "the case's own key `rules`", "train": "the names of its components, as in `flywheel.inertia`",
+    "name": "nothing: the name of a case is its key", "description": "nothing: it is text",
+    "cases": "another case: `based_on`", "document": "nothing: it is that of all cases",
+}  # fmt: skip
+STEP = re.compile(r"""\s*("[^"]*"|'[^']*'|[^."']+)\s*(\.|$)""")  # of a key path: a word, in quotes where it has dots
+DIGITS = Context(prec=40)  # more than any figure has: what a factor multiplies stays exact
+LONGEST = 60  # characters of a value in words
+Place = tuple[int, int]  # line, column
+
+
+@dataclass
+class Overlay:
+    """What one case changes of a file that a study was read from, collected before it is applied."""
+
+    source: Source
+    parts: Sequence[Part]  # of the study
+    reference: str  # name of the component whose speed is meant
+    faults: list[Fault] = field(default_factory=list)
+    changes: list[Change] = field(default_factory=list)
+    _put: list[tuple[Path, Node, Place]] = field(default_factory=list)
+    _gone: dict[Path, None] = field(default_factory=dict)
+
+    def put(self, path: Path, value: Node, at: Place) -> None:
+        """A value in place of what stands at a path, or beside it; `at` is the place of its key."""
+        own = Source(self.source.name, self.source.text)  # of what a table states, the case states this
+        self._put.append((path, replace(value, source=value.source or own), at))
+
+    def remove(self, path: Path) -> None:
+        """Take away what stands at a path."""
+        self._gone[path] = None
+
+    def replace(self, words: str, value: Node, at: Place, fault: Path) -> None:
+        """Put a value where the words of a key point; `fault` is the place of what is said wrongly."""
+        if (path := self.path(words, fault)) is None:
+            return
+        there = node_at(self.source.root, path)
+        if there is not None and there.value == value.value:
+            message = f"`{printable(words)}` is {in_words(there.value)} already: nothing changes"
+            self.faults.append(Fault(fault, message, "give another value, or leave it out", at_key=True))
+            return
+        before = "not given" if there is None else in_words(there.value)
+        self.changes.append(Change(words, before, in_words(value.value)))
+        self.put(path, value, at)
+
+    def multiply(self, words: str, factor: Fraction, place: Node, at: Place, fault: Path) -> None:
+        """Multiply the number to which the words of a key point."""
+        if (path := self.path(words, fault)) is None:
+            return
+        there = node_at(self.source.root, path)
+        if there is None:
+            message = f"`{printable(words)}` is not given, and only what the file gives is multiplied"
+            self.faults.append(Fault(fault, message, "give its value with `set`", at_key=True))
+        elif (made := multiplied(there.value, factor)) is None:
+            message = f"{shown(there.value)} is no number that can be multiplied"
+            self.faults.append(Fault(fault, message, "give the new value with `set`", at_key=True))
+        else:
+            self.changes.append(Change(words, in_words(there.value), in_words(made)))
+            self.put(path, Node(made, place.line, place.column), at)
+
+    def path(self, words: str, fault: Path) -> Path | None:
+        """The path in the file that the words of a key stand for; None with its fault noted."""
+        found = self._steps(words, fault)
+        if found is None:
+            return None
+        first, is_quoted, steps = found
+        start: Path = (first,)
+        named = next((part for part in self.parts if part.name == first), None)
+        if is_quoted or first not in SECTIONS:
+            if named is None:
+                self.faults.append(self._unknown(first, words, fault, is_quoted))
+                return None
+            if not steps:
+                hint = f"for example `{first}.inertia`; `remove: [{first}]` takes it away"
+                self.faults.append(Fault(fault, f"`{printable(words)}` names a component and no key of it", hint, True))
+                return None
+            start = named.path
+        elif named is not None:
+            hint = f'write `"{first}".{steps[0] if steps else "key"}` for the component, or give it another name'
+            self.faults.append(Fault(fault, f"`{first}` is a section and a component", hint, True))
+            return None
+        if start != (first,) and steps[0] == "name":
+            self.faults.append(Fault(fault, "a case changes no names", "components keep those of the file", True))
+            return None
+        return self._down(start, steps, words, fault)
+
+    def _steps(self, words: str, fault: Path) -> tuple[str, bool, list[str]] | None:
+        """The first word of a key path, whether it stands in quotes, and those behind it."""
+        found, end = list[str](), 0
+        while end < len(words) and (step := STEP.match(words, end)):
+            found.append(step[1].strip())
+            end = step.end()
+        if not found or end < len(words) or words.rstrip().endswith("."):
+            hint = "names and keys with a dot between, as in `flywheel.inertia`; a name that has dots in quotes"
+            self.faults.append(Fault(fault, f"`{printable(words)}` is no path to a key", hint, at_key=True))
+            return None
+        plain = [step[1:-1] if step[0] in "\"'" else step for step in found]
+        return plain[0], found[0] != plain[0], plain[1:]
+
+    def _unknown(self, first: str, words: str, fault: Path, is_quoted: bool) -> Fault:
+        """The fault of a word that neither a component nor a section goes by."""
+        if not is_quoted and first in NOT_BY_KEY:
+            message = f"`{first}` is not changed by its key"
+            return Fault(fault, message, f"what changes it: {NOT_BY_KEY[first]}", at_key=True)
+        names = [part.name for part in self.parts]
+        dotted = next((name for name in names if "." in name and words.startswith(name)), None)
+        if dotted is not None:
+            hint = f'a name that has dots stands in quotes: `"{dotted}"{words[len(dotted) :]}`'
+        else:
+            known = [*names, *SECTIONS]
+            near = nearest(first, known)
+            hint = f"did you mean `{near}`?" if near else f"there is {', '.join(known)}"
+        return Fault(fault, f"no component and no section is called `{printable(first)}`", hint, at_key=True)
+
+    def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
+        """The path that follows the steps; items of a list go by their number, from 1."""
+        node = node_at(self.source.root, path)
+        for step in steps:
+            value = None if node is None else node.value
+            if isinstance(value, list):
+                if not step.isdecimal() or not 1 <= int(step) <= len(value):
+                    hint = f"one of its items by number, 1 to {len(value)}"
+                    message = f"`{printable(step)}` is no item of the list in `{printable(words)}`"
+                    self.faults.append(Fault(fault, message, hint, at_key=True))
+                    return None
+                path = (*path, int(step) - 1)
+            elif value is None or isinstance(value, dict):
+                path = (*path, step)
+            else:
+                message = f"`{path[-1]}` is {in_words(value)}, which has no `{printable(step)}`"
+                self.faults.append(Fault(fault, message, f"set `{path[-1]}` as a whole", at_key=True))
+                return None
+            node = None if node is None else node.parts.get(path[-1])
+        return path
+
+    def applied(self) -> Source:
+        """The file with all of it; components keep the names that they have without it."""
+        root = self.source.root
+        for path, value, at in self._put:
+            root = _with(root, path, value, at)
+        for path in sorted(self._gone, key=lambda path: [(isinstance(step, str), step) for step in path], reverse=True):
+            root = _without(root, path)
+        return replace(self.source, root=root)
+
+
+def node_at(node: Node, path: Path) -> Node | None:
+    """What stands at a path; None where nothing does."""
+    for step in path:
+        found = node.parts.get(step)
+        if found is None:
+            return None
+        node = found
+    return node
+
+
+def _with(node: Node, path: Path, new: Node, at: Place) -> Node:
+    """The same with another value at a path; mappings on the way to it are made."""
+    if not path:
+        return new
+    step, rest = path[0], path[1:]
+    inner = _with(node.parts.get(step) or Node(None, *at, source=new.source), rest, new, at)
+    parts = {**node.parts, step: inner}
+    if isinstance(node.value, list):
+        value = [inner.value if position == step else item for position, item in enumerate(node.value)]
+        return replace(node, value=value, parts=parts)
+    known = node.keys.get(str(step), at) if rest else at
+    return replace(node, value={**(node.value or {}), step: inner.value}, parts=parts,
+                   keys={**node.keys, str(step): known})  # fmt: skip
+
+
+def _without(node: Node, path: Path) -> Node:
+    """The same without what stands at a path; the items behind it in a list move up."""
+    step, rest = path[0], path[1:]
+    if step not in node.parts:
+        return node
+    if rest:
+        inner = _without(node.parts[step], rest)
+        kept = [(key, inner if key == step else part) for key, part in node.parts.items()]
+    else:
+        kept = [(key, part) for key, part in node.parts.items() if key != step]
+    if isinstance(node.value, list):
+        return replace(node, value=[part.value for _, part in kept], parts=dict(enumerate(part for _, part in kept)))
+    keys = {key: place for key, place in node.keys.items() if rest or key != step}
+    return replace(node, value={key: part.value for key, part in kept}, parts=dict(kept), keys=keys)
+
+
+def multiplied(value: Any, factor: Fraction) -> int | float | str | None:
+    """A number of the file, or one with its unit, times a factor; None for anything else.
+
+    >>> multiplied("180 kN*m/rad", Fraction("1.15")), multiplied(40, Fraction("0.5")), multiplied("steel", Fraction(2))
+    ('207 kN*m/rad', 20, None)
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    if isinstance(value, str):
+        try:
+            amount, unit = units.amount(value)
+        except units.UnitFault:
+            return None
+        return None if re.match(r"1/[0-9]", unit) else f"{_figure(amount * factor)} {unit}".strip()
+    try:
+        made = Fraction(repr(value)) * factor
+        return int(made) if isinstance(value, int) and made.denominator == 1 else float(made)
+    except (ValueError, OverflowError):  # not finite
+        return None
+
+
+def _figure(value: Fraction) -> str:
+    """The digits of a fraction, exact where they end."""
+    found = DIGITS.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(DIGITS)
+    return f"{found:f}" if -12 <= found.adjusted() <= 15 else f"{found:E}".replace("+", "")
+
+
+def in_words(value: Any) -> str:
+    """A value of the file on one line."""
+    return printable(_flow(value), LONGEST)
+
+
+def _flow(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_flow, value)) + "]"
+    if isinstance(value, float):
+        return f"{value:.15g}"
+    return "nothing" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def of_list(data: Any, section: str) -> Iterable[tuple[int, dict[str, Any]]]:
+    """Position and body of every mapping in a list of the file."""
+    body = data.get(section) if isinstance(data, dict) else None
+    return ((int(step), item) for step, item in entries_of(body) if isinstance(item, dict))

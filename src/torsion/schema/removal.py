@@ -1,0 +1,120 @@
+"""What a case takes away of a train: a component with all that it carries, and what acts on it or joins it."""
+
+from collections.abc import Sequence
+
+from torsion.components.lowering import Part
+from torsion.errors import Fault, Path, printable
+from torsion.schema.fault_text import Node
+from torsion.schema.overlay import Overlay, in_words, node_at, of_list
+from torsion.study import Change
+
+MAIN = ("train",)
+
+
+def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> None:
+    """Take components, or keys, away by their names; `fault` is the place of the list of names."""
+    parts = {part.name: part for part in overlay.parts}
+    entries: dict[Path, None] = {}  # of the lists of components
+    ends: dict[Path, Path] = {}  # entry of the main train that a name stands for: where it is named
+    for position, name in enumerate(names):
+        place = _place(overlay, fault, position)
+        if name in parts:
+            path = parts[name].path[:-1]
+            if path[:-1] == MAIN and parts[name].kind != "branch":
+                ends[path] = place
+            else:
+                entries |= dict.fromkeys(_branch_entries(overlay, path, parts[name]))
+        elif "." in name:
+            _remove_key(overlay, name, place)
+        else:
+            overlay.path(name, place)  # notes that there is no such name
+    entries |= dict.fromkeys(_main_entries(overlay, ends))
+    if not overlay.faults and entries:
+        _remove_entries(overlay, list(entries), fault)
+
+
+def _place(overlay: Overlay, fault: Path, position: int) -> Path:
+    """Where a name stands: in a list, or alone."""
+    node = node_at(overlay.source.root, fault)
+    return (*fault, position) if node is not None and isinstance(node.value, list) else fault
+
+
+def _remove_key(overlay: Overlay, words: str, place: Path) -> None:
+    """Take away a key of a component, or an entry of a section."""
+    path = overlay.path(words, place)
+    if path is None:
+        return
+    there = node_at(overlay.source.root, path)
+    if there is None:
+        overlay.faults.append(Fault(place, f"`{printable(words)}` is not given: nothing changes", "leave it out"))
+        return
+    overlay.changes.append(Change(words, in_words(there.value), "not given"))
+    overlay.remove(path)
+
+
+def _branch_entries(overlay: Overlay, path: Path, part: Part) -> list[Path]:
+    """The entries that go with one outside the main train: of a branch all behind it, and itself where none is left."""
+    if path[0] == "links" or part.kind == "branch":
+        return [path]
+    line, position = path[:-1], path[-1]
+    if position == 0 and line[-2] == "branch":
+        return [line[:-2]]
+    size = len((node_at(overlay.source.root, line) or Node([], 1, 1)).value)
+    return [(*line, k) for k in range(int(position), size)]
+
+
+def _main_entries(overlay: Overlay, ends: dict[Path, Path]) -> list[Path]:
+    """The entries of the main train that are named, from one of its ends on, with the branches that they carry."""
+    if not ends:
+        return []
+    body = (node_at(overlay.source.root, MAIN) or Node([], 1, 1)).value
+    carried = [isinstance(entry, dict) and "branch" in entry for entry in body]
+    named = [carried[k] or (*MAIN, k) in ends for k in range(len(body))]
+    first = next((k for k, gone in enumerate(named) if not gone), len(body))
+    last = next((k for k in range(len(body) - 1, -1, -1) if not named[k]), -1)
+    kept = [k for k in range(first, last + 1) if (*MAIN, k) in ends]
+    if first > last:
+        hint = "a case keeps the component whose speed is meant, and what turns with it"
+        overlay.faults.append(Fault(next(iter(ends.values())), "nothing of the main train is left", hint))
+    for k in kept:
+        hint = "name all from it to an end of the main train; what a branch carries goes with its first component"
+        overlay.faults.append(Fault(ends[*MAIN, k], "it stands between other parts of the main train", hint))
+    before = [k for k in range(first) if any((*MAIN, j) in ends for j in range(k + 1))]
+    while last + 1 < len(body) and carried[last + 1]:  # by the last point that stays
+        last += 1
+    return [(*MAIN, k) for k in (*before, *range(last + 1, len(body)))] if not kept and first <= last else []
+
+
+def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
+    """Take entries away, with the excitations and links of what is in them."""
+
+    def goes(part: Part) -> bool:
+        return any(part.path[: len(entry)] == entry for entry in entries)
+
+    gone = {part.name: part for part in overlay.parts if goes(part)}
+    if overlay.reference in gone:
+        message = f"'{overlay.reference}', whose speed is meant, goes with it"
+        overlay.faults.append(Fault(fault, message, "keep it, or state another in `operation: {at: ...}` of the file"))
+        return
+    data = overlay.source.data
+    links = {k: body for k, body in of_list(data, "links") if set(map(str, body.get("between") or ())) & set(gone)}
+    acting = [k for k, body in of_list(data, "excitations") if body.get("at") in gone]
+    entries = [*entries, *(("links", k) for k in links), *(("excitations", k) for k in acting)]
+    gone |= {part.name: part for part in overlay.parts if goes(part)}
+    _keep_names(overlay, gone)
+    for entry in entries:
+        overlay.remove(entry)
+    with_it = [f"{len(acting)} excitation{'s' * (len(acting) > 1)}"] if acting else []
+    words = ", ".join([*gone, *with_it])
+    overlay.changes.append(Change("components and what acts on them", words, "taken away"))
+
+
+def _keep_names(overlay: Overlay, gone: dict[str, Part]) -> None:
+    """Give components that have none the names that their kind and number gave them with all components there."""
+    kinds = {part.kind for part in gone.values()}
+    for part in overlay.parts:
+        if part.kind in kinds and not part.is_named and part.name not in gone:
+            at = node_at(overlay.source.root, part.path) or overlay.source.root
+            overlay.put(
+                (*part.path, "name"), Node(part.name, at.line, at.column, source=at.source), (at.line, at.column)
+            )

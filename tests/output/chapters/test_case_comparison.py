@@ -1,0 +1,240 @@
+"""The chapter of all cases: what it says is what their results say, and the worst is worst."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.contracts.printed import printed
+
+import torsion
+from torsion import commands
+from torsion.findings import NORMAL, Findings
+from torsion.output.blocks import Box, Heading, Table
+from torsion.output.chapters.case_comparison import chapter, over_all, side_by_side, verdict
+from torsion.output.document import document
+from torsion.output.figures.figure import Figure
+from torsion.output.html import html
+from torsion.output.results_json import MOST_OF_A_CASE, results
+from torsion.output.write import write
+from torsion.rules.verdict_line import Checks
+
+SCENE = Path(__file__).parents[3] / "shafting_specs" / "ferry_cases.yaml"
+RPM = 30.0 / math.pi
+WORST = {"pass": 0, "outside": 1, "not kept": 2, "fail": 3}
+
+
+@pytest.fixture(scope="module")
+def ferry() -> Findings:
+    return torsion.run(torsion.read(SCENE))
+
+
+@pytest.fixture(scope="module")
+def blocks(ferry: Findings) -> list[Any]:
+    return list(chapter(ferry))
+
+
+def tables(blocks: list[Any], begin: str) -> list[Table]:
+    return [one for one in blocks if isinstance(one, Table) and one.caption.startswith(begin)]
+
+
+def test_every_check_of_every_case_stands_in_its_row_and_column(ferry: Findings, blocks: list[Any]) -> None:
+    found, every = results(ferry), 0
+    for table in tables(blocks, "Checks side by side"):
+        titles = [column.title for column in table.columns]
+        for row in table.rows:
+            cells = dict(zip(titles, row, strict=True))
+            for name, case in {NORMAL: found, **found["cases"]}.items():
+                if cells.get(name, "–") == "–":
+                    continue
+                (check,) = [
+                    one for one in case["checks"]
+                    if (f"{one['what']} ({one['rule']})", one["where"]) == (cells["Check"], cells["Component"])
+                ]  # fmt: skip
+                value, _, place = cells[name].partition(" at ")
+                value, _, limit = value.partition(" / ")
+                middle = printed(value, 5)
+                assert middle.low <= check["value"] <= middle.high
+                limit = (limit or cells["Limit"]).removeprefix("≥ ")
+                assert float(limit) == pytest.approx(check["limit"], rel=5e-5)
+                speed, _, order = place.partition(" rpm")
+                assert float(speed) == pytest.approx(check["speed_rad_per_s"] * RPM, rel=5e-5)
+                assert order.strip(" ()").partition(")")[0] == (check["order"] or "")
+                assert cells[name].endswith(check["verdict"].upper()) == (check["verdict"] != "pass")
+                every += 1
+    assert every == sum(len(one.need(Checks).lines) for one in ferry.each.values())
+
+
+def test_the_worst_case_of_a_row_is_the_worst_that_is_judged(ferry: Findings) -> None:
+    rows = side_by_side(ferry.each)
+    for row in rows:
+        assert ferry.each[row.worst].is_judged
+        for name, check in row.each.items():
+            worst = row.each[row.worst]
+            if ferry.each[name].is_judged:
+                assert WORST[check.verdict] <= WORST[worst.verdict]
+                if check.verdict == worst.verdict and check.utilisation is not None:
+                    assert check.utilisation <= worst.utilisation
+    used = [row.each[row.worst].utilisation or 0.0 for row in rows]
+    assert used == sorted(used, reverse=True)
+
+
+def test_frequencies_of_all_cases_stand_in_one_table_and_one_figure(ferry: Findings, blocks: list[Any]) -> None:
+    (table,) = tables(blocks, "Natural frequencies of the cases")
+    assert [row[0] for row in table.rows] == list(ferry.each)
+    (figure,) = [one for one in blocks if isinstance(one, Figure) and one.name == "case-frequencies"]
+    for place, (row, one) in enumerate(zip(table.rows, ferry.each.values(), strict=True)):
+        frequency = one.results["modes"].frequency
+        assert [float(cell) for cell in row[1:]] == pytest.approx(frequency.tolist(), rel=5e-7)
+        assert [line.y[place] for line in figure.panels[0].lines] == frequency.tolist()
+    (damped,) = tables(blocks, "Damped natural frequencies of the cases")
+    for row, one in zip(damped.rows, ferry.each.values(), strict=True):
+        frequency = one.results["damped_modes"].frequency.tolist()
+        assert [float(cell) for cell in row[1:] if cell != "–"] == pytest.approx(frequency, rel=5e-7)
+
+
+def test_curves_are_those_of_each_case(ferry: Findings, blocks: list[Any]) -> None:
+    curves = {one.name: one for one in blocks if isinstance(one, Figure)}
+    assert list(curves) == ["case-frequencies", "case-stress", "case-torque"]
+    torque = curves["case-torque"].lines
+    assert set(torque) <= set(ferry.each)
+    assert "in crank end in" in curves["case-torque"].caption
+    for name, line in torque.items():
+        found = ferry.each[name]
+        span = next(k for k, one in enumerate(found.system.spans) if one.name == "crank end")
+        np.testing.assert_array_equal(line.x, found.results["response"].speed * RPM)
+        np.testing.assert_allclose(line.y * 1e3, found.results["synthesis"].half_range[:, span], rtol=1e-15)
+
+
+def test_a_case_for_information_is_no_part_of_the_verdict(ferry: Findings, blocks: list[Any]) -> None:
+    assert ferry.cases["damper seized"].failed
+    (box,) = [one for one in over_all(ferry) if isinstance(one, Box)]
+    assert (box.sign, box.text, box.kind) == ("✓", "PASS in all 6 cases judged", "pass")
+    lines = dict(box.lines)
+    assert lines["Conclusion"].startswith("Every check of every case passed (6 cases judged).")
+    assert lines["For information"] == "damper seized: no part of this verdict"
+
+
+TRAIN = """name: n
+operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 31}, rated: {speed: 800 rpm, power: 50 kW}}
+train:
+  - motor: {name: engine, inertia: 2, ripple: [{order: 3, torque: 10 %}]}
+  - coupling: {name: rubber, stiffness: 40 kN*m/rad, psi: 0.9, vibratory_torque: 900 N*m}
+  - propeller: {name: wheel, inertia: 4, damping: {model: archer, factor: 30}}
+rules: [coupling-maker]
+"""
+GOOD, BAD = "{set: {rubber.stiffness: 36 kN*m/rad}}", "{set: {rubber.vibratory_torque: 1 N*m}}"
+NO_RULES = "{rules: []}"
+
+
+@pytest.mark.parametrize(
+    ("cases", "sign", "text"),
+    [
+        ({"a": GOOD}, "✓", "PASS in all 2 cases judged"),
+        ({"a": GOOD, "b": BAD}, "✗", "FAIL in 1 of 3 cases judged (b)"),
+        ({"a": GOOD, "b": BAD.replace("}}", "}, judged: false}")}, "✓", "PASS in all 2 cases judged"),
+        ({"a": GOOD, "b": NO_RULES}, "–", "NO VERDICT in 1 of 3 cases judged (b)"),
+    ],
+)
+def test_the_page_begins_with_the_worst_verdict_of_those_judged(cases: dict[str, str], sign: str, text: str) -> None:
+    stated = "".join(f"  {name}: {body}\n" for name, body in cases.items())
+    found = torsion.run(torsion.parse(f"{TRAIN}cases:\n{stated}", "t.yaml"))
+    body = [item.block for item in document(found).body]
+    first, normal = [one for one in body if isinstance(one, Box)]
+    assert body.index(first) == 1
+    assert (first.sign, first.text) == (sign, text)
+    assert normal.text == "Case normal: PASS"
+    page = html(document(found))
+    assert page.index(text) < page.index("Case normal: PASS") < page.index('class="contents"')
+    assert page.count('class="contents"') == 1
+
+
+def test_what_lacks_an_answer_stands_in_the_box_above_all_that_pass() -> None:
+    linked = TRAIN + "links: [{between: [engine, wheel], coupling: {name: chord, stiffness: 1e4}}]\n"
+    gone = "remove: [rubber.stiffness, rubber.psi, chord.stiffness]"
+    lost = f"{{{gone}, set: {{rubber.flexibility: 0, chord.flexibility: 0}}}}"
+    found = torsion.run(torsion.parse(f"{linked}cases: {{x: {lost}}}\n", "t.yaml"))
+    (box,) = [one for one in over_all(found) if isinstance(one, Box)]
+    assert (box.sign, box.text) == ("?", "INCOMPLETE in 1 of 2 cases judged (x)")
+    assert dict(box.lines)["No answer"].startswith("x: case 'x', because ")
+
+
+def test_the_running_head_of_a_numbered_document_names_the_case() -> None:
+    text = f"{TRAIN}document: {{document_number: D-1, revision: B}}\ncases: {{a: {GOOD}}}\n"
+    found = torsion.run(torsion.parse(text, "t.yaml"))
+    assert document(found).cover.identity == "D-1 · revision B"
+    assert document(found.cases["a"]).cover.identity == "D-1 · revision B · case a"
+
+
+def test_the_report_begins_with_the_cases_and_each_has_its_own(ferry: Findings, tmp_path: Path) -> None:
+    write(ferry, tmp_path)
+    made = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*"))
+    folders = ["PTO-out", "damper-seized", "soft", "stiff", "warm", "zero-pitch"]
+    own = sorted([*(f"{folder}/report.html" for folder in folders), "report.html", "results.json", "series.npz"])
+    assert made == own
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert all(f'<a href="{folder}/report.html">{folder}/report.html</a>' in page for folder in folders)
+    first = [item.block.text for item in document(ferry).body if isinstance(item.block, Heading)][:3]
+    assert first == ["Verdict over all cases", "Verdict of the case normal", "Cases side by side"]
+    warm = document(ferry.cases["warm"])
+    assert warm.cover.subtitle == "Ferry drive in its cases, case warm"
+    own = [item.block.text for item in warm.body if isinstance(item.block, Heading) and item.block.level == 1][:2]
+    assert own == ["Verdict of the case warm", "What this case changes"]
+
+
+def test_what_a_case_solved_alone_left_is_taken_away(ferry: Findings, tmp_path: Path) -> None:
+    write(ferry.cases["warm"], tmp_path / "warm")
+    assert (tmp_path / "warm" / "results.json").exists()
+    write(ferry, tmp_path)
+    assert [path.name for path in (tmp_path / "warm").iterdir()] == ["report.html"]
+
+
+def test_the_page_of_all_cases_is_drawn_again_and_those_of_the_cases_stay(ferry: Findings, tmp_path: Path) -> None:
+    write(ferry, tmp_path, also=("tables",))
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
+    (tmp_path / "report.html").unlink()
+    commands.report(tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()} == before
+
+
+def test_long_arrays_of_the_cases_stand_beside_the_results(ferry: Findings, tmp_path: Path) -> None:
+    write(ferry, tmp_path)
+    read = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
+    whole = results(ferry)
+    with np.load(tmp_path / "series.npz") as series:
+
+        def back(value: Any) -> Any:
+            if isinstance(value, dict) and value.keys() == {"file", "array", "shape"}:
+                array = series[value["array"]]
+                assert array.size > MOST_OF_A_CASE
+                return np.where(np.isnan(array), None, array).tolist() if array.dtype.kind == "f" else array.tolist()
+            if isinstance(value, dict):
+                return {key: back(one) for key, one in value.items()}
+            return [back(one) for one in value] if isinstance(value, list) else value
+
+        assert back(read["cases"]) == json.loads(json.dumps(whole["cases"]))
+    assert {key: read[key] for key in read if key not in ("cases", "report")} == {
+        key: whole[key] for key in whole if key != "cases"
+    }
+
+
+def test_a_link_leads_to_a_file_and_a_name_is_text() -> None:
+    nasty = "a<b>|[x]_{1} & {{ y }}"
+    text = "name: n\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 9}, disc: {inertia: 1}]\n"
+    text += f"cases: {{'{nasty}': {{set: {{disc-1.inertia: 3}}}}}}\n"
+    found = torsion.run(torsion.parse(text, "t.yaml"))
+    page = html(document(found))
+    assert "a&lt;b&gt;|[x]_{1} &amp; {{ y }}</td>" in page
+    assert '<a href="a-b-x-_-1-y/report.html">' in page
+    (overview,) = [one for one in over_all(found) if isinstance(one, Table)]
+    assert [row[1] for row in overview.rows] == ["–", "a-b-x-_-1-y/report.html"]
+    assert [column.title for column in overview.columns if column.is_files] == ["Report"]
+    assert {verdict(one) for one in found.each.values()} == {""}
+
+
+def test_a_file_without_cases_has_no_such_chapter() -> None:
+    text = "name: n\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 9}, disc: {inertia: 1}]\n"
+    found = torsion.run(torsion.parse(text, "t.yaml"))
+    assert not [*chapter(found), *over_all(found)]
