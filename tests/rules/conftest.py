@@ -13,11 +13,13 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.steady import Steady
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
+from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.assembly import assemble
 from torsion.components import component
 from torsion.components.material import Material
 from torsion.fields import Declared
 from torsion.findings import Results
+from torsion.rules import needed
 from torsion.study import Operation, Study
 from torsion.train import train
 
@@ -84,7 +86,15 @@ def evidence() -> Callable[..., Results]:
         together = Synthesis(size, np.abs(steady) + size, size / math.sqrt(2), 1.25 * size, Fraction(1))
         still = Steady(speed, steady.T, stations, stations, "by hand")
         bent = joints(study.train, study.operation) if study.has_joints else None
-        found = {"system": system, "mean": still, "response": response, "synthesis": together, "joints": bent}
+        found = {
+            "system": system,
+            "mean": still,
+            "response": response,
+            "synthesis": together,
+            "joints": bent,
+        }
+        if "modes" in needed(study):
+            found["modes"] = modes_as_discretised(system, None)
         if "transient" in study.analyses:
             nothing, time = np.zeros(number), np.linspace(0.0, 10.0, 101)
             rest = np.zeros((number, 101)), np.zeros((len(system.stations), 101))

@@ -8,7 +8,9 @@ import pytest
 
 from torsion.components.material import STEEL, Material
 from torsion.rules import m68
-from torsion.rules.m68_shafts import barred_range, least_diameter, tau_c, tau_t
+from torsion.rules.m68_shafts import least_diameter, tau_c, tau_t
+from torsion.rules.shaft_limits import barred_range
+from torsion.rules.shaft_stress import judging, limits_of
 
 RPM = math.pi / 30.0
 RATED = 1000.0
@@ -324,21 +326,24 @@ def test_geared_shaft_counts_the_rated_speed_of_its_own(study, evidence) -> None
 
 def test_limits_over_speed_are_those_of_the_formulas(study, evidence) -> None:
     rpm = np.array([500.0, 900.0, 1100.0])
-    seen = evidence(study(line("thrust")), rpm, half={"line": stress([3, 4, 5])})
-    speed, continuous, passing, tau = m68.limits(seen, "line")
+    scene = study(line("thrust"), [("iacs-m68", m68.M68Settings())])
+    seen = evidence(scene, rpm, half={"line": stress([3, 4, 5])})
+    rule, shaft = judging(seen, "line")
+    assert rule.name == "iacs-m68"
+    speed, continuous, passing, tau = limits_of(seen, shaft)
     assert speed == pytest.approx(rpm * RPM, rel=1e-15)
     assert tau == pytest.approx([3, 4, 5], rel=1e-12)
     np.testing.assert_allclose(continuous, tau_c(600, 100, 0.85, rpm / RATED), rtol=1e-14)
     np.testing.assert_allclose(passing, tau_t(600, 100, 0.85, rpm / RATED), rtol=1e-14)
     with pytest.raises(KeyError):
-        m68.limits(seen, "another")
+        judging(seen, "another")
 
 
 def test_limits_use_the_settings_of_the_study(study, evidence) -> None:
     strong = {"steel": Material(shear_modulus=79e9, density=7850.0, tensile_strength=900e6)}
     scene = study(line(), [("iacs-m68", m68.M68Settings(alloy=("line",)))], materials=strong)
     seen = evidence(scene, np.array([500.0]), half={"line": stress([3])})
-    assert m68.limits(seen, "line").tau_c == pytest.approx(tau_c(800, 100, 1, [0.5]), rel=1e-14)
+    assert limits_of(seen, judging(seen, "line")[1]).tau_c == pytest.approx(tau_c(800, 100, 1, [0.5]), rel=1e-14)
 
 
 def test_shaft_without_a_role_is_left_out_and_said_so(study, evidence) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from torsion.rules.judgement import Curve
-from torsion.rules.m68 import barring
-from torsion.rules.m68_shafts import barred_range
+from torsion.rules.shaft_limits import barred_range
+from torsion.rules.shaft_stress import barring
 
 RATED = 1000.0
 SPEED = np.linspace(100, 1050, 96)  # steps of 10; any unit of speed

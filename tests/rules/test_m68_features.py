@@ -10,6 +10,7 @@ from tests.rules.conftest import STEEL_600
 from torsion.assembly import assemble
 from torsion.components.material import Material
 from torsion.rules import m68_shafts as m68
+from torsion.rules.shaft_limits import stress_modulus
 
 
 def slotted(study, diameter, bore, **settings):
@@ -69,7 +70,7 @@ def test_the_modulus_of_a_conical_piece_is_that_of_its_smaller_end(study, turned
     scene = study([("motor", {"inertia": 3.0}), ("coupling", {"stiffness": 1e4}), ("shaft", body),
                    ("disc", {"inertia": 1.0})])  # fmt: skip
     (shaft,) = m68.classed_shafts(scene, m68.M68Settings())
-    spans, modulus = m68.stress_modulus(assemble(scene.train), shaft)
+    spans, modulus = stress_modulus(assemble(scene.train), shaft.part)
     outer, bore = np.array([0.1, 0.11, 0.12]), np.array([0.04, 0.05, 0.06])
     assert spans.tolist() == [1, 2, 3]
     np.testing.assert_allclose(modulus[::turned], math.pi / 16 * (outer**4 - bore**4) / outer, rtol=1e-12)

@@ -4,13 +4,15 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from torsion.components.material import Material
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Inertia, Primitive, Spring, Station
 
+Role = Literal["intermediate", "thrust", "propeller", "crank", "generator"]
+ROLES: tuple[Role, ...] = get_args(Role)
 Distance = Annotated[float, Quantity("m", at_least=0)]
 LateralStiffness = Annotated[float, Quantity("N/m", at_least=0)]
 LateralDamping = Annotated[float, Quantity("N*s/m", at_least=0)]
@@ -98,9 +100,10 @@ class ShaftRecord:
     """What a shaft is for the class rules, what it is made of, and its bearings (its dimensions are on its `Bar`)."""
 
     material: str  # name of one of the train's materials
-    role: Literal["intermediate", "thrust", "propeller"] | None
+    role: Role | None
     features: tuple[str, ...]
     support: tuple[Support, ...]
+    journal: tuple[float, float] | None = None  # m, diameter and bore of a crank span, which has no `Bar`
 
 
 @dataclass(frozen=True)

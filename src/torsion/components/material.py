@@ -18,7 +18,7 @@ class Material(Sized):
         "rho; 0 makes a massless shaft"
     )
     tensile_strength: Strength | None = given("sigma_B, needed by the class rules")
-    yield_strength: Strength | None = given("R_eH or R_p0.2, needed by the rule `ice`")
+    yield_strength: Strength | None = given("R_eH or R_p0.2, needed by the rule `ice`; `kr` and `nk` use it")
     loss_factor: fields.LossFactor = given("energy lost in a cycle / (2 pi peak elastic energy)", 0.0)
 
     def refuse_clashes(self) -> None:

@@ -7,7 +7,7 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering, ShaftRecord, Support
+from torsion.components.lowering import Lowering, Role, ShaftRecord, Support
 from torsion.errors import nearest
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
@@ -41,7 +41,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
     material: str = given("name of one of `materials`", "steel")
     segments: Annotated[int, Field(ge=1, le=1_000_000)] | None = given("lumped segments (default: as many as needed)")
     loss_factor: fields.LossFactor | None = given("loss factor (default: the material's)")
-    role: Literal["intermediate", "thrust", "propeller"] | None = given("what the class rules call this shaft")
+    role: Role | None = given("what the class rules call this shaft")
     features: Annotated[tuple[Feature, ...], OneOrMany] = given("details that the rules reduce the limit for", ())
     support: Annotated[tuple[Support, ...], OneOrMany] = given("bearings on springs that hold the shaft sideways", ())
 

@@ -12,8 +12,24 @@ if TYPE_CHECKING:
     from torsion.rules.verdict_line import Check, Rule
     from torsion.study import Study
 
-RULES = {  # name in the file: class
+RULES = {  # name in the file: class, and what it is made with
     "iacs-m68": "torsion.rules.m68:M68",
+    "iacs-m53": "torsion.rules.m53:M53",
+    "kr": "torsion.rules.societies:SocietyRule:kr",
+    "lr": "torsion.rules.societies:SocietyRule:lr",
+    "dnv": "torsion.rules.societies:SocietyRule:dnv",
+    "abs": "torsion.rules.societies:SocietyRule:abs",
+    "bv": "torsion.rules.societies:SocietyRule:bv",
+    "ccs": "torsion.rules.societies:SocietyRule:ccs",
+    "nk": "torsion.rules.societies:SocietyRule:nk",
+    "rina": "torsion.rules.societies:SocietyRule:rina",
+    "api-610": "torsion.rules.separation_margins:SeparationMargins:api-610",
+    "api-617": "torsion.rules.separation_margins:SeparationMargins:api-617",
+    "api-618": "torsion.rules.separation_margins:SeparationMargins:api-618",
+    "api-684": "torsion.rules.separation_margins:SeparationMargins:api-684",
+    "mil-std-167": "torsion.rules.mil_std_167:MilStd167",
+    "engine-maker": "torsion.rules.engine_maker:EngineMaker",
+    "nvh": "torsion.rules.noise_limits:NoiseLimits",
     "coupling-maker": "torsion.rules.coupling_maker:CouplingMaker",
     "gear-hammer": "torsion.rules.gear_hammer:GearHammer",
     "ice": "torsion.rules.ice_peaks:IcePeaks",
@@ -32,8 +48,8 @@ def rule(name: str) -> "Rule":
 
 
 def _made(place: str) -> "Rule":
-    module, kind = place.split(":")
-    found: Rule = getattr(import_module(module), kind)()
+    module, kind, *which = place.split(":")
+    found: Rule = getattr(import_module(module), kind)(*which)
     return found
 
 

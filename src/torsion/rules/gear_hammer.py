@@ -1,11 +1,13 @@
 """Rule `gear-hammer`: vibratory torque in a gear mesh against its rating (K_A) and against the mean torque."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.arrays import FloatArray, IntArray
 from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
@@ -16,7 +18,20 @@ from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
 from torsion.study import Study
 
 USUAL_SHARE = 0.35  # K_A - 1 with the usual application factor 1.35 (to be verified)
+VIBRATORY = "vibratory mesh torque, synthesis"
 NO_LOAD = 1e-9  # a mesh with a smaller share of the train's greatest mean torque is unloaded
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A gear mesh; torques in N m at the driving gear's speed."""
+
+    part: Part
+    name: str
+    spans: IntArray  # (1,)
+    vibratory: FloatArray  # (speeds,) half range of the synthesis
+    mean: FloatArray  # (speeds,) magnitude
+    rated: float  # magnitude; 0 where it carries nothing
 
 
 class GearHammerSettings(Declared):
@@ -52,25 +67,35 @@ class GearHammer(RuleOverSpeed):
 
         Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use.
         """
-        response, synthesis = evidence.need(Response), evidence.need(Synthesis)
-        every = judgement.rated_torque(evidence)
-        if every is None:
-            raise ValueError("the torque at the rated speed is not known")
+        response = evidence.need(Response)
         use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
         reach = judgement.coverage(float(response.speed[-1]), judgement.rated_speed(evidence.study))
-        for number, part in evidence.study.train.of_kind("gear"):
-            share, origin, standing = _share(part, settings)
-            for span in judgement.spans_of(evidence.system, number):
-                at, where, vibratory = np.array([span]), evidence.system.spans[span].name, synthesis.half_range[:, span]
-                rated = float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0  # nothing but rounding
-                if rated > 0:
-                    curve, what = curve_of(response, vibratory, share * rated), "vibratory mesh torque, synthesis"
-                    notes = f"{share:.4g} ({origin}) x {rated:.5g} N m", reach, MOSTLY
-                    yield Clause("(K_A - 1) T_rated", where, what, standing, curve, use | True, "N m", notes, at)
-                mean, what = np.abs(response.mean[:, span]), "vibratory against mean mesh torque"
-                curve = curve_of(response, vibratory, mean)
-                notes = "" if rated > 0 else "the mesh carries no mean torque", in_use, MOSTLY
-                yield Clause("torque reversal", where, what, TO_BE_VERIFIED, curve, use, "N m", notes, at)
+        for mesh in meshes(evidence):
+            share, origin, standing = _share(mesh.part, settings)
+            if mesh.rated > 0:
+                curve, what = curve_of(response, mesh.vibratory, share * mesh.rated), VIBRATORY
+                notes = f"{share:.4g} ({origin}) x {mesh.rated:.5g} N m", reach, MOSTLY
+                yield Clause(
+                    "(K_A - 1) T_rated", mesh.name, what, standing, curve, use | True, "N m", notes, mesh.spans
+                )
+            curve, what = curve_of(response, mesh.vibratory, mesh.mean), "vibratory against mean mesh torque"
+            notes = "" if mesh.rated > 0 else "the mesh carries no mean torque", in_use, MOSTLY
+            yield Clause("torque reversal", mesh.name, what, TO_BE_VERIFIED, curve, use, "N m", notes, mesh.spans)
+
+
+def meshes(evidence: Results) -> Iterator[Mesh]:
+    """Every gear mesh of the train; raises ValueError where the torque at the rated speed is not known."""
+    response, synthesis = evidence.need(Response), evidence.need(Synthesis)
+    every = judgement.rated_torque(evidence)
+    if every is None:
+        raise ValueError("the torque at the rated speed is not known")
+    for number, part in evidence.study.train.of_kind("gear"):
+        for span in judgement.spans_of(evidence.system, number):
+            rated = float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0  # nothing but rounding
+            yield Mesh(
+                part, evidence.system.spans[span].name, np.array([span]), synthesis.half_range[:, span],
+                np.abs(response.mean[:, span]), rated,
+            )  # fmt: skip
 
 
 def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standing]:

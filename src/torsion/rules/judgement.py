@@ -58,12 +58,13 @@ class Clause:
     unit: str = "N m"
     notes: tuple[str, ...] = ()  # empty ones are left out
     spans: IntArray = field(default_factory=lambda: np.flatnonzero(()))  # whose vibration it is; none of a mean torque
+    size: FloatArray | None = None  # (speeds, lines) of every harmonic component; None: of the torque in the spans
 
 
 class RuleOverSpeed(Rule):
     """Base of the rules whose clauses each judge the worst point of a value over speed, some in continuous use."""
 
-    needs = ("steady", "response")
+    needs: tuple[str, ...] = ("steady", "response")
 
     def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
@@ -110,7 +111,7 @@ def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
     share = np.where(clause.within, curve.utilisation(), -np.inf)
     at = worst_of(share, curve.value)
     is_known = curve.status[at] == Status.OK and np.isfinite(curve.value[at])
-    main = main_component(evidence, at, clause.spans)
+    main = main_component(evidence, at, clause.spans, clause.size)
     said = "" if main is None else f"{MOSTLY} {main.words}"
     notes = [*(said if note == MOSTLY else note for note in clause.notes), *_exact_words(evidence, clause, at)]
     doubt = _doubt(evidence, clause)
@@ -170,12 +171,12 @@ def _status_words(curve: Curve, at: int) -> str:
     return f"the response is {word} at {in_rpm(curve.speed[at])}, which is never a pass"
 
 
-def main_component(evidence: Results, at: int, spans: IntArray) -> Line | None:
-    """The harmonic component with the greatest torque in the spans at a speed; None where that is not known."""
+def main_component(evidence: Results, at: int, spans: IntArray, sizes: FloatArray | None = None) -> Line | None:
+    """The greatest harmonic component at a speed, of the torque in the spans or of `sizes`; None where not known."""
     if not spans.size:
         return None
     response = evidence.need(Response)
-    size = np.abs(response.torque[at][:, spans]).max(axis=1)
+    size = np.abs(response.torque[at][:, spans]).max(axis=1) if sizes is None else sizes[at]
     known = bool(np.all(np.isfinite(size)) and np.any(size > 0))
     return response.lines[int(np.argmax(size))] if known else None
 
@@ -250,6 +251,14 @@ def rated_torque(evidence: Results) -> FloatArray | None:
     power = 2 if evidence.study.operation.load == "propeller" else 1
     rows = [np.interp(rated.speed**power, steady.speed**power, torque) for torque in steady.torque]
     return np.asarray(np.abs(np.array(rows)))
+
+
+def knows_rated_torque(study: Study) -> bool:
+    """The mean torque at the rated speed is known, which lies in the speeds that are computed."""
+    speeds, rated = study.operation.speeds, study.operation.rated
+    if speeds is None or rated is None or not study.operation.has_mean_torque:
+        return False
+    return bool(within(speeds, np.array([rated.speed])).all())
 
 
 def rated_speed(study: Study) -> float:

@@ -6,32 +6,26 @@ Ch. 4); "to be verified" is to be compared with the edition in force before it i
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, Self, cast
+from typing import Annotated, Literal, Self, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from torsion import fields
-from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.system import System
-from torsion.components.lowering import ShaftRecord
+from torsion.arrays import FloatArray
+from torsion.components.lowering import Part, ShaftRecord
 from torsion.fields import Declared, OneOrMany, given, refuse, required
-from torsion.kernels.round_sections import section_modulus
-from torsion.primitives import Bar
-from torsion.rules.judgement import spans_of
+from torsion.rules.shaft_limits import BARRED_BELOW, MM, PA, ROUNDING, Mark, diameters, with_role
 from torsion.study import Study
 from torsion.train import Train
 
-PA = 1e-6  # N/mm2
-MM = 1e3  # mm/m
-Mark = Literal["rule text", "to be verified"]
 Role = Literal["intermediate", "thrust", "propeller"]
+ROLES = get_args(Role)
+Ends = tuple[tuple[float, float], tuple[float, float]]
 
 LAST_CONTINUOUS = 1.05  # speed ratio above which the rule has no limit
 FLAT_FROM = 0.9  # speed ratio from which tau_C no longer falls
-BARRED_BELOW = 0.8  # no barred range reaches this speed ratio in normal firing
-ROUNDING = 1e-9  # relative: a speed ratio this near to a bound is at the bound
 
 
 @dataclass(frozen=True)
@@ -97,17 +91,6 @@ def tau_t(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) 
     return np.asarray(np.where(ratio <= BARRED_BELOW * (1 + ROUNDING), limit, np.nan))
 
 
-def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
-    """Where a barred range is accepted in normal firing (rule text): below 0.8 of the rated speed."""
-    return np.asarray(np.asarray(speed_ratio, dtype=float) < BARRED_BELOW * (1 - ROUNDING))
-
-
-def barred_range(critical: float, rated: float) -> tuple[float, float]:
-    """Least barred range about a critical speed (rule text): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
-    width = 18.0 - critical / rated
-    return 16.0 * critical / width, width * critical / 16.0
-
-
 def slot_concentration(diameter: float, bore: float, length: float, width: float) -> float:
     """Stress concentration factor of a longitudinal slot (to be verified)."""
     e, hollow = width / diameter, bore / diameter
@@ -163,7 +146,7 @@ class ClassedShaft:
     strength: float  # N/mm2, as used
     details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K and the greatest k govern
     diameter: float  # mm, greatest: for C_D
-    ends: tuple[tuple[float, float], tuple[float, float]]  # mm, (outer, bore) of the driving and the driven end
+    ends: Ends  # mm, (outer, bore) of the driving and the driven end
     stated: float | None  # N/mm2: strength as the file gives it
 
     @property
@@ -210,37 +193,28 @@ class ClassedShaft:
         return (", ".join(factors), *([cone] if first != last else []))
 
 
-def judged(train: Train) -> list[tuple[Bar, ShaftRecord]]:
-    """The shafts that the rule judges: those with a role, and the diameters that the rule's formulas are about."""
-    every = [(bar, train.shaft(bar)) for bar in train.bars]
-    return [(bar, shaft) for bar, shaft in every if shaft.role is not None and bar.section is None]
+def judged(train: Train, roles: tuple[str, ...] = ROLES) -> list[tuple[Part, ShaftRecord]]:
+    """The shafts with a role whose stress and diameters are known."""
+    return [(part, shaft) for _, part, shaft in with_role(train, *roles)]
 
 
 def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft]:
     """Every round shaft of the train that has a role."""
-    return (_classed(study, settings, bar, shaft) for bar, shaft in judged(study.train))
+    every = with_role(study.train, *ROLES)
+    return (_classed(study, settings, number, shaft) for number, _, shaft in every)
 
 
-def stress_modulus(system: System, shaft: ClassedShaft) -> tuple[IntArray, FloatArray]:
-    """Spans of the shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
-    spans = spans_of(system, shaft.part)
-    bar = next(bar for bar in system.train.bars if bar.part == shaft.part)
-    at = np.linspace(0.0, 1.0, len(spans) + 1)  # between two of them the modulus is never below the smaller
-    outer, bore = (ends[0] + (ends[1] - ends[0]) * at for ends in (bar.outer, bar.bore))
-    at_edge = section_modulus(outer, bore)
-    return spans, np.minimum(at_edge[:-1], at_edge[1:])
-
-
-def _classed(study: Study, settings: M68Settings, bar: Bar, record: ShaftRecord) -> ClassedShaft:
+def _classed(study: Study, settings: M68Settings, part: int, record: ShaftRecord) -> ClassedShaft:
+    name = study.train.parts[part].name
     # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
     role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
     given_strength = study.train.materials[record.material].tensile_strength
     stated = None if given_strength is None else given_strength * PA
     steel = LEAST_STRENGTH if stated is None else stated
-    strength = used_strength(steel, role, alloy=bar.name in settings.alloy)
-    ends = ((bar.outer[0] * MM, bar.bore[0] * MM), (bar.outer[1] * MM, bar.bore[1] * MM))
-    details = _details(record, role, bar.name, ends, settings)
-    return ClassedShaft(bar.part, bar.name, role, strength, details, max(bar.outer) * MM, ends, stated)
+    strength = used_strength(steel, role, alloy=name in settings.alloy)
+    ends = cast(Ends, tuple((outer * MM, bore * MM) for outer, bore in diameters(study.train, part)))
+    details = _details(record, role, name, ends, settings)
+    return ClassedShaft(part, name, role, strength, details, max(outer for outer, _ in ends), ends, stated)
 
 
 def _details(

@@ -59,6 +59,23 @@ SETTINGS = {  # an example of every analysis and rule
     "transient": "transient: {duration: 2 s, events: [{at: motor-1, time: 0.1 s, step: {torque: 100 N*m}}]}",
     "check": "check: {models: [lumped, exact], tolerance: 0.1 %}",
     "iacs-m68": "iacs-m68: {drive: electric, tachometer: 2 %}",
+    "iacs-m53": "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm,\n"
+    "           web_thickness: 70 mm, web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}",
+    "kr": "kr: {strokes: 4, arrangement: in-line, cylinders: 6, duty: generator set}",
+    "lr": "lr: {tachometer: 2 %}",
+    "dnv": "dnv: {drive: electric}",
+    "abs": "abs: {alloy: line shaft}",
+    "bv": "bv: {drive: slip coupling}",
+    "ccs": "ccs: {tachometer: 2 %}",
+    "nk": "nk: {strokes: 2, arrangement: in-line}",
+    "rina": "rina: {drive: turbine}",
+    "api-610": "api-610: {continuous: {from: 1450 rpm, to: 1500 rpm}, line_frequency: 50 Hz}",
+    "api-617": "api-617: {line_frequency: 60 Hz}",
+    "api-618": "api-618: {continuous: {from: 980 rpm, to: 990 rpm}, line_frequency: 50 Hz}",
+    "api-684": "api-684: {continuous: {from: 3000 rpm, to: 3600 rpm}}",
+    "mil-std-167": "mil-std-167: {continuous: {from: 400 rpm, to: 1200 rpm}}",
+    "engine-maker": "engine-maker: {crank_stress: 40 MPa}",
+    "nvh": "nvh: {at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm, order: 3}",
     "coupling-maker": "coupling-maker: {continuous: {from: 400 rpm, to: 1800 rpm}}",
     "gear-hammer": "gear-hammer: {limit: 0.35}",
     "ice": "ice: {factor: 1.3}",
@@ -81,7 +98,9 @@ NOTES = {  # what the keys of a kind need of each other
     "meshed: straight triangles make a polygon of a circle (64 sides: torsion constant 0.3 % too small), six-node "
     "triangles follow it with parabolas (64: 4e-7). At a sharp inner corner the stress is unbounded, and the "
     "section then has no stress modulus: round it. The class rule does not judge a shaft with a section, nor is it "
-    "judged for bending as a tube.\n\nA `support` is a bearing on springs, one mapping or a list of them; with it the "
+    "judged for bending as a tube.\n\nThe `role` says which limits of the rules hold: line shafts are `intermediate`, "
+    "`thrust` or `propeller`; a piece of a crankshaft with the diameter of its journals is `crank`, the shaft of a "
+    "generator `generator`.\n\nA `support` is a bearing on springs, one mapping or a list of them; with it the "
     "bending of the shafts is computed, also where `analyses` does not name `lateral`.",
     "coupling": "Give `stiffness` or `flexibility`, and at most one of `viscous`, `loss_factor`, `psi` and "
     "`magnifier`; a rigid coupling has none of these.\n\n`clearance`, `hysteresis_torque`, `stages` and `capacity` "

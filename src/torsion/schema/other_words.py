@@ -1,4 +1,4 @@
-"""Words that are no kind or rule of the format, and what the format has for them."""
+"""Words that are no kind of the format, and what the format has for them."""
 
 import re
 
@@ -10,12 +10,9 @@ KIND_FOR = {
     "table": "`- table: line.csv` names a file alone",
     "gearbox": "`gear: {ratio: ...}`", "cardan": "`joint: {angle: ...}`",
 }  # fmt: skip
-RULE_FOR = {
-    "iacs-m53": "UR M53 is about crankshafts of engines and is not built; `iacs-m68` is another rule, about shafts",
-}
 
 
 def of_its_number(word: str, candidates: list[str]) -> list[str]:
-    """The candidates with the figures of the word, in any order: iacs-m86 is a slip for iacs-m68, iacs-m53 is none."""
+    """The candidates with the figures of the word, in any order: iacs-m86 is a slip for iacs-m68, iacs-m54 is none."""
     figures = sorted(re.findall(r"\d", word))
     return [one for one in candidates if not figures or sorted(re.findall(r"\d", one)) in ([], figures)]

@@ -23,7 +23,7 @@ from torsion.schema.component_names import kinds_by_name, repeated_names
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.missing_marks import without_mark
-from torsion.schema.other_words import KIND_FOR, RULE_FOR, of_its_number
+from torsion.schema.other_words import KIND_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
@@ -270,8 +270,7 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
             faults.append(Fault(place, f"{shown(entry)} is not a rule", hint))
             continue
         if name not in RULES:
-            fault = unknown(path, "rule", name, of_its_number(name, list(RULES)), list(RULES))
-            faults.append(replace(fault, hint=RULE_FOR.get(name.casefold(), fault.hint)))
+            faults.append(unknown(path, "rule", name, of_its_number(name, list(RULES)), list(RULES)))
             continue
         if name in seen:
             faults.append(Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True))

@@ -18,7 +18,7 @@ from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters import component_loads
 from torsion.output.numbers import number
 from torsion.output.selection import NO_VALUE
-from torsion.rules.m68 import limits
+from torsion.rules.shaft_stress import judging, limits_of
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 RPM = 30.0 / math.pi
@@ -126,7 +126,7 @@ def test_limits_of_the_rule_stand_beside_the_stress_where_they_hold() -> None:
     own = BarredRange(11.0, 13.0, 12.0, "mid"), BarredRange(21.0, 24.0, 22.0, "other")
     line = Check("iacs-m68", "c", "mid", "stress", 1.0, 2.0, "N/mm2", "pass", "setting", barred=own)
     blocks = list(component_loads.shafts(found.having(checks=Checks((line,)))))
-    _, continuous, transient, stress = limits(found, "mid")
+    _, continuous, transient, stress = limits_of(found, judging(found, "mid")[1])
     np.testing.assert_allclose(stress, STRESS["mid"], rtol=1e-13)
     share = (stress / continuous)[:4]
     at = int(share.argmax())

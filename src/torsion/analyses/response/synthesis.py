@@ -51,6 +51,22 @@ def synthesis(response: Response) -> Synthesis:
     return Synthesis(values[0], values[1], values[2], values[3], turns)
 
 
+def half_range(response: Response, phasors: ComplexArray) -> FloatArray:
+    """(speeds,) half range of any quantity whose lines are `phasors` (speeds, lines), summed as torques are.
+
+    Infinite where the status of a line is not ok.
+    """
+    turns, harmonics = common_cycle([line.order for line in response.lines if line.order is not None])
+    ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
+    found = np.abs(phasors[:, ~ordered]).sum(axis=1)
+    if turns == 0:
+        found = found + np.abs(phasors[:, ordered]).sum(axis=1)
+    else:
+        highest, lowest = extremes(phasors[:, ordered], harmonics)
+        found = found + (highest - lowest) / 2.0
+    return np.where(np.isfinite(found) & (response.status == Status.OK).all(axis=1), found, np.inf)
+
+
 def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:
     """Turns after which all orders repeat, and each order in cycles of that; 0 turns where that is too long."""
     if not orders:

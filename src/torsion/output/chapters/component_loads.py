@@ -47,6 +47,7 @@ class Curves:
     orders: FloatArray  # (speeds, lines) the same of single orders
     continuous: FloatArray | None = None  # (speeds,)
     transient: FloatArray | None = None
+    rule: str = ""  # whose limits these are
 
 
 def shafts(findings: Findings) -> Iterator[Block]:
@@ -57,7 +58,8 @@ def shafts(findings: Findings) -> Iterator[Block]:
     text = f"Nominal shear stress on the plain section, τ = torque / W_{{p}}, {of}."
     curves = {bar.name: stress_curves(findings, bar) for bar in findings.study.train.bars}
     if any(curve.continuous is not None for curve in curves.values()):
-        text += " τ_{C} limits continuous operation, τ_{T} the stress while a barred range is passed (IACS UR M68)."
+        rules = ", ".join(dict.fromkeys(curve.rule for curve in curves.values() if curve.rule))
+        text += f" τ_{{C}} limits continuous operation, τ_{{T}} the stress while a barred range is passed ({rules})."
     yield Heading("Stress of the shafts")
     yield Paragraph(text)
     yield _stresses(findings, curves)
@@ -90,14 +92,17 @@ def stress_curves(findings: Findings, bar: Bar) -> Curves:
     return Curves(response.speed, np.where(bad, np.nan, stress), orders, *limited)
 
 
-def _section(findings: Findings, bar: Bar) -> tuple[IntArray, FloatArray, tuple[FloatArray, ...]]:
-    """Spans of a shaft, W_p of each (m3) and limits: those of the rule that judges it, else the smallest W_p."""
-    if any(rule == "iacs-m68" for rule, _ in findings.study.rules):
-        from torsion.rules.m68 import limits, section
+def _section(
+    findings: Findings, bar: Bar
+) -> tuple[IntArray, FloatArray, tuple[FloatArray, FloatArray, str] | tuple[()]]:
+    """Spans of a shaft, W_p of each (m3) and limits: those of the first rule that judges it, else the smallest W_p."""
+    if findings.study.rules:
+        from torsion.rules import shaft_limits, shaft_stress
 
         try:
-            _, continuous, transient, _ = limits(findings, bar.name)
-            return *section(findings, bar.name), (continuous, transient)
+            rule, shaft = shaft_stress.judging(findings, bar.name)
+            _, continuous, transient, _ = shaft_stress.limits_of(findings, shaft)
+            return *shaft_limits.stress_modulus(findings.system, shaft.part), (continuous, transient, rule.title)
         except KeyError:
             pass
     spans = np.flatnonzero(findings.system.span_part == bar.part)

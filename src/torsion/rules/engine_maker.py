@@ -1,0 +1,57 @@
+"""Rule `engine-maker`: nominal stress of the crankshaft against the limit that the maker of the engine gives."""
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.errors import Fault
+from torsion.fields import Declared, Quantity, given
+from torsion.findings import Results
+from torsion.rules import judgement
+from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.shaft_limits import PA, nominal_stress, with_role
+from torsion.study import Study
+
+Stress = Annotated[float, Quantity("Pa", above=0, usual=(1e5, 1e9), slip=("MPa", "kPa"))]
+
+
+class EngineMakerSettings(Declared):
+    """Settings of `engine-maker`."""
+
+    crank_stress: Stress | None = given("greatest torsional stress amplitude of the crankshaft, by the engine's maker")
+    continuous: Continuous | None = given("speeds of continuous use: {from, to} (default: all)")
+
+
+class EngineMaker(RuleOverSpeed):
+    """The rule, as the study reads it."""
+
+    name = "engine-maker"
+    settings = EngineMakerSettings
+
+    def faults(self, study: Study, settings: EngineMakerSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        where = self.path(study, settings)
+        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(study, settings)
+        if settings.crank_stress is None:
+            hint = f"- {self.name}: {{crank_stress: 40 MPa}}"
+            found.append(Fault(where, f"`crank_stress` of {self.name} is missing; only the maker knows it", hint))
+        if not any(with_role(study.train, "crank")):
+            found.append(Fault(where, f"{self.name} finds no crankshaft", "role: crank, on a round shaft"))
+        return found
+
+    def left_out(self, study: Study, settings: EngineMakerSettings) -> tuple[tuple[str, str], ...]:
+        """What it does not judge, and why."""
+        other = "the rule has the limit of the torsional stress alone"
+        return ((f"{self.name}: damper, front end and bearings of the engine", other),)
+
+    def clauses(self, evidence: Results, settings: EngineMakerSettings) -> Iterator[Clause]:
+        """Of every crankshaft in continuous use."""
+        response, most = evidence.need(Response), settings.crank_stress
+        use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
+        if most is None:
+            raise ValueError("the rule has no limit")
+        for number, part, _ in with_role(evidence.study.train, "crank"):
+            spans, stress = nominal_stress(evidence.system, number, evidence.need(Synthesis).half_range)
+            curve, notes = curve_of(response, stress, most * PA), (in_use, MOSTLY)
+            what = "synthesis stress amplitude"
+            yield Clause("tau_N", part.name, what, "maker", curve, use, "N/mm2", notes, spans)

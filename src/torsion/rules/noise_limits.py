@@ -1,0 +1,107 @@
+"""Rule `nvh`: angular acceleration and speed fluctuation at a station against limits of the file.
+
+Gears rattle where a gearbox's input is shaken; there is no standard, so that no limit is assumed.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated
+
+import numpy as np
+
+from torsion import fields
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.harmonic_components import excited_orders
+from torsion.analyses.response.synthesis import half_range
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.components.lowering import Part
+from torsion.errors import Fault, nearest
+from torsion.fields import Declared, Quantity, given
+from torsion.findings import Results
+from torsion.rules import judgement
+from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.study import Study
+
+RPM = 30.0 / math.pi
+
+
+class NoiseSettings(Declared):
+    """Settings of `nvh`."""
+
+    at: str | None = given("name of the component; of a link its driving end, of a gear its driving wheel")
+    acceleration: Annotated[float, Quantity("rad/s**2", above=0)] | None = given(
+        "greatest amplitude of its angular acceleration (rattle of gears: 200 to 500 rad/s2, to be verified)"
+    )
+    fluctuation: fields.Speed | None = given("greatest (max - min)/2 of its speed over a cycle, as `15 rpm`")
+    order: fields.Exact | None = given("order of its own speed, of the acceleration alone: firing (default: all)")
+    continuous: Continuous | None = given("speeds that are judged: {from, to} (default: all)")
+
+
+class NoiseLimits(RuleOverSpeed):
+    """The rule, as the study reads it."""
+
+    name = "nvh"
+    settings = NoiseSettings
+
+    def faults(self, study: Study, settings: NoiseSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        where = (*self.path(study, settings), self.name)
+        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(study, settings)
+        example = f"- {self.name}: {{at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm}}"
+        if settings.acceleration is None and settings.fluctuation is None:
+            message = f"{self.name} has no limit: `acceleration` and `fluctuation` are missing"
+            found.append(Fault(where[:-1], message, example))
+        if settings.at is None:
+            return [*found, Fault(where[:-1], f"`at` of {self.name} is missing: the component that is judged", example)]
+        names = [part.name for part in study.train.parts]
+        if settings.at not in names:
+            near = nearest(settings.at, names)
+            hint = f"did you mean '{near}'?" if near else f"there is {', '.join(names)}"
+            return [*found, Fault((*where, "at"), f"no component is called '{settings.at}'", hint)]
+        ratio, excited = study.train.stations[_station(study, settings)].ratio, excited_orders(study.train)
+        if settings.order is not None and settings.order * ratio not in excited:
+            own = ", ".join(str(order / ratio) for order in excited)
+            message = f"nothing excites the train by order {settings.order} of '{settings.at}'"
+            found.append(Fault((*where, "order"), message, f"of its own speed there is {own}"))
+        return found
+
+    def left_out(self, study: Study, settings: NoiseSettings) -> tuple[tuple[str, str], ...]:
+        """What it does not judge, and why."""
+        limits = ("acceleration", settings.acceleration), ("fluctuation", settings.fluctuation)
+        return tuple((f"{self.name}: {key}", "the file gives no limit") for key, limit in limits if limit is None)
+
+    def clauses(self, evidence: Results, settings: NoiseSettings) -> Iterator[Clause]:
+        """At the component, over the speeds that are judged."""
+        response, station = evidence.need(Response), _station(evidence.study, settings)
+        system, circular = response.system, 2.0 * math.pi * response.frequency
+        spans = np.flatnonzero((system.driving == station) | (system.driven == station))
+        velocity = 1j * circular * response.angle[:, :, station]
+        acceleration, words, ratio = 1j * circular * velocity, "all orders together", system.stations[station].ratio
+        if settings.order is not None:
+            alone = np.array([line.order == settings.order * ratio for line in response.lines], dtype=bool)
+            acceleration, words = np.where(alone, acceleration, 0.0), f"order {settings.order} of its own speed"
+        use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
+        rows: tuple[tuple[str, str, ComplexArray, float | None, float, str], ...] = (
+            ("acceleration", f"angular acceleration, {words}", acceleration, settings.acceleration, 1.0, "rad/s2"),
+            ("fluctuation", "speed fluctuation (max - min)/2", velocity, settings.fluctuation, RPM, "rpm"),
+        )
+        for clause, what, phasors, limit, unit, name in rows:
+            if limit is not None:
+                value = half_range(response, phasors) * _surplus(evidence, spans)
+                curve, notes = curve_of(response, value * unit, limit * unit), (in_use, MOSTLY)
+                at, size = settings.at or "", np.abs(phasors)
+                yield Clause(clause, at, what, "setting", curve, use, name, notes, spans, size)
+
+
+def _station(study: Study, settings: NoiseSettings) -> int:
+    part: Part = study.train.part(settings.at or "")
+    return part.stations[0]
+
+
+def _surplus(evidence: Results, spans: IntArray) -> FloatArray | float:
+    """By which the exact motion of nonlinear couplings exceeds the torques about the station; 1 without them."""
+    if not evidence.study.train.has_nonlinear_couplings or not spans.size:
+        return 1.0
+    from torsion.rules.beside_exact_motion import surplus
+
+    return np.asarray(surplus(evidence)[0][:, spans].max(axis=1))

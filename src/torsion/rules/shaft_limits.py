@@ -1,0 +1,140 @@
+"""Permissible stress amplitudes of a shaft over its speed ratio, and the shafts with a role whose stress is known.
+
+Stresses in N/mm2; the speed ratio is the speed of a shaft / its rated speed.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.components.lowering import Part, ShaftRecord
+from torsion.kernels.round_sections import section_modulus
+from torsion.rules.judgement import spans_of
+from torsion.train import Train
+
+PA = 1e-6  # N/mm2
+MM = 1e3  # mm/m
+Mark = Literal["rule text", "to be verified"]
+Limit = Callable[[FloatArray], FloatArray]  # of speed ratios (speeds,)
+
+BARRED_BELOW = 0.8  # no barred range reaches this speed ratio in normal firing
+ROUNDING = 1e-9  # relative: a speed ratio this near to a bound is at the bound
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A limit over a range of the speed ratio, up to its end, from where the piece before it ends."""
+
+    clause: str
+    last: float
+    limit: Limit
+    is_open: bool = False  # at its end the next piece holds
+
+
+@dataclass(frozen=True)
+class LimitCurve:
+    """Stress amplitudes that are permissible in continuous use, and while a barred range is passed."""
+
+    pieces: tuple[Piece, ...]  # ascending
+    passing: Piece | None = None  # None where nothing may be barred
+
+    @property
+    def last(self) -> float:
+        """Speed ratio above which there is no limit."""
+        return self.pieces[-1].last
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Speed ratios at which the limits bend, step or end, and the rated one."""
+        passing = () if self.passing is None else (self.passing.last,)
+        return (*passing, *(piece.last for piece in self.pieces), 1.0)
+
+    def _holds(self, ratio: FloatArray) -> Iterator[tuple[Piece, BoolArray]]:
+        """Every piece with (speeds,) where it holds."""
+        left = np.ones(ratio.shape, dtype=bool)
+        for piece in self.pieces:
+            here = left & (ratio < piece.last * (1.0 - ROUNDING if piece.is_open else 1.0 + ROUNDING))
+            left = left & ~here
+            yield piece, here
+
+    def ranges(self, ratio: FloatArray) -> dict[str, BoolArray]:
+        """By clause (speeds,) where it holds."""
+        found = dict[str, BoolArray]()
+        for piece, here in self._holds(ratio):
+            found[piece.clause] = here | found.get(piece.clause, False)
+        return found
+
+    def continuous(self, ratio: FloatArray) -> FloatArray:
+        """(speeds,) in continuous use; NaN above the last piece."""
+        found = np.full(ratio.shape, np.nan)
+        for piece, here in self._holds(ratio):
+            found[here] = piece.limit(ratio[here])
+        return found
+
+    def while_passing(self, ratio: FloatArray) -> FloatArray:
+        """(speeds,) while a barred range is passed; NaN where none may be."""
+        if self.passing is None:
+            return np.full(ratio.shape, np.nan)
+        return np.where(ratio <= self.passing.last * (1 + ROUNDING), self.passing.limit(ratio), np.nan)
+
+
+@dataclass(frozen=True)
+class LimitedShaft:
+    """A shaft with its limits."""
+
+    part: int
+    name: str
+    curve: LimitCurve
+    standing: Mark
+    notes: tuple[str, ...]  # what was taken for it, in words
+    keyways: tuple[str, ...] = ()  # features that do not go with a barred range
+
+
+def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
+    """Where a barred range is accepted in normal firing: below 0.8 of the rated speed (M68, KR; rule text)."""
+    return np.asarray(np.asarray(speed_ratio, dtype=float) < BARRED_BELOW * (1 - ROUNDING))
+
+
+def barred_range(critical: float, rated: float) -> tuple[float, float]:
+    """Least barred range about a critical speed (M68, KR; rule text): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
+    width = 18.0 - critical / rated
+    return 16.0 * critical / width, width * critical / 16.0
+
+
+def with_role(train: Train, *roles: str) -> Iterator[tuple[int, Part, ShaftRecord]]:
+    """Shafts with one of the roles and a known stress: round shafts, and crank spans whose journal is given."""
+    meshed = {bar.part for bar in train.bars if bar.section is not None}
+    for number, part in enumerate(train.parts):
+        if part.shaft is not None and part.shaft.role in roles and number not in meshed:
+            yield number, part, part.shaft
+
+
+def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    """m, (outer, bore) at the driving and at the driven end of a shaft, of a crank span twice those of its journal."""
+    for bar in train.bars:
+        if bar.part == part:
+            return (bar.outer[0], bar.bore[0]), (bar.outer[1], bar.bore[1])
+    record = train.parts[part].shaft
+    if record is None or record.journal is None:
+        raise ValueError(f"{train.parts[part].name} has no diameter")
+    return record.journal, record.journal
+
+
+def stress_modulus(system: System, part: int) -> tuple[IntArray, FloatArray]:
+    """Spans of a shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
+    spans, (driving, driven) = spans_of(system, part), diameters(system.train, part)
+    at = np.linspace(0.0, 1.0, len(spans) + 1)  # between two of them the modulus is never below the smaller
+    outer, bore = (first + (last - first) * at for first, last in zip(driving, driven, strict=True))
+    at_edge = section_modulus(outer, bore)
+    return spans, np.minimum(at_edge[:-1], at_edge[1:])
+
+
+def nominal_stress(system: System, part: int, torque: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Spans of a shaft, and (speeds,) N/mm2 the greatest torque / W_p in them; torque: (speeds, spans) N m."""
+    spans, modulus = stress_modulus(system, part)
+    return spans, np.asarray(np.max(torque[:, spans] / modulus * PA, axis=1))

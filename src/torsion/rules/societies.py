@@ -1,0 +1,206 @@
+"""Rules `kr`, `lr`, `dnv`, `abs`, `bv`, `ccs`, `nk`, `rina`: M68 for line shafts, and what a society has of its own.
+
+Crankshafts and generator shafts are judged by the society's own table where one is known; what is not judged is said.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from torsion import fields
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.undamped_modes import Modes
+from torsion.components.lowering import ShaftRecord
+from torsion.fields import given
+from torsion.findings import Results
+from torsion.rules import judgement, society_limits
+from torsion.rules.gear_hammer import VIBRATORY, meshes
+from torsion.rules.judgement import MOSTLY, Clause, curve_of, rated_speed
+from torsion.rules.m68 import M68
+from torsion.rules.m68_shafts import LAST_CONTINUOUS, M68Settings
+from torsion.rules.shaft_limits import MM, PA, LimitCurve, LimitedShaft, diameters, with_role
+from torsion.rules.society_limits import Duty, Society
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
+from torsion.study import Study
+
+OTHER_ROLES = ("crank", "generator")
+MAJORS_FROM = {"propulsion": 0.8, "generator set": 0.9}  # speed ratio, up to 1.1 (KR 5-4-204)
+MAJORS_TO = 1.1
+
+
+class SocietySettings(M68Settings):
+    """Settings of the rule set of a society: those of `iacs-m68`."""
+
+
+class LrSettings(SocietySettings):
+    """Settings of `lr`."""
+
+    tachometer: fields.Tolerance = given(
+        "tolerance of the tachometer, added to both ends of a barred range (2 % to be verified)", 0.02
+    )
+
+
+class CrankSettings(SocietySettings):
+    """Settings of the rule set of a society that has limits of crankshafts."""
+
+    strokes: Literal[2, 4] | None = given("strokes of a cycle of the engine (default: the less favourable)")
+    arrangement: Literal["in-line", "V45", "V60", "other V"] | None = given(
+        "of its cylinders, a V with its angle in degrees (default: the less favourable)"
+    )
+    cylinders: Annotated[int, Field(ge=1, le=100)] | None = given("of the engine, for its major critical speeds")
+    duty: Duty = given("what the engine drives", "propulsion")
+
+
+class SocietyRule(M68):
+    """The rule set of one society."""
+
+    def __init__(self, name: str) -> None:
+        self.name, self.society = name, society_limits.SOCIETIES[name]
+        self.title, self.mark = self.society.title, self.society.mark
+        self.scope, self.scope_words = self.society.scope, "stresses are to be reported up to"
+        if self.society.scope == LAST_CONTINUOUS:
+            self.scope_words = "the limits reach to"
+        self.has_limits_of = M68.has_limits_of
+        self.settings: type[M68Settings] = LrSettings if name == "lr" else SocietySettings
+        if self.society.crank == "kr":
+            self.has_limits_of, self.needs = (*M68.has_limits_of, *OTHER_ROLES), (*M68.needs, "modes")
+            self.settings = CrankSettings
+        elif self.society.crank:
+            self.has_limits_of = (*M68.has_limits_of, "crank")
+
+    def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
+        """Line shafts by the formulas of M68, others by the society's own table."""
+        for shaft in super().shafts(study, settings):
+            standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
+            notes = self.society.source(), *shaft.notes
+            yield replace(shaft, curve=_in_letters(shaft.curve, self.society), standing=standing, notes=notes)
+        for part, _, record in with_role(study.train, *OTHER_ROLES):
+            if record.role in self.has_limits_of:
+                yield self._other(study, settings, part, record)
+
+    def _other(self, study: Study, settings: M68Settings, part: int, record: ShaftRecord) -> LimitedShaft:
+        """A crankshaft or generator shaft."""
+        name, society = study.train.parts[part].name, self.society
+        ends, source = diameters(study.train, part), society.crank_source()
+        if not isinstance(settings, CrankSettings):  # a table by diameter alone, which the greatest limits most
+            diameter = max(outer for outer, _ in ends) * MM
+            curve = society_limits.crank_curve(society_limits.CCS_CRANK, society.letters, diameter)
+            return LimitedShaft(part, name, curve, society.crank_mark, (source, f"diameter {diameter:.4g} mm"))
+        material = study.train.materials[record.material]
+        known = [None if one is None else one * PA for one in (material.tensile_strength, material.yield_strength)]
+        strength = society_limits.strength_factor(known[0], alloy=name in settings.alloy)
+        yields = society_limits.yield_factor(known[1])
+        engine, is_better = _engine(settings)
+        if record.role == "crank" and settings.duty == "propulsion":
+            table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
+            curve = society_limits.crank_curve(table, society.letters, 0.0, strength, yields)
+            notes = source, engine, f"f_m {strength:.4g}, of tau_2 {yields:.4g}", "without a calculation by IACS UR M53"
+            return LimitedShaft(part, name, curve, society.crank_mark, notes)
+        rows = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
+        rows, about = (rows, engine) if record.role == "crank" else (society_limits.KR_SET_SHAFT, "generator shaft")
+        factor = min(strength, yields)
+        curve = society_limits.set_curve(rows, factor)
+        return LimitedShaft(part, name, curve, society.crank_mark, (source, about, f"f_m {factor:.4g}"))
+
+    def clauses(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
+        """Vibratory torque of gears, where the society limits it."""
+        if self.society.mesh is None or judgement.rated_torque(evidence) is None:
+            return
+        response = evidence.need(Response)
+        reach = judgement.coverage(float(response.speed[-1]), rated_speed(evidence.study))
+        for mesh in meshes(evidence):
+            if mesh.rated > 0:
+                curve = curve_of(response, mesh.vibratory, self.society.mesh * mesh.rated)
+                notes = f"{self.society.mesh:.4g} x {mesh.rated:.5g} N m", self.society.source(), reach, MOSTLY
+                within = np.ones(len(curve.speed), dtype=bool)
+                yield Clause("gears", mesh.name, VIBRATORY, TO_BE_VERIFIED, curve, within, "N m", notes, mesh.spans)
+
+    def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
+        """What was not judged, and why; nothing is skipped silently."""
+        found = [
+            *super().left_out(study, settings),
+            *((f"{self.name}: {what}", why) for what, why in self._open(study)),
+        ]
+        cranks = list(with_role(study.train, "crank"))
+        if cranks:
+            words = "one calculation has one state of the engine: compute a misfire as a case of its own"
+            found.append((f"{self.name}: misfire", words))
+        if self.society.has_majors and isinstance(settings, CrankSettings) and cranks and settings.cylinders is None:
+            found.append((f"{self.name}: major critical speeds", "`cylinders` of the engine is not given"))
+        return tuple(found)
+
+    def _open(self, study: Study) -> Iterator[tuple[str, str]]:
+        """What the society wants besides, with where it is to be had."""
+        train, named = study.train, {name for name, _ in study.rules}
+        yield from self.society.not_judged
+        has_gears, limits = (
+            any(train.of_kind("gear")),
+            [part.ratings for part in train.parts if part.ratings is not None],
+        )
+        if has_gears and self.society.mesh is None and "gear-hammer" not in named:
+            yield "gears", "the rule `gear-hammer` judges them, and the file does not name it"
+        if has_gears and self.society.mesh is not None and not judgement.knows_rated_torque(study):
+            yield "gears", "the torque at the rated speed is not known"
+        if limits and "coupling-maker" not in named:
+            yield "couplings", "the rule `coupling-maker` judges their torque and heat, and the file does not name it"
+        if limits and self.society.mesh is None:
+            yield (
+                "other stiffness",
+                "couplings are at their nominal stiffness: compute cold, warm, soft and stiff as cases",
+            )
+        if any(part.propeller for part in train.parts):
+            yield "zero pitch", "one calculation has one load: compute full and zero pitch as cases"
+
+    def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
+        """Stresses and least diameters, and where major critical speeds lie."""
+        majors = self._majors(evidence, settings) if self.society.has_majors else ()
+        return (*super().check(evidence, settings), *majors)
+
+    def _majors(self, evidence: Results, settings: M68Settings) -> Iterator[Check]:
+        """Of every mode with one node, the order of the number of cylinders, and half of it of four strokes.
+
+        Where the strokes are not given both orders are judged.
+        """
+        if not isinstance(settings, CrankSettings) or settings.cylinders is None:
+            return
+        first, rated = MAJORS_FROM[settings.duty], rated_speed(evidence.study)
+        modes = evidence.need(Modes)
+        cranks = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")}
+        parts = (1,) if settings.strokes == 2 else (1, 2)
+        orders = {Fraction(settings.cylinders, part) * ratio for ratio in cranks for part in parts}
+        for mode in np.flatnonzero(modes.nodes == 1).tolist():
+            for order in sorted(orders, reverse=True):
+                speed = 2.0 * math.pi * float(modes.frequency[mode]) / float(order)
+                is_above = speed / rated > (first + MAJORS_TO) / 2.0
+                limit = MAJORS_TO if is_above else first
+                is_kept = speed / rated >= limit if is_above else speed / rated <= limit
+                what = f"critical speed of order {order} and mode {mode + 1} / rated speed"
+                words = f"not within {first:g} to {MAJORS_TO:g}", self.society.crank_source()
+                yield Check(
+                    self.name, "major critical speed", f"mode {mode + 1}", what, speed / rated, limit, "1",
+                    verdict_of(is_kept, self.society.crank_mark), self.society.crank_mark, speed, order,
+                    "; ".join(words), at_least=is_above,
+                )  # fmt: skip
+
+
+def _in_letters(curve: LimitCurve, society: Society) -> LimitCurve:
+    """The limits of M68 under the names that a society gives them."""
+    pieces = tuple(replace(piece, clause=society.letters[0]) for piece in curve.pieces)
+    return LimitCurve(pieces, curve.passing and replace(curve.passing, clause=society.letters[1]))
+
+
+def _engine(settings: CrankSettings) -> tuple[str, bool]:
+    """The engine in words, and whether the higher limits are its: four strokes, in line or a V of 45 or 60 degrees."""
+    lacks = [
+        word for word, value in (("strokes", settings.strokes), ("arrangement", settings.arrangement)) if value is None
+    ]
+    if settings.strokes == 2 or settings.arrangement == "other V":
+        return "two-stroke, or another V than of 45 or 60 degrees", False
+    if lacks:
+        return f"{' and '.join(lacks)} of the engine not given, the less favourable taken", False
+    return f"four-stroke, {settings.arrangement}", True

@@ -1,0 +1,166 @@
+"""Tables of the classification societies: editions, standings, and the limits of crankshafts and generator shafts.
+
+Stresses in N/mm2, diameters in mm. Sources: KR Rules 2025 Part 5 Ch. 4, 201 (crankshafts of main engines), 203
+(generator sets), 204 (major critical speeds), read; CCS Part 3 Ch. 12 and all others from memory.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.rules.shaft_limits import BARRED_BELOW, Limit, LimitCurve, Mark, Piece
+
+LAST = 1.15  # speed ratio above which the tables of crankshafts end
+STEEL_STRENGTH, STEEL_YIELD = 440.0, 225.0  # N/mm2, above which f_m counts
+CARBON_CAP, ALLOY_CAP = 590.0, 835.0  # N/mm2, the greatest tensile strength in f_m
+SET_RANGE = 0.9, 1.1  # speed ratios of a generator set in use
+Duty = Literal["propulsion", "generator set"]
+
+
+@dataclass(frozen=True)
+class Row:
+    """constant + square r^2 + (root + slope (r - 0.8)) sqrt(r - 1) of the speed ratio r, the root from r = 1 on."""
+
+    constant: float
+    square: float = 0.0
+    root: float = 0.0
+    slope: float = 0.0
+
+    def at(self, ratio: FloatArray) -> FloatArray:
+        """(speeds,)."""
+        rise = (self.root + self.slope * (ratio - 0.8)) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
+        return np.asarray(self.constant + self.square * ratio**2 + rise)
+
+
+@dataclass(frozen=True)
+class CrankTable:
+    """Limits of crankshafts up to the rated speed and above it, and while a barred range is passed."""
+
+    below: Row
+    above: Row
+    passing: float = 2.0  # times the limit in continuous use
+    below_per_mm: Row = Row(0.0)  # more for every mm of the diameter
+    above_per_mm: Row = Row(0.0)
+
+
+KR_IN_LINE = CrankTable(Row(45.0, -24.0), Row(21.0, slope=237.0))  # four-stroke in-line, V 45 and 60 degrees
+KR_OTHER = CrankTable(Row(45.0, -29.0), Row(16.0, slope=237.0))  # two-stroke, and other V
+CCS_CRANK = CrankTable(
+    Row(52.0, -33.8), Row(18.1, root=87.3), below_per_mm=Row(-0.031, 0.02), above_per_mm=Row(-0.0113, root=-0.052)
+)
+KR_SET_CRANK = {"in-line": (21.0, 90.0), "other": (16.0, 90.0)}  # in use, and below
+KR_SET_SHAFT = 31.0, 118.0
+Letters = tuple[str, str]  # of the limits in continuous use and of passing
+OWN, NUMBERED = ("tau_C", "tau_T"), ("tau_1", "tau_2")
+
+
+@dataclass(frozen=True)
+class Society:
+    """What one society's rule set is."""
+
+    title: str
+    edition: str
+    mark: Mark  # of its limits of line shafts
+    letters: Letters = OWN
+    crank: Literal["", "kr", "ccs"] = ""  # whose table of crankshafts
+    crank_edition: str = ""  # where that is another text
+    crank_mark: Mark = "to be verified"
+    mesh: float | None = None  # greatest vibratory torque of a gear / its rated torque
+    has_majors: bool = False  # limits where major critical speeds may lie
+    scope: float = 1.05  # speed ratio up to which stresses are to be reported
+    not_judged: tuple[tuple[str, str], ...] = ()  # what, why
+
+    def source(self) -> str:
+        """Of its limits of line shafts: edition and standing in words."""
+        return _source(self.edition, self.mark)
+
+    def crank_source(self) -> str:
+        """The same of its limits of crankshafts and generator shafts."""
+        return _source(self.crank_edition or self.edition, self.crank_mark)
+
+
+def _source(edition: str, mark: Mark) -> str:
+    standing = "from memory, to be verified against the edition in force"
+    return f"{edition} ({mark if mark == 'rule text' else standing})"
+
+
+VARIED = "faults, ranges of stiffness and damping are to be judged too, one calculation has one of each: compute cases"
+_CCS = "CCS Part 3 Ch. 12"
+_M68 = "formulas of IACS UR M68 as {} has them"
+SOCIETIES: Mapping[str, Society] = {
+    "kr": Society(
+        "KR", "KR Rules 2025 Part 5 Ch. 4", "rule text", NUMBERED, "kr", "", "rule text", has_majors=True, scope=1.2
+    ),
+    "lr": Society(
+        "LR", _M68.format("LR"), "to be verified", mesh=1.0 / 3.0,
+        not_judged=(("malfunction and variability", VARIED),),
+    ),
+    "dnv": Society(
+        "DNV", _M68.format("DNV"), "to be verified",
+        not_judged=(("fatigue by CG-0038", "its text was not at hand: low cycle, high cycle and transient criteria"),),
+    ),
+    "abs": Society("ABS", _M68.format("ABS"), "to be verified"),
+    "bv": Society("BV", _M68.format("BV"), "to be verified", NUMBERED),
+    "ccs": Society("CCS", _M68.format(_CCS), "to be verified", crank="ccs", crank_edition=_CCS),
+    "nk": Society("NK", _M68.format("NK"), "to be verified", NUMBERED, "kr", "limits of KR 5-4 as those of NK"),
+    "rina": Society("RINA", _M68.format("RINA"), "to be verified", NUMBERED),
+}  # fmt: skip
+
+
+def strength_factor(strength: float | None, *, alloy: bool) -> float:
+    """f_m of tau_1 and tau_3 for a tensile strength above 440 N/mm2 (KR), 1 where none is known.
+
+    >>> round(strength_factor(600.0, alloy=True), 10)
+    1.2424242424
+    """
+    known = min(strength or 0.0, ALLOY_CAP if alloy else CARBON_CAP)
+    return 1.0 + 2.0 / 3.0 * (max(known, STEEL_STRENGTH) / STEEL_STRENGTH - 1.0)
+
+
+def yield_factor(limit: float | None) -> float:
+    """f_m of tau_2 for a yield strength above 225 N/mm2 (KR), 1 where none is known.
+
+    >>> round(yield_factor(350.0), 10)
+    1.5555555556
+    """
+    return max(limit or 0.0, STEEL_YIELD) / STEEL_YIELD
+
+
+def crank_curve(
+    table: CrankTable, letters: Letters, diameter: float, strength: float = 1.0, yields: float = 1.0
+) -> LimitCurve:  # fmt: skip
+    """Of the crankshaft of a main engine; strength, yields: the factors f_m.
+
+    >>> curve = crank_curve(KR_IN_LINE, NUMBERED, 200.0)
+    >>> [round(float(value), 4) for value in curve.continuous(np.array([0.8, 1.0, 1.05]))]
+    [29.64, 21.0, 34.2487]
+    """
+
+    def limit(row: Row, per_mm: Row, factor: float, ratio: FloatArray) -> FloatArray:
+        return np.asarray(factor * (row.at(ratio) + diameter * per_mm.at(ratio)))
+
+    below = partial(limit, table.below, table.below_per_mm)
+    above = partial(limit, table.above, table.above_per_mm, strength)
+    last = "tau_3" if letters == NUMBERED else letters[0]
+    return LimitCurve(
+        (Piece(letters[0], 1.0, partial(below, strength)), Piece(last, LAST, above)),
+        Piece(letters[1], BARRED_BELOW, partial(below, table.passing * yields)),
+    )
+
+
+def set_curve(limits: tuple[float, float], factor: float) -> LimitCurve:
+    """Of a shaft of a generator set, whose range of use nothing is barred in; factor: f_m.
+
+    >>> set_curve((31.0, 118.0), 1.0).continuous(np.array([0.5, 0.9, 1.1, 1.2]))
+    array([118.,  31.,  31.,  nan])
+    """
+
+    def flat(value: float) -> Limit:
+        return lambda ratio: np.full(ratio.shape, factor * value)
+
+    (first, last), (use, below) = SET_RANGE, limits
+    return LimitCurve((Piece("tau_2", first, flat(below), is_open=True), Piece("tau_1", last, flat(use))))

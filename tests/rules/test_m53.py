@@ -1,0 +1,107 @@
+"""Crank throws after IACS UR M53 against reference values of one throw, and verdicts about its edges."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from torsion.components.material import Material
+from torsion.rules import lacking, m53_factors, not_judged, settings, verdicts
+from torsion.rules.m53_factors import Throw
+
+THROW = Throw(200, 200, 12, 12, 70, 260, 140, 20)  # mm
+W_P = math.pi / 16 * 0.2**3
+GIVEN = {"pin": 0.2, "journal": 0.2, "pin_fillet": 0.012, "journal_fillet": 0.012, "web_thickness": 0.07,
+         "web_width": 0.26, "radius": 0.14, "oil_bore": 0.02, "bending": 40e6, "shear": 5e6, "bore_bending": 20e6,
+         "additional": 10e6, "manufacture": 1.05, "strokes": 4}  # fmt: skip
+STEEL = {"m": Material(shear_modulus=79e9, density=7850.0, tensile_strength=800e6)}
+
+
+def line(order=12):
+    ripple = [{"order": 1, "torque": 10.0}, {"order": order, "torque": 10.0}]
+    crank = {"name": "crank", "length": 0.3, "diameter": 0.2, "role": "crank", "segments": 1, "material": "m"}
+    return [("motor", {"inertia": 3.0, "ripple": ripple}), ("shaft", crank), ("disc", {"inertia": 2.0})]
+
+
+@pytest.fixture
+def judged(study, evidence):
+    def run(tau, **given):
+        scene = study(line(), [("iacs-m53", settings("iacs-m53").model_validate({**GIVEN, **given}))], materials=STEEL)
+        assert lacking(scene) == []
+        return {one.clause: one for one in verdicts(evidence(scene, [900.0], half={"crank": tau * 1e6 * W_P}))}
+
+    return run
+
+
+def test_factors_of_the_throw_are_the_reference_values() -> None:
+    found = [m53_factors.alpha_b(THROW), m53_factors.alpha_t(THROW), m53_factors.beta_b(THROW),
+             m53_factors.beta_q(THROW), m53_factors.gamma_b(THROW), m53_factors.gamma_t(THROW)]  # fmt: skip
+    wanted = [1.7327070384, 2.2954436056, 1.8217204262, 2.4407162979, 2.758, 3.7]
+    np.testing.assert_allclose(found, wanted, rtol=5e-11)
+    assert m53_factors.alpha_t(THROW, journal=True) == m53_factors.alpha_t(THROW)
+    assert m53_factors.fatigue_strength(800, 200, 12, 1.05) == pytest.approx(277.2390682499, rel=1e-12)
+    assert m53_factors.fatigue_strength(800, 200, 10, 1.0) == pytest.approx(266.5706309874, rel=1e-12)
+
+
+def test_equivalent_stresses_and_acceptability_are_the_reference_values(judged) -> None:
+    """30 N/mm2 of torsion: Q 1.93555, 1.81761, 1.96994, the limits 277.239 and 266.571 over 1.15."""
+    found = judged(30.0)
+    clauses = ["Q, fillet of the pin", "Q, fillet of the journal", "Q, oil bore"]
+    values = [143.2350137233, 152.5294286355, 135.3194595198]
+    np.testing.assert_allclose([found[clause].value for clause in clauses], values, rtol=5e-11)
+    limits = np.array([277.2390682499, 277.2390682499, 266.5706309874]) / 1.15
+    np.testing.assert_allclose([found[clause].limit for clause in clauses], limits, rtol=1e-11)
+    for clause, quotient in zip(clauses, ("1.936", "1.818", "1.97"), strict=True):
+        assert f"Q = {quotient};" in found[clause].note
+        assert found[clause].verdict == "pass"
+
+
+def test_an_acceptability_below_1_15_is_not_kept(judged) -> None:
+    """tau at which (alpha_B 40 + 10)^2 + 3 (alpha_T tau)^2 = (277.239/1.15)^2."""
+    edge = math.sqrt(((277.2390682499 / 1.15) ** 2 - (1.7327070384 * 40 + 10) ** 2) / 3) / 2.2954436056
+    assert judged(edge * (1 - 1e-9))["Q, fillet of the pin"].verdict == "pass"
+    assert judged(edge * (1 + 1e-9))["Q, fillet of the pin"].verdict == "not kept"
+
+
+def test_the_oil_bore_of_pure_torsion_has_the_torsion() -> None:
+    assert m53_factors.of_bore(0.0, 50.0) == pytest.approx(50.0, rel=1e-14)
+    assert m53_factors.of_bore(60.0, 0.0) == pytest.approx(60.0, rel=1e-14)
+
+
+def test_a_grain_flow_does_not_help_at_the_oil_bore(judged) -> None:
+    assert judged(30.0)["Q, oil bore"].limit == judged(30.0, manufacture=1.0)["Q, oil bore"].limit
+    assert judged(30.0, manufacture=0.93)["Q, oil bore"].limit < judged(30.0)["Q, oil bore"].limit
+
+
+def test_orders_that_are_not_given_are_named(study) -> None:
+    for order, strokes, missing in ((12, 4, False), (11, 4, True), (12, 2, True), (15, 2, False)):
+        given = settings("iacs-m53").model_validate({**GIVEN, "strokes": strokes})
+        left = dict(not_judged(study(line(order), [("iacs-m53", given)], materials=STEEL)))
+        assert (f"iacs-m53: orders above {Fraction(order)}" in left) == missing
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"pin": None}, "`pin`"), ({"oil_bore": 0.02, "bore_bending": None}, "`bore_bending`"),
+        ({"pin_fillet": 0.002}, "r of the pin"), ({"web_width": 0.6}, "b of the crank throw"),
+        ({"web_thickness": 0.03}, "w of the crank throw"), ({"radius": 0.05}, "s of the crank throw"),
+        ({"oil_bore": 0.05}, "d of the oil bore"),
+    ],
+)  # fmt: skip
+def test_sizes_that_lack_or_are_outside_the_formulas_are_told(study, change, word) -> None:
+    given = {key: value for key, value in {**GIVEN, **change}.items() if value is not None}
+    found = lacking(study(line(), [("iacs-m53", settings("iacs-m53").model_validate(given))], materials=STEEL))
+    assert len(found) == 1
+    assert word in found[0].message
+
+
+def test_a_train_without_crankshaft_or_strength_is_a_fault(study) -> None:
+    given = settings("iacs-m53").model_validate(GIVEN)
+    bare = {"m": Material(shear_modulus=79e9, density=7850.0)}
+    assert any(
+        "tensile_strength" in one.message for one in lacking(study(line(), [("iacs-m53", given)], materials=bare))
+    )
+    other = [line()[0], ("coupling", {"stiffness": 1e5}), line()[2]]
+    assert any("no crankshaft" in one.message for one in lacking(study(other, [("iacs-m53", given)])))
