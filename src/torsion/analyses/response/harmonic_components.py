@@ -200,6 +200,8 @@ def joint_error(system: System, error: JointError, speed: FloatArray, steady: St
 def amplitude(system: System, torque: Torque, speed: FloatArray, steady: Steady | None) -> ComplexArray:
     """(speeds,) complex N m at the torque's own station."""
     own = speed * system.speed_ratio[torque.station]
+    if torque.cylinder is not None:
+        return torque.cylinder.amplitude(own, None if steady is None else steady.applied[torque.cylinder.station])
     size = np.full(len(speed), torque.torque)
     if torque.table:
         about = Fault(("excitations",), f"the table of the torque at '{torque.name}'", "")
