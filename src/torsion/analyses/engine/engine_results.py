@@ -108,4 +108,4 @@ class EngineFound:
 class Engines:
     """The engines of the train."""
 
-    each: tuple[EngineFound, ...] = result("", (), "in the order of the train")
+    each: tuple[EngineFound, ...] = result("", (), "in the order of the train", key="")

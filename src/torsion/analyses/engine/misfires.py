@@ -21,7 +21,8 @@ from torsion.kernels.engine.gas_law import CylinderOrder
 from torsion.primitives import Torque
 from torsion.study import Study
 
-MOST_SPEEDS = 201  # of those requested; to them come the peaks of every order in every element
+MOST_SPEEDS = 101  # of those requested; to them come the peaks of every order in every element
+APART = 3e-3  # relative: nearer peaks stand for each other
 
 
 @dataclass(frozen=True)
@@ -45,12 +46,12 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
     for number in range(len(engine.cylinders) + 1):
         torque = found.torque[at].copy()
         for line, cylinder, one in own:
-            order = one.cylinder
-            if order is None:
+            order, state = one.cylinder, "motored" if cylinder == number else "firing"
+            if order is None or (order.state == state and (order.share == 1.0 or state == "motored")):
                 continue
             ratio = float(system.speed_ratio[one.station])
             mean = None if steady is None else steady.applied[order.station]
-            wanted = replace(order, state="motored" if cylinder == number else "firing", share=1.0)
+            wanted = replace(order, state=state, share=1.0)
             change = wanted.amplitude(speed * ratio, mean) - order.amplitude(speed * ratio, mean)
             torque[:, line] += change[:, None] * answers.unit[line, one.station]
         case = replace(found, torque=torque, mean=found.mean[at], status=found.status[at])
@@ -77,11 +78,15 @@ def by_cylinder(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[tup
 
 
 def _speeds(found: Response) -> IntArray:
-    """Positions of some of the speeds of a response: those requested, thinned, and every peak."""
+    """Positions of some of the speeds of a response: those requested, thinned, the peaks, and that of the synthesis."""
     requested = np.flatnonzero(found.requested)
     thinned = requested[np.linspace(0, len(requested) - 1, min(len(requested), MOST_SPEEDS)).round().astype(int)]
-    peaks = np.nan_to_num(np.abs(found.torque)).argmax(axis=0).ravel()
-    return np.asarray(np.union1d(thinned, peaks), dtype=np.int64)
+    size = np.nan_to_num(np.abs(found.torque))
+    kept = np.unique(np.append(thinned, size.sum(axis=1).argmax(axis=0))).tolist()
+    for peak in np.unique(size.argmax(axis=0)).tolist():
+        if np.abs(found.speed[kept] / found.speed[peak] - 1.0).min() > APART:
+            kept.append(peak)
+    return np.sort(np.array(kept, dtype=np.int64))
 
 
 def _answers(study: Study, found: Response, at: IntArray, own: list[tuple[int, int, Torque]]) -> Answers:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.engine.engine_results import EngineFound, Engines, HarmonicFound, MisfireFound
+from torsion.analyses.engine.engine_results import EngineFound, Engines, HarmonicFound
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Table, table
 from torsion.output.chapters.engine_misfires import misfires
@@ -15,6 +15,7 @@ from torsion.output.numbers import NONE, RPM, degrees, given, number, order, rpm
 BAR = 1e-5  # of 1 Pa
 MODES = ("first", "second", "third")
 SAME_LOAD = 0.05  # relative: how far the mean pressure of the load may be from that at which the gas torque is given
+REACHED = 1.2  # of the speed of the tables: ranges that begin above it are not listed
 SMALL = 1e-3  # of the largest share of the inertia in a mode: less is not listed
 
 
@@ -80,7 +81,9 @@ def _balance(engine: EngineFound) -> Iterator[Block]:
         yield table("< Quantity | Value | < Unit", [row for row in rows if row[1] != NONE], caption)
     for curve in engine.curves:
         if curve.stated is not None and curve.name != "cycle":
-            text = f"{curve.name}: the diagram has an imep of {_bar(curve.imep)} `bar`, stated are {_bar(curve.stated)}."
+            text = (
+                f"{curve.name}: the diagram has an imep of {_bar(curve.imep)} `bar`, stated are {_bar(curve.stated)}."
+            )
             yield Paragraph(text.replace("`", ""))
     if engine.imep is not None and engine.stated is not None:
         off = engine.imep / engine.stated - 1.0
@@ -166,8 +169,17 @@ def _sums(engine: EngineFound) -> Table:
 
 def _varying(engine: EngineFound) -> Iterator[Block]:
     """The estimate of parametric resonance, of modes that vary at all."""
-    listed = [one for one in engine.varying if one.share > SMALL]
+    known = [one for one in engine.varying if one.share > SMALL]
+    if not known:
+        return
+    top = math.inf if engine.speed is None else REACHED * engine.speed
+    listed = [one for one in known if one.lower <= top]
     if not listed:
+        first = min(one.lower for one in known)
+        yield Paragraph(
+            "The inertia of crank and rod varies over the revolution; the analyses take its mean. The lowest range in "
+            f"which that would make an undamped mode unstable begins at {rpm(first)} rpm (estimate, to be verified)."
+        )
         return
     rows = [
         (one.mode, one.harmonic, 100 * one.share, one.lower * RPM, one.upper * RPM,
