@@ -292,3 +292,43 @@ def test_a_scene_with_an_engine_is_valid_against_the_schema() -> None:
     validator = pytest.importorskip("jsonschema").Draft202012Validator(json_schema())
     data = parse_source(SCENE.replace("GAS", CYCLE).replace("STATE", "misfire: [1, 2]"), "x.yaml").data
     assert [error.message for error in validator.iter_errors(data)] == []
+
+
+RUN_UP = """
+name: run-up
+operation: {at: wheel, speeds: {from: 600 rpm, to: 900 rpm, steps: 2}, rated: {speed: 600 rpm}}
+train:
+  - TRAIN
+  - coupling: {name: shaft, stiffness: 1e4, viscous: 4}
+  - disc: {name: wheel, held: true}
+EXTRA
+analyses:
+  transient:
+    {duration: 0.6 s, samples: 400, initial: steady,
+     events: [{at: wheel, speed: {program: [[0 s, 600 rpm], [0.6 s, 900 rpm]]}}]}
+"""
+
+
+def test_a_run_up_with_an_engine_is_that_with_its_torques_written_out() -> None:
+    from torsion.analyses.transient.transient_motion import Transients
+
+    rows = "[[0.5, 7 N*m, 0 deg], [1, 10 N*m, 20 deg], [3, 4 N*m, -50 deg]]"
+    engine = f"engine: {{name: e, cylinders: 1, strokes: 4, inertia: 0.1, gas: {{table: {rows}}}}}"
+    plain = "excitations:\n" + "".join(
+        f"- {{at: d, order: {order}, torque: {size}, phase: {phase} deg}}\n"
+        for order, size, phase in ((0.5, 7, 0), (1, 10, 20), (3, 4, -50))
+    )
+    own, other = (
+        torsion.run(torsion.parse(RUN_UP.replace("TRAIN", train).replace("EXTRA", extra))).need(Transients).each[0]
+        for train, extra in ((engine, ""), ("disc: {name: d, inertia: 0.1}", plain))
+    )
+    np.testing.assert_allclose(own.torque, other.torque, atol=1e-7 * np.abs(other.torque).max())
+
+
+def test_the_estimate_of_parametric_resonance_is_that_of_the_undamped_equation_to_first_order() -> None:
+    """J_0 (1 + e cos 2 angle): growth e/4 of the frequency, a range of e/2 of it; the vector's are exact."""
+    words = ORACLES["varying_inertia"]["result"].split()
+    share, growth = abs(float(words[1])), float(words[-1])
+    first, last = (float(word.strip("[],")) for word in words[4:6])
+    assert share / 4 == pytest.approx(growth, rel=0.02)
+    assert share / 2 == pytest.approx(last - first, rel=0.02)

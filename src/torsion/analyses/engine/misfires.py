@@ -17,7 +17,7 @@ from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.components.engine.record import EngineRecord
-from torsion.kernels.engine.gas_law import CylinderOrder
+from torsion.kernels.engine.gas_law import CylinderOrder, State
 from torsion.primitives import Torque
 from torsion.study import Study
 
@@ -46,7 +46,8 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
     for number in range(len(engine.cylinders) + 1):
         torque = found.torque[at].copy()
         for line, cylinder, one in own:
-            order, state = one.cylinder, "motored" if cylinder == number else "firing"
+            state: State = "motored" if cylinder == number else "firing"
+            order = one.cylinder
             if order is None or (order.state == state and (order.share == 1.0 or state == "motored")):
                 continue
             ratio = float(system.speed_ratio[one.station])

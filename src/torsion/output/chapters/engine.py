@@ -138,11 +138,11 @@ def _polar(value: complex, largest: float) -> tuple[str, str]:
 
 def _spectrum(engine: EngineFound, place: int) -> Block:
     orders = np.array([float(one.order) for one in engine.harmonics])
-    sizes = [
-        (words, np.array([abs(value(one)) for one in engine.harmonics]))
-        for words, value in (("sum", lambda one: one.total), ("gas", lambda one: one.gas),
-                             ("masses", lambda one: one.masses))
-    ]  # fmt: skip
+    parts = {
+        "sum": [one.total for one in engine.harmonics], "gas": [one.gas for one in engine.harmonics],
+        "masses": [one.masses for one in engine.harmonics],
+    }  # fmt: skip
+    sizes = [(words, np.abs(np.array(values))) for words, values in parts.items()]
     caption = f"Harmonics of the torque of a firing cylinder of {engine.name}"
     return engine_curves.harmonics(f"engine-{place + 1}-harmonics", caption, orders, sizes, "N m")
 

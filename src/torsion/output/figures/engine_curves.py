@@ -8,11 +8,11 @@ from torsion.arrays import FloatArray
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
 from torsion.output.figures.ranges import span
 
-Curve = tuple[str, FloatArray, FloatArray, FloatArray, FloatArray]  # name; deg; absolute, motored, tangential, bar
+Curve = tuple[str, FloatArray, FloatArray, FloatArray, FloatArray]  # name; deg; absolute, motored, tangential [bar]
 
 
 def diagram(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
-    """Pressures over the crank angle, `bar`."""
+    """Pressures over the crank angle."""
     angle = np.concatenate([curve[1] for curve in curves])
     x = span(Axis("crank angle from firing top dead centre", "deg"), angle)
     several = len(curves) > 1
