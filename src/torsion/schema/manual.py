@@ -116,7 +116,9 @@ NOTES = {  # what the keys of a kind need of each other
     "A `cycle` finds begin and amount of the heat release from `imep` and `p_max`.\n\nA cylinder in `misfire` is "
     "motored: it compresses, has no heat, and its masses go on. From a diagram the compression is mirrored for that. "
     "`cut_out`: valves open, no gas torque. The mean torque falls by the share of the cylinders that do not fire, but "
-    "for `keep_power: true`. Several engines in one train need a `phase` each, but for one.",
+    "for `keep_power: true`. Several engines in one train need a `phase` each, but for one. "
+    "Where that is by chance, as behind a clutch, `phase: worst` adds magnitudes to those of all else, order by order; "
+    "half ranges are then sums of the magnitudes of all orders.",
 }
 
 

@@ -332,3 +332,105 @@ def test_the_estimate_of_parametric_resonance_is_that_of_the_undamped_equation_t
     first, last = (float(word.strip("[],")) for word in words[4:6])
     assert share / 4 == pytest.approx(growth, rel=0.02)
     assert share / 2 == pytest.approx(last - first, rel=0.02)
+
+
+TWIN = """
+name: two engines
+operation: {speeds: {from: 900 rpm, to: 1000 rpm, steps: 3}}
+train:
+  - engine: {name: one, cylinders: 1, strokes: 4, inertia: 0.1, gas: {table: ROWS}}
+  - coupling: {stiffness: 1e5, loss_factor: 0.1}
+  - disc: {inertia: 5}
+  - coupling: {stiffness: 2e5, loss_factor: 0.1}
+  - engine: {name: two, cylinders: 1, strokes: 4, inertia: 0.2, PHASE gas: {table: ROWS}}
+analyses: {response: }
+""".replace("ROWS", "[[0.5, 7 N*m, 0 deg], [1, 10 N*m, 20 deg], [1.5, 4 N*m, 0 deg]]")
+
+
+def twins(phase: str) -> Findings:
+    return torsion.run(torsion.parse(TWIN.replace("PHASE", f"phase: {phase},")))
+
+
+def test_the_worst_phase_of_two_engines_is_above_every_phase_and_met_by_single_orders() -> None:
+    worst = twins("worst")
+    each = [twins(f"{degrees} deg") for degrees in range(0, 720, 30)]
+    bound = np.abs(worst.need(Response).torque)
+    found = np.array([np.abs(one.need(Response).torque) for one in each])
+    assert np.all(found <= bound * (1 + 1e-12))
+    np.testing.assert_allclose(found.max(axis=0), bound, rtol=0.04)  # a phase of each order within 15 degrees
+    half = np.array([one.need(Synthesis).half_range for one in each]).max(axis=0)
+    assert np.all(half <= worst.need(Synthesis).half_range)
+    assert worst.need(Synthesis).turns == 0
+
+
+TWO_STROKE = """
+name: low-speed ship
+operation: {at: engine, speeds: {from: 40 rpm, to: 110 rpm, steps: 8}, rated: {speed: 105 rpm, power: 9000 kW}}
+train:
+  - engine:
+      name: engine
+      cylinders: 6
+      strokes: 2
+      firing_order: [1, 5, 3, 4, 2, 6]
+      crank_inertia: 9000
+      stiffness: 900 MN*m/rad
+      loss_factor: 1 %
+      geometry: {bore: 500 mm, stroke: 2 m, rod_length: 2.05 m}
+      masses: {piston: 2000 kg, rod: {mass: 1500 kg, centre: 0.8 m, inertia: 900}}
+      gas: {cycle: wiebe, compression_ratio: 17, charge: 3.4 bar, imep: 19 bar, p_max: 160 bar, duration: 70 deg,
+            exhaust_opens: 112 deg, scavenge_opens: 138 deg}
+      STATE
+  - shaft: {length: 6 m, diameter: 400 mm}
+  - shaft: {length: 6 m, diameter: 450 mm}
+  - propeller: {inertia: 30000, entrained: 25 %, blades: 4, damping: {model: archer, factor: 30}}
+analyses: {response: }
+"""
+
+
+def test_a_two_stroke_engine_has_whole_orders_up_to_fifteen_and_majors_at_its_number_of_cylinders() -> None:
+    found = torsion.run(torsion.parse(TWO_STROKE.replace("STATE", "")))
+    engine = found.need(Engines).each[0]
+    assert [one.order for one in engine.harmonics] == list(range(1, 16))
+    assert [int(one.order) for one in engine.harmonics if one.rigid > 1] == [6, 12]
+    swept = math.pi / 4 * 0.5**2 * 2.0
+    assert engine.imep == pytest.approx(9e6 / (105 * math.pi / 30) / 6 * 2 * math.pi / swept, rel=1e-12)
+    assert len(engine.misfires) == 7
+
+
+def test_a_misfire_changes_no_torque_of_the_masses() -> None:
+    plain, out = (torsion.parse(TWO_STROKE.replace("STATE", state)) for state in ("", "cut_out: 4"))
+    speed = np.array([11.0])
+    for one, other in zip(plain.train.torques, out.train.torques, strict=True):
+        if other.cylinder.state == "cut out":
+            wanted = other.cylinder.turned * other.cylinder.inertia * speed**2
+            np.testing.assert_allclose(other.cylinder.amplitude(speed, None), wanted, rtol=1e-15)
+        else:
+            np.testing.assert_allclose(other.cylinder.amplitude(speed, None), one.cylinder.amplitude(speed, None))
+
+
+def test_tables_over_the_load_are_interpolated_and_not_left() -> None:
+    rows = "{imep: IMEP bar, rows: [[3, SIZE N*m, 0 deg]]}"
+    low, high = (rows.replace("IMEP", str(at)).replace("SIZE", str(size)) for at, size in ((4, 100), (20, 500)))
+    text = SCENE.replace("STATE", "").replace("load: [[1000 rpm, 0 N*m], [3000 rpm, 2039.07372 N*m]]",
+                                              "load: [[1000 rpm, LOW N*m], [3000 rpm, 1000 N*m]]")  # fmt: skip
+    swept = 6 * math.pi / 4 * 0.105**2 * 0.137 / (4 * math.pi)  # mean torque of the engine / imep
+    found = torsion.parse(text.replace("LOW", str(12e5 * swept * 2 - 1000)).replace("GAS", f"tables: [{low}, {high}]"))
+    torque = next(one for one in found.train.torques if one.order == 3).cylinder
+    mean = np.array([12e5 * swept / 6])
+    assert torque.of_gas(np.array([SPEED]), mean)[0] == pytest.approx(300.0, rel=1e-12)
+    with pytest.raises(torsion.InputError, match=r"cover 4 to 20 `bar` imep, the operation needs"):
+        torsion.parse(text.replace("LOW", "-990").replace("GAS", f"tables: [{low}, {high}]"))
+
+
+def test_a_phase_that_is_any_is_not_for_motion_over_time() -> None:
+    text = TWIN.replace("PHASE", "phase: worst,").replace("{response: }", "{transient: {duration: 1 s, events: []}}")
+    with pytest.raises(torsion.InputError, match=r"`phase: worst` adds magnitudes, and a motion over time"):
+        torsion.parse(text)
+
+
+def test_the_first_page_names_the_cylinder_that_misfires() -> None:
+    from torsion.output.blocks import Paragraph
+    from torsion.output.chapters import chapters
+
+    words = [one.text for one in chapters(solved(state="misfire: 2")) if isinstance(one, Paragraph)]
+    assert "main engine runs with cylinder 2 motored (misfire)." in words

@@ -171,6 +171,11 @@ def engine_faults(study: Study) -> Iterator[Fault]:
     for part in lacking[1:]:
         message = f"'{part.name}' and '{lacking[0].name}' have no `phase` between them"
         yield Fault(part.path, message, "give the crank angle at which its first cylinder fires: `phase: 60 deg`")
+    chance = [part for part in parts if part.engine is not None and part.engine.by_chance]
+    if chance and (study.train.has_nonlinear_couplings or "transient" in study.analyses):
+        what = "a motion over time" if "transient" in study.analyses else "play, friction, stages or a clutch"
+        message = f"`phase: worst` adds magnitudes, and {what} does not follow so"
+        yield Fault((*chance[0].path, "phase"), message, "give the angle, in several cases")
     for part in parts:
         if part.engine is not None:
             yield from _uncovered(study, part, part.engine)

@@ -37,6 +37,8 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
     """With no cylinder motored, then each alone; empty where the train is not linear or the motored torque unknown."""
     if engine.gas is None or engine.gas.motored is None or found.balanced is not None or not found.lines:
         return []
+    if found.by_magnitude:
+        return []
     at = _speeds(found)
     system, speed = found.system, found.speed[at]
     steady = steady_if_known(study, system, speed)

@@ -47,6 +47,10 @@ def _misfire(value: Any) -> Any:
 Misfire = Annotated[
     Any, BeforeValidator(_misfire, json_schema_input_type=Number | tuple[Number, ...] | Literal["worst"])
 ]
+Phase = Annotated[
+    Any, BeforeValidator(lambda value: value if value == "worst" else Quantity("rad").read(value),
+                         json_schema_input_type=fields.Angle | Literal["worst"]),
+]  # fmt: skip
 Throws = tuple[Annotated[tuple[Number, ...], BeforeValidator(_throw, Number | tuple[Number, ...])], ...]
 
 
@@ -57,7 +61,7 @@ class Engine(Component, keyword="engine", sort="line"):
     strokes: Literal[2, 4] = required("of a cycle")
     firing_order: tuple[Number, ...] = given("numbers of the cylinders as they fire, evenly spaced", ())
     firing_angles: tuple[fields.Angle, ...] = given("crank angle at which each cylinder fires, cylinder 1 first", ())
-    phase: fields.Angle | None = given("crank angle at which its first cylinder fires, at reference angle zero; "
+    phase: Phase | None = given("crank angle at which its first cylinder fires, at reference angle zero; "
                                        "needed where a train has several engines")  # fmt: skip
     throws: Throws = given("cylinders on each throw from the first end: [[1, 2], [3, 4]] (default: one each)", ())
     reverse: bool = given("true: the train meets its last throw first", False)
@@ -195,6 +199,11 @@ class Engine(Component, keyword="engine", sort="line"):
         return 2.0 * math.pi * self.revolutions
 
     @property
+    def _turned(self) -> float:
+        """rad, by which it stands behind the reference; 0 where that is not known."""
+        return self.phase if isinstance(self.phase, float) else 0.0
+
+    @property
     def _cycles(self) -> tuple[Fraction, ...]:
         """(cylinders,) of a cycle, at which each fires."""
         if self.firing_angles:
@@ -305,6 +314,7 @@ class Engine(Component, keyword="engine", sort="line"):
         return EngineRecord(
             owner, self.revolutions, tuple(self._each(made[0])), *made, self.mechanical_efficiency, gas, words, inertia,
             over_angle, cylinder, () if law is None else law.curves, modulus, self.keep_power, self.phase is not None,
+            self.phase == "worst",
             tuple(self._words(slider)), () if law is None else law.remarks,
         )  # fmt: skip
 
@@ -321,7 +331,7 @@ class Engine(Component, keyword="engine", sort="line"):
                 "cut out" if number in out else "motored" if number in misfire else "firing"
             )
             yield CylinderRecord(
-                number, stations[lane[number]], lane[number], self._cycles[number - 1], self.phase or 0.0,
+                number, stations[lane[number]], lane[number], self._cycles[number - 1], self._turned,
                 self.revolutions, state, raised * heat,
             )  # fmt: skip
 
@@ -364,7 +374,7 @@ class Engine(Component, keyword="engine", sort="line"):
                 order = Fraction(harmonic + 1, record.revolutions)
                 law = CylinderOrder(
                     record.gas, harmonic + 1, complex(record.inertia[harmonic + 1]), one.phasor(harmonic + 1), station,
-                    load, one.state, one.share, owner,
+                    load, one.state, one.share, owner, record.by_chance,
                 )  # fmt: skip
                 build.add(Torque(name, one.station, order, path=path, source=self.source, cylinder=law))
 

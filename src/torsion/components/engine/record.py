@@ -65,6 +65,7 @@ class EngineRecord:
     modulus: float | None  # m3, least of journal and pin
     keeps_power: bool
     has_phase: bool  # against the reference, by the file
+    by_chance: bool  # that phase is any, and the worst is meant
     words: tuple[tuple[str, str], ...]  # figures of the data sheet: label, value with unit
     remarks: tuple[str, ...]
 

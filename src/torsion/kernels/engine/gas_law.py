@@ -82,6 +82,7 @@ class CylinderOrder:
     state: State = "firing"
     share: float = 1.0
     engine: int = -1  # position of its engine in the train
+    by_chance: bool = False  # the phase of that is any: magnitudes are added to those of all else
 
     def amplitude(self, speed: FloatArray, mean: FloatArray | None) -> ComplexArray:
         """(speeds,) N m at own speeds (rad/s) and mean torques applied at `station` (N m; None: not known)."""

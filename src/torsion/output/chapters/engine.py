@@ -79,6 +79,10 @@ def _balance(engine: EngineFound) -> Iterator[Block]:
         ]
         caption = f"Balance of mean torque of {engine.name} at {rpm(engine.speed)} rpm"
         yield table("< Quantity | Value | < Unit", [row for row in rows if row[1] != NONE], caption)
+    if engine.speed is not None and engine.mean_torque is None:
+        yield Paragraph(
+            "The operation names no mean torque: the gas torque is that of the file at every speed.", "note"
+        )
     for curve in engine.curves:
         if curve.stated is not None and curve.name != "cycle":
             text = (

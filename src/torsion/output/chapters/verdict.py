@@ -11,6 +11,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, on_terminal, table
+from torsion.output.chapters.engine_states import states
 from torsion.output.numbers import NONE, RPM, counted, given, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -53,6 +54,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
             marks=[check.verdict for check in checks],
             short="Checks, each at its worst point",
         )
+    yield from states(findings)
     yield from _unjudged(findings)
     yield _sources(findings)
     if remarks := _remarks(check for check in checks if check.verdict != "pass"):
