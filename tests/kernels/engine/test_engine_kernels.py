@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod
+from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
 from torsion.kernels.engine.gas_law import CylinderOrder, GasLaw
 from torsion.kernels.engine.gas_torque import Cylinder, Diagram, Panels, harmonics, phasor_sums
 from torsion.kernels.engine.wiebe_cycle import Cycle, UnreachablePressure, fitted, timed
@@ -114,6 +115,15 @@ def test_the_kinetic_energy_of_the_rod_is_that_of_a_rigid_body() -> None:
     np.testing.assert_allclose(
         inertia, rod.mass * (speed[:2] ** 2).sum(axis=0) + rod.inertia * speed[2] ** 2, rtol=1e-8
     )
+
+
+def test_estimates_of_a_throw_are_those_of_the_vector() -> None:
+    known = ORACLES["crank_throw"]
+    sizes = {key: known[key] for key in ("D_j", "D_p", "L_j", "L_p", "R", "G")}
+    web = known["web thickness"], known["web width"]
+    throw = Throw((sizes["D_j"], 0.0, sizes["L_j"]), (sizes["D_p"], 0.0, sizes["L_p"]), web, sizes["R"])
+    assert carter(throw, sizes["G"]) == pytest.approx(known["Carter L_e mm, k"][1], rel=1e-13)
+    assert ker_wilson(throw, sizes["G"]) == pytest.approx(known["Ker Wilson"][1], rel=1e-13)
 
 
 def marine() -> Cycle:

@@ -5,7 +5,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, WithJsonSchema
+from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from torsion import fields, units
@@ -19,6 +19,34 @@ Turned = Annotated[float, Quantity("rad", above=0)]
 Share = Annotated[float, Quantity("1", at_least=0, usual=(0.5, 1.5), slip=("%",))]
 ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
 Row = tuple[Fraction, complex, str]  # order; amplitude in N m of one cylinder, or Pa; which of the two
+
+
+Number = Annotated[int, Field(ge=1, le=100)]
+Numbers = Annotated[tuple[Number, ...], OneOrMany]
+
+
+def _throw(value: Any) -> Any:
+    return (value,) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _misfire(value: Any) -> Any:
+    """`worst`, or numbers of cylinders."""
+    if value == "worst":
+        return value
+    numbers = value if isinstance(value, list | tuple) else (value,)
+    if not all(isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in numbers):
+        raise refuse(f"{shown(value)} names no cylinders", "a number from 1 on, a list of them, or worst")
+    return tuple(numbers)
+
+
+Misfire = Annotated[
+    Any, BeforeValidator(_misfire, json_schema_input_type=Number | tuple[Number, ...] | Literal["worst"])
+]
+Phase = Annotated[
+    Any, BeforeValidator(lambda value: value if value == "worst" else Quantity("rad").read(value),
+                         json_schema_input_type=fields.Angle | Literal["worst"]),
+]  # fmt: skip
+Throws = tuple[Annotated[tuple[Number, ...], BeforeValidator(_throw, Number | tuple[Number, ...])], ...]
 
 
 class Geometry(Declared):
@@ -64,10 +92,18 @@ class Journal(Declared):
 
     diameter: fields.Across = required("outer diameter")
     bore: fields.Bore = given("diameter of its bore", 0.0)
+    length: Length | None = given("length, for an estimate of the stiffness of a throw, with `web`")
 
     def refuse_clashes(self) -> None:
         if self.bore >= self.diameter:
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
+
+
+class Web(Declared):
+    """A web of a throw, as a rectangle."""
+
+    thickness: Length = required("along the shaft")
+    width: Length = required("across")
 
 
 def _amount(value: object) -> tuple[float, str]:

@@ -9,49 +9,37 @@ from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.engine.declarations import Gas, Geometry, Journal, Masses, Share
+from torsion.components.engine.declarations import (
+    Gas,
+    Geometry,
+    Journal,
+    Masses,
+    Misfire,
+    Number,
+    Numbers,
+    Phase,
+    Share,
+    Throws,
+    Web,
+)
 from torsion.components.engine.gas_laws import Frame, GasFault, Law, law_of
 from torsion.components.engine.record import CylinderRecord, EngineRecord
 from torsion.components.lowering import Lowering
-from torsion.fields import OneOrMany, Quantity, given, refuse, required, shown
+from torsion.components.material import STEEL
+from torsion.fields import OneOrMany, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod
+from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
 from torsion.kernels.engine.gas_law import CylinderOrder
 from torsion.kernels.engine.gas_torque import Cylinder
 from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Damper, Spring, Torque
 
-Number = Annotated[int, Field(ge=1, le=100)]
-NumberOfCylinder = Annotated[tuple[Number, ...], OneOrMany]
 TWICE = 1e-9  # rad: firing angles that differ by less are one
 VARYING = 8  # harmonics of the inertia over a revolution that are kept
-
-
-def _throw(value: Any) -> Any:
-    return (value,) if isinstance(value, int) and not isinstance(value, bool) else value
-
-
-def _misfire(value: Any) -> Any:
-    """`worst`, or numbers of cylinders."""
-    if value == "worst":
-        return value
-    numbers = value if isinstance(value, list | tuple) else (value,)
-    if not all(isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in numbers):
-        raise refuse(f"{shown(value)} names no cylinders", "a number from 1 on, a list of them, or worst")
-    return tuple(numbers)
-
-
-Misfire = Annotated[
-    Any, BeforeValidator(_misfire, json_schema_input_type=Number | tuple[Number, ...] | Literal["worst"])
-]
-Phase = Annotated[
-    Any, BeforeValidator(lambda value: value if value == "worst" else Quantity("rad").read(value),
-                         json_schema_input_type=fields.Angle | Literal["worst"]),
-]  # fmt: skip
-Throws = tuple[Annotated[tuple[Number, ...], BeforeValidator(_throw, Number | tuple[Number, ...])], ...]
 
 
 class Engine(Component, keyword="engine", sort="line"):
@@ -82,11 +70,12 @@ class Engine(Component, keyword="engine", sort="line"):
     loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
     journal: Journal | None = given("{diameter, bore} of its journals, for their stress")
     pin: Journal | None = given("{diameter, bore} of its pins, for their stress")
+    web: Web | None = given("{thickness, width} of its webs: the report then estimates the stiffness of a throw")
     geometry: Geometry | None = given("{bore, stroke, rod_length, offset} of a cylinder")
     masses: Masses | None = given("{reciprocating}, or {piston, rod} of a cylinder, for their torque")
     gas: Gas | None = given("gas torque of a cylinder; without it the moving masses alone excite")
     misfire: Misfire = given("cylinders without fuel; needs motored harmonics", ())
-    cut_out: NumberOfCylinder = given("cylinders with their valves open: no gas torque", ())
+    cut_out: Numbers = given("cylinders with their valves open: no gas torque", ())
     imbalance: tuple[tuple[Number, Share], ...] = given(
         "list of [cylinder, its heat / that of the others]: [[1, 105 %], [6, 95 %]]", ()
     )
@@ -115,6 +104,11 @@ class Engine(Component, keyword="engine", sort="line"):
     def refuse_clashes(self) -> None:
         for check in (self._firing, self._throws, self._lists, self._states):
             check()
+        if self.web is not None:
+            sized = self.journal is not None and self.pin is not None and self.journal.length and self.pin.length
+            if not sized or self.geometry is None:
+                hint = "journal: {diameter: 90 mm, length: 40 mm}"
+                raise refuse("`web` needs `journal` and `pin` with their `length`, and `geometry`", hint, "web")
         if self.masses is not None and self.geometry is None:
             raise refuse(
                 "`masses` need the `geometry` of the cylinder", "geometry: {bore, stroke, rod_length}", "masses"
@@ -350,12 +344,24 @@ class Engine(Component, keyword="engine", sort="line"):
             yield "Radius / rod", f"{slider.radius / slider.rod:.5g}"
             if size.offset:
                 yield "Offset", f"{1e3 * size.offset:.6g} mm"
+        if slider is not None:
+            yield from self._estimates(slider)
         if self.masses is not None and slider is not None:
             mass, correction, turning = self._moving(slider)
             yield "Reciprocating mass of a cylinder", f"{mass:.6g} kg"
             if self.masses.rod is not None:
                 yield "Correction of the rod J_{c}", f"{correction:.5g} kg m²"
                 yield "Rotating share of the rod, inertia", f"{turning:.5g} kg m²"
+
+    def _estimates(self, slider: CrankSlider) -> Iterator[tuple[str, str]]:
+        """The stiffness of a throw by formulas, where its dimensions are given."""
+        if self.web is None or self.journal is None or self.pin is None:
+            return
+        ends = [(one.diameter, one.bore, one.length or 0.0) for one in (self.journal, self.pin)]
+        throw = Throw(ends[0], ends[1], (self.web.thickness, self.web.width), slider.radius)
+        both = (formula(throw, STEEL.shear_modulus) * 1e-6 for formula in (carter, ker_wilson))
+        words = ", ".join(f"{k:.4g} MN m/rad ({name})" for k, name in zip(both, ("Carter", "Ker Wilson"), strict=True))
+        yield "Stiffness of a throw, estimate, to be verified", f"{words}, of steel; used is the stiffness of the file"
 
     def _torques(self, build: Lowering, owner: int, record: EngineRecord) -> None:
         """One primitive for every cylinder and order that is there."""

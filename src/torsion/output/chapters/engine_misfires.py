@@ -62,9 +62,11 @@ def _by_element(engine: EngineFound, each: list[Element], unit: Scale) -> Table:
             f"no. {bad.cylinder}", share,
         ))  # fmt: skip
     return table(
-        f"< Element | < Kind | All fire [{unit.unit}] | At speed [rpm] | Worst misfire [{unit.unit}] | "
-        "At its speed [rpm] | < Cylinder | Worst / all fire",
+        f"< Element -> | < Kind | All fire [{unit.unit}] -> all fire, {unit.unit} | At speed [rpm] | "
+        f"Worst misfire [{unit.unit}] -> worst misfire, {unit.unit} | At its speed [rpm] -> at rpm | < Cylinder -> | "
+        "Worst / all fire",
         rows, f"Misfire of one cylinder of {engine.name}: largest half range of every element",
+        short=f"One cylinder of {engine.name} without heat",
     )  # fmt: skip
 
 
