@@ -1,6 +1,7 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from torsion import rules
@@ -8,7 +9,7 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Findings, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.verdict_line import Checks
+from torsion.rules.verdict_line import Check, Checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
 
@@ -21,6 +22,48 @@ ANSWERS = (  # results of which one at least makes a report
 
 
 def run(
+    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
+) -> Findings:
+    """Compute everything that the study requests, or of it `only` those analyses and what they need.
+
+    As `run_once`; where every cylinder of an engine is to misfire in turn, once for each: the checks are the worst of
+    all, all else is of the cylinder with the worst of these.
+    """
+    if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
+        return run_once(study, only=only, memory=memory, progress=progress)
+    from torsion.components.engine.misfire_cases import misfire_cases
+
+    cases = {
+        words: run_once(
+            replace(study, train=replace(study.train, parts=parts, torques=torques)),
+            only=only, memory=memory, progress=progress,
+        )
+        for words, parts, torques in misfire_cases(study.train.parts, study.train.torques)
+    }  # fmt: skip
+    return _worst(cases)
+
+
+def _worst(cases: Mapping[str, Findings]) -> Findings:
+    """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
+    lines: dict[tuple[str, str, str], tuple[tuple[bool, float], str, Check]] = {}
+    for words, found in cases.items():
+        for check in found.need(Checks).lines:
+            used = check.utilisation
+            rank = check.fails, -math.inf if used is None and not check.fails else math.inf if used is None else used
+            key = check.rule, check.what, check.where
+            if key not in lines or rank > lines[key][0]:
+                lines[key] = rank, words, check
+    named = [replace(check, note="; ".join(filter(None, (words, check.note)))) for _, words, check in lines.values()]
+    worst = max(lines.values(), key=lambda line: line[0])[1] if lines else next(iter(cases))
+    table, found = next(iter(cases.values())).results["engines"], cases[worst]
+    each = (
+        replace(own, misfires=first.misfires)
+        for own, first in zip(found.results["engines"].each, table.each, strict=True)
+    )
+    return found.having(checks=Checks(tuple(named)), engines=replace(table, each=tuple(each)))
+
+
+def run_once(
     study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
 ) -> Findings:
     """Compute everything that the study requests, or of it `only` those analyses and what they need.

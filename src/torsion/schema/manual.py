@@ -115,6 +115,8 @@ NOTES = {  # what the keys of a kind need of each other
     "pressure [bar]`; its last row repeats the first one cycle later, and between rows the pressure is straight. "
     "A `cycle` finds begin and amount of the heat release from `imep` and `p_max`.\n\nA cylinder in `misfire` is "
     "motored: it compresses, has no heat, and its masses go on. From a diagram the compression is mirrored for that. "
+    "`misfire: worst` runs the train once for every cylinder: of each check the worst stands, with its cylinder, and "
+    "all else is of the cylinder with the worst check. "
     "`cut_out`: valves open, no gas torque. The mean torque falls by the share of the cylinders that do not fire, but "
     "for `keep_power: true`. Several engines in one train need a `phase` each, but for one. "
     "Where that is by chance, as behind a clutch, `phase: worst` adds magnitudes to those of all else, order by order; "

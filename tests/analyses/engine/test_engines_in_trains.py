@@ -17,6 +17,7 @@ from torsion.analyses.steady import Steady, steady
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.engine.crank_slider import CrankSlider
+from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source
 
@@ -434,3 +435,19 @@ def test_the_first_page_names_the_cylinder_that_misfires() -> None:
 
     words = [one.text for one in chapters(solved(state="misfire: 2")) if isinstance(one, Paragraph)]
     assert "main engine runs with cylinder 2 motored (misfire)." in words
+
+
+RATED = "{stiffness: 1.976e6, loss_factor: 0.035, vibratory_torque: 5 kN*m, max_torque: 7 kN*m}"
+
+
+def test_the_worst_misfire_is_the_worst_of_every_check_with_its_cylinder() -> None:
+    changed = {"{stiffness: 1.976e6, loss_factor: 0.035}": RATED, "response: }": "response: }\nrules: [coupling-maker]"}
+    worst = solved(state="misfire: worst", **changed)
+    single = [solved(state=f"misfire: {number}", **changed) for number in range(1, 7)]
+    for check in worst.need(Checks).lines:
+        values = [next(one.value for one in found.need(Checks).lines if one.what == check.what) for found in single]
+        assert check.value == pytest.approx(max(values), rel=1e-12)
+        assert check.note.startswith(f"cylinder {values.index(max(values)) + 1} of main engine motored")
+    vibratory = next(one for one in worst.need(Checks).lines if one.clause == "T_KW")
+    assert vibratory.note.startswith("cylinder 3 ")
+    assert worst.failed

@@ -159,8 +159,12 @@ def _varying(work: Work, part: Part, engine: EngineRecord) -> Iterator[VaryingIn
 
 
 def _misfires(work: Work, engine: EngineRecord) -> list[MisfireFound]:
-    """Every cylinder in turn; empty without a response."""
+    """Every cylinder in turn; empty without a response, and in all but the first of the runs of `misfire: worst`."""
     response = work.get(Response)
+    if engine.tries_all and next(one.number for one in engine.cylinders if one.state != "cut out") not in (
+        one.number for one in engine.cylinders if one.state == "motored"
+    ):
+        return []
     return [] if response is None or len(engine.cylinders) == 1 else misfires(work.study, response, engine)
 
 

@@ -162,26 +162,23 @@ class Engine(Component, keyword="engine", sort="line"):
             raise refuse("`stiffness` of the crank spans is missing", "between throws; one value for all")
 
     def _states(self) -> None:
-        if self.misfire == "worst":
-            hint = "the report's table of misfires has every cylinder in turn: name the worst, `misfire: 3`"
-            raise refuse("`misfire: worst` is not built yet", hint, "misfire")
-        uneven = tuple(number for number, _ in self.imbalance)
-        named = [("misfire", self.misfire), ("cut_out", self.cut_out), ("imbalance", uneven)]
+        uneven, missing = tuple(number for number, _ in self.imbalance), () if self.misfire == "worst" else self.misfire
+        named = [("misfire", missing), ("cut_out", self.cut_out), ("imbalance", uneven)]
         for key, numbers in named:
             wrong = next((number for number in numbers if number > self.cylinders), None)
             if wrong is not None:
                 raise refuse(f"there is no cylinder {wrong}", f"numbers 1 to {self.cylinders}", key)
             if len(set(numbers)) < len(numbers):
                 raise refuse("a cylinder is named twice", "each once", key)
-        out = [*self.misfire, *self.cut_out]
+        out = [*missing, *self.cut_out]
         every = [*out, *uneven]
         twice = next((number for number in every if every.count(number) > 1), None)
         if twice is not None:
             raise refuse(f"cylinder {twice} is named by two of `misfire`, `cut_out` and `imbalance`", "one of them",
                          "cut_out" if twice in self.cut_out else "misfire")  # fmt: skip
-        if len(set(out)) == self.cylinders:
+        if len(set(out)) + (self.misfire == "worst") >= self.cylinders:
             raise refuse("no cylinder is left that fires", "leave one", "misfire" if self.misfire else "cut_out")
-        if (out or self.imbalance) and self.gas is None:
+        if (out or self.misfire or self.imbalance) and self.gas is None:
             raise refuse("without `gas` there is nothing to misfire", "give `gas`", named[0][0] if out else "imbalance")
         gas = self.gas
         if self.misfire and gas is not None and (gas.table or gas.tables) and gas.motored is None:
@@ -308,7 +305,7 @@ class Engine(Component, keyword="engine", sort="line"):
         return EngineRecord(
             owner, self.revolutions, tuple(self._each(made[0])), *made, self.mechanical_efficiency, gas, words, inertia,
             over_angle, cylinder, () if law is None else law.curves, modulus, self.keep_power, self.phase is not None,
-            self.phase == "worst",
+            self.phase == "worst", self.misfire == "worst",
             tuple(self._words(slider)), () if law is None else law.remarks,
         )  # fmt: skip
 
@@ -365,11 +362,7 @@ class Engine(Component, keyword="engine", sort="line"):
 
     def _torques(self, build: Lowering, owner: int, record: EngineRecord) -> None:
         """One primitive for every cylinder and order that is there."""
-        drives, number = dict[int, float](), len(record.cylinders)
-        for station, share in record.drives:
-            drives[station] = drives.get(station, 0.0) + share
-        station, share = next(iter(drives.items()), (record.throws[0], 1.0 / number))
-        load = 1.0 / (number * share * record.efficiency)
+        station, load = record.load_says
         there = np.abs(record.inertia) > 0
         if record.gas is not None:
             there |= (np.abs(record.gas.firing) > 0).any(axis=0)

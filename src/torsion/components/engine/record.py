@@ -66,6 +66,7 @@ class EngineRecord:
     keeps_power: bool
     has_phase: bool  # against the reference, by the file
     by_chance: bool  # that phase is any, and the worst is meant
+    tries_all: bool  # every cylinder misfires in turn, and the worst is meant
     words: tuple[tuple[str, str], ...]  # figures of the data sheet: label, value with unit
     remarks: tuple[str, ...]
 
@@ -76,6 +77,15 @@ class EngineRecord:
         return tuple(
             (one.station, one.share / number) for one in self.cylinders if one.state == "firing" and one.share > 0
         )
+
+    @property
+    def load_says(self) -> tuple[int, float]:
+        """The station whose mean torque says the load, and the mean gas torque of a firing cylinder / that."""
+        drives, number = dict[int, float](), len(self.cylinders)
+        for station, share in self.drives:
+            drives[station] = drives.get(station, 0.0) + share
+        station, share = next(iter(drives.items()), (self.throws[0], 1.0 / number))
+        return station, 1.0 / (number * share * self.efficiency)
 
     def order(self, harmonic: int) -> float:
         """Order of the crankshaft of harmonic 1, 2, .."""

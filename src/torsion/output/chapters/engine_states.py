@@ -17,5 +17,6 @@ def states(findings: Findings) -> Iterator[Paragraph]:
         uneven = [one for one in part.engine.cylinders if one.state == "firing" and one.share != 1.0]
         words += [f"cylinder {one.number} with {100 * one.share:.4g} % of the heat" for one in uneven]
         words += ["any phase to the rest of the train (magnitudes are added)"] if part.engine.by_chance else []
+        words += ["every cylinder in turn (the worst of each check; all else is of this one)"] * part.engine.tries_all
         if words:
             yield Paragraph(f"{part.name} runs with {', '.join(words)}.", "note")
