@@ -347,7 +347,7 @@ class Engine(Component, keyword="engine", sort="line"):
             mass, correction, turning = self._moving(slider)
             yield "Reciprocating mass of a cylinder", f"{mass:.6g} kg"
             if self.masses.rod is not None:
-                yield "Correction of the rod J_{c}", f"{correction:.5g} kg m²"
+                yield "Correction of the rod, inertia", f"{correction:.5g} kg m²"
                 yield "Rotating share of the rod, inertia", f"{turning:.5g} kg m²"
 
     def _estimates(self, slider: CrankSlider) -> Iterator[tuple[str, str]]:

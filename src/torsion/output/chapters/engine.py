@@ -56,7 +56,7 @@ def _sheet(engine: EngineFound) -> Iterator[tuple[str, str]]:
     if engine.inertia:
         yield "Mean inertia of the moving masses of a cylinder", f"{given(engine.inertia)} kg m²"
     if engine.stress_modulus is not None:
-        yield "Least W_{p} of journal and pin", f"{given(engine.stress_modulus * 1e9)} mm³"
+        yield "Least section modulus of journal and pin", f"{given(engine.stress_modulus * 1e9)} mm³"
 
 
 def _cylinders(engine: EngineFound) -> Table:

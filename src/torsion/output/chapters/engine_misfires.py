@@ -34,11 +34,20 @@ def misfires(findings: Findings, engine: EngineFound, place: int) -> Iterator[Bl
     yield _by_cylinder(engine, [one for one in each if one.kind == "crank"] or each, unit)
     if engine.stress_modulus is not None:
         yield _stress(engine, [one for one in each if one.kind == "crank"], engine.stress_modulus)
-    most = max(each, key=lambda one: max(float(one.largest(case.half_range).max()) for case in engine.misfires))
-    curves = [(_named(case), most.largest(case.half_range) * unit.factor) for case in engine.misfires[:MOST_CURVES]]
-    caption = f"Vibratory torque in {most.name} while a cylinder of {engine.name} misfires"
     speed = engine.misfires[0].speed * RPM
-    yield engine_curves.misfires(f"engine-{place + 1}-misfires", caption, speed, curves, unit.unit)
+    for drawn, element in enumerate(_drawn(engine, each)):
+        curves = [(_named(case), element.largest(case.half_range) * unit.factor) for case in engine.misfires]
+        caption = f"Vibratory torque in {element.name} while a cylinder of {engine.name} misfires"
+        name = f"engine-{place + 1}-misfires-{drawn + 1}"
+        yield engine_curves.misfires(name, caption, speed, curves[:MOST_CURVES], unit.unit)
+
+
+def _drawn(engine: EngineFound, each: list[Element]) -> list[Element]:
+    """The most loaded element, and that in which a misfire raises the torque most."""
+    normal = {one: float(one.largest(engine.misfires[0].half_range).max()) for one in each}
+    worst_of = {one: float(one.largest(_worst(engine, one).half_range).max()) for one in each}
+    raised = max(each, key=lambda one: worst_of[one] / normal[one] if normal[one] else 0.0)
+    return list(dict.fromkeys([max(each, key=lambda one: worst_of[one]), raised]))
 
 
 def _named(case: MisfireFound) -> str:
