@@ -451,3 +451,10 @@ def test_the_worst_misfire_is_the_worst_of_every_check_with_its_cylinder() -> No
     vibratory = next(one for one in worst.need(Checks).lines if one.clause == "T_KW")
     assert vibratory.note.startswith("cylinder 3 ")
     assert worst.failed
+
+
+def test_no_order_of_a_table_is_lost_but_those_above_the_orders_that_are_named() -> None:
+    table = "table: [[3, 5 N*m, 0 deg], [18.5, 2 N*m, 0 deg]]"
+    for state, wanted in (("", {3, Fraction(37, 2)}), ("orders: 12", {3})):
+        text = SCENE.replace("GAS", table).replace("STATE", state).replace("masses:", "note: none #")
+        assert {one.order for one in torsion.parse(text).train.torques} == wanted

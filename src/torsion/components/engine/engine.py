@@ -80,8 +80,9 @@ class Engine(Component, keyword="engine", sort="line"):
         "list of [cylinder, its heat / that of the others]: [[1, 105 %], [6, 95 %]]", ()
     )
     keep_power: bool = given("true: the other cylinders make up for `misfire` and `cut_out`", False)
-    orders: Annotated[int, Field(ge=1, le=48)] | None = given("highest order of the crankshaft (default: 12, of two "
-                                                              "strokes 15)")  # fmt: skip
+    orders: Annotated[int, Field(ge=1, le=48)] | None = given(
+        "highest order of the crankshaft (default: 12, of two strokes 15, or the highest of the tables)"
+    )
 
     @property
     def revolutions(self) -> int:
@@ -113,6 +114,9 @@ class Engine(Component, keyword="engine", sort="line"):
             raise refuse(
                 "`masses` need the `geometry` of the cylinder", "geometry: {bore, stroke, rod_length}", "masses"
             )
+        rod = None if self.masses is None else self.masses.rod
+        if rod is not None and self.geometry is not None and rod.centre >= self.geometry.rod_length:
+            raise refuse("the centre of mass lies beyond the rod", "it counts from the centre of the big end", "masses")
         if bool(self.inertia) == bool(self.crank_inertia):
             raise refuse("give `inertia`, or `crank_inertia` with `masses`", "inertia: 0.047 kg*m**2",
                          "crank_inertia" if self.inertia else "")  # fmt: skip
@@ -229,7 +233,12 @@ class Engine(Component, keyword="engine", sort="line"):
 
     @property
     def _highest(self) -> int:
-        return self.orders or (12 if self.strokes == 4 else 15)
+        """Order of the crankshaft: that of the file, else the usual one or the highest of the tables."""
+        if self.orders is not None:
+            return self.orders
+        gas = self.gas
+        tables = [] if gas is None else [gas.table or (), gas.motored or (), *(one.rows for one in gas.tables)]
+        return max(12 if self.strokes == 4 else 15, *(math.ceil(row[0]) for rows in tables for row in rows), 1)
 
     def _slider(self) -> CrankSlider | None:
         size = self.geometry
