@@ -238,7 +238,8 @@ class Engine(Component, keyword="engine", sort="line"):
             return self.orders
         gas = self.gas
         tables = [] if gas is None else [gas.table or (), gas.motored or (), *(one.rows for one in gas.tables)]
-        return max(12 if self.strokes == 4 else 15, *(math.ceil(row[0]) for rows in tables for row in rows), 1)
+        highest: list[int] = [math.ceil(row[0]) for rows in tables for row in rows]
+        return max(12 if self.strokes == 4 else 15, *highest, 1)
 
     def _slider(self) -> CrankSlider | None:
         size = self.geometry
