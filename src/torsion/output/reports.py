@@ -28,7 +28,8 @@ REPORTS = {
         "Torsional vibration calculation",
         (
             "verdict", "plant", "data_sheets", "mass_elastic", "@modes", "twisted_train", "@critical", "excitations",
-            "damping_given", "@*", "closing", "provenance:steps", "verdict:remarks", "provenance:input_file",
+            "@engine", "damping_given", "@*", "closing", "provenance:steps", "verdict:remarks",
+            "provenance:input_file",
         ),
         "report", {"json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip"},
         on_request={"twisted_train": "vtu"},
