@@ -36,7 +36,7 @@ WORDS = (
     (r"sw(?:ings?|inging|ung)", "amplitude, range; oscillates"),
     (r"stretch(?:es)?", "segment group, range"),
     (r"(?<!-)fold(?:s|ed|ing)?", "condensed"),
-    (r"bars?", "distributed shaft; rod"),
+    (r"(?<!\d\s)(?<!\[)bars?", "distributed shaft; rod"),  # not the unit of a pressure
 )  # a word, whole, without its case; what to write in its place
 NAMES = {
     "told",
@@ -131,7 +131,8 @@ def test_a_private_word_is_found(text: str) -> None:
     "text",
     ["`held: true` grounds it", "every check passes", "programs taken in turn", "it turns at its own speed",
      "in a barred range", "twofold, an e-fold", "[page](told/held.md)", "joints in line", "line 3 of the file",
-     "```\nasked = held\n```", "half a revolution", "tasked, withheld, foretold"],
+     "```\nasked = held\n```", "a charge of 2.4 bar", "pressure [bar]", "half a revolution",
+     "tasked, withheld, foretold"],
 )  # fmt: skip
 def test_ordinary_words_and_quoted_keys_are_no_fault(text: str) -> None:
     assert private_words(text) == []

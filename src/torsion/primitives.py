@@ -3,8 +3,12 @@
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from torsion.errors import Path
+
+if TYPE_CHECKING:
+    from torsion.kernels.engine.gas_law import CylinderOrder
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +132,7 @@ class Damper:
 class Torque:
     """A harmonic torque at a station: by order of its own speed, at a fixed frequency, or at every frequency requested.
 
-    Amplitude = torque + of_mean * mean torque there, or the table over the station's own speed.
+    Amplitude = torque + of_mean * mean torque there, or the table over the station's own speed, or that of a cylinder.
     """
 
     name: str
@@ -141,6 +145,7 @@ class Torque:
     phase: float = 0.0  # rad
     path: Path = ()  # where the file says it
     source: str | None = None  # where its figures come from; None where that is not stated
+    cylinder: "CylinderOrder | None" = None  # in place of all amounts
 
 
 Primitive = Inertia | Spring | Bar | Constraint | Damper | Torque

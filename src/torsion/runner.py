@@ -1,6 +1,7 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from torsion import rules
@@ -8,7 +9,7 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.verdict_line import Checks
+from torsion.rules.verdict_line import Check, Checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
 
@@ -24,6 +25,64 @@ def run(
     study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
 ) -> Findings:
     """Compute everything that the study requests, and its cases, or of it `only` those analyses and what they need.
+
+    As `run_once`; where every cylinder of an engine is to misfire in turn, once for each: the checks are the worst of
+    all with the barred ranges of all, no analysis without an answer is dropped, and all else is of the cylinder with
+    the worst of these.
+    """
+    if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
+        return run_once(study, only=only, memory=memory, progress=progress)
+    from torsion.components.engine.misfire_cases import misfire_cases
+
+    cases = {
+        words: run_once(
+            replace(study, train=replace(study.train, parts=parts, torques=torques)),
+            only=only, memory=memory, progress=progress,
+        )
+        for words, parts, torques in misfire_cases(study.train.parts, study.train.torques)
+    }  # fmt: skip
+    return _worst(cases)
+
+
+def _worst(cases: Mapping[str, Findings]) -> Findings:
+    """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
+    lines: dict[tuple[str, str, str], tuple[tuple[bool, float], str, Check]] = {}
+    for words, found in cases.items():
+        for check in found.need(Checks).lines:
+            used = check.utilisation
+            rank = check.fails, -math.inf if used is None and not check.fails else math.inf if used is None else used
+            if (key := _key(check)) not in lines or rank > lines[key][0]:
+                lines[key] = rank, words, check
+    every = [check for found in cases.values() for check in found.need(Checks).lines]
+    named = [
+        replace(
+            check, note="; ".join(filter(None, (words, check.note))),
+            barred=tuple(dict.fromkeys(band for one in every if _key(one) == _key(check) for band in one.barred)),
+        )
+        for _, words, check in lines.values()
+    ]  # fmt: skip
+    worst = max(lines.values(), key=lambda line: line[0])[1] if lines else next(iter(cases))
+    table, found = next(iter(cases.values())).results["engines"], cases[worst]
+    each = (
+        replace(own, misfires=first.misfires)
+        for own, first in zip(found.results["engines"].each, table.each, strict=True)
+    )
+    unanswered = {one.analysis: one for case in cases.values() for one in case.plan.unanswered}
+    left_out = dict.fromkeys((*found.plan.left_out, *((one.what, one.words) for one in unanswered.values())))
+    plan = replace(found.plan, unanswered=tuple(unanswered.values()), left_out=tuple(left_out))
+    whole = replace(found, plan=plan)
+    return whole.having(checks=Checks(tuple(named)), engines=replace(table, each=tuple(each)))
+
+
+def _key(check: Check) -> tuple[str, str, str]:
+    """What a check is about."""
+    return check.rule, check.what, check.where
+
+
+def run_once(
+    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
+) -> Findings:
+    """Compute everything that the study requests, or of it `only` those analyses and what they need.
 
     An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
     raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's

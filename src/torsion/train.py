@@ -123,9 +123,13 @@ def lowered(
     links: Sequence[Link | None],
     materials: Mapping[str, Material] | None,
     reference: str | None,
+    folder: str = ".",
 ) -> tuple[Train | None, list[Fault]]:
-    """The train as far as it is known, and its faults; None stands for what cannot be read, and is left out."""
-    build = Lowering({"steel": STEEL, **(materials or {})})
+    """The train as far as it is known, and its faults; None stands for what cannot be read, and is left out.
+
+    folder: from which paths of files count.
+    """
+    build = Lowering({"steel": STEEL, **(materials or {})}, folder=folder)
     lower_line(build, components, ("train",))
     if not build.stations:
         fault = Fault(("train",), "the train has no component that turns", "list its components")

@@ -45,7 +45,7 @@ _KINDS = {  # SI unit: what it measures, an example to follow
     "N": ("a force", "10 kN"),
     "N/m": ("a lateral stiffness", "50 MN/m"),
     "N*s/m": ("a lateral damping", "20 kN*s/m"),
-    "Pa": ("a stress or modulus", "79.3 GPa"),
+    "Pa": ("a pressure, stress or modulus", "79.3 GPa"),
     "N*m*s": ("an angular momentum", "12 N*m*s"),
 }
 _COMMON: dict[str, dict[str, Fraction | int]] = {  # SI unit: spelling: its size in that unit
@@ -60,7 +60,7 @@ _COMMON: dict[str, dict[str, Fraction | int]] = {  # SI unit: spelling: its size
     "N*m": {"Nm": 1, "kN*m": 10**3, "kNm": 10**3, "MN*m": 10**6, "MNm": 10**6},
     "W": {"kW": 10**3, "MW": 10**6},
     "m": {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)},
-    "Pa": {"MPa": 10**6, "GPa": 10**9, "N/mm**2": 10**6},
+    "Pa": {"MPa": 10**6, "GPa": 10**9, "N/mm**2": 10**6, "bar": 10**5},
 }
 
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"

@@ -32,6 +32,8 @@ train:
   - propeller:
       {inertia: 4, entrained: 25 %, blades: 3, diameter: 1500 mm, damping: {model: frahm, factor: 3}}
   - branch: {train: [{coupling: {stiffness: 1e3, viscous: 7}}, {disc: {inertia: 1}}, {propeller: {inertia: 1}}]}
+  - engine: {cylinders: 1, strokes: 2, inertia: 1, power: 9 kW, gas: {table: [[1, 5 N*m, 0 deg]]}}
+analyses: {modes: }
 """
 
 

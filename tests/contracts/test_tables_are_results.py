@@ -4,6 +4,7 @@ A column names the key of results.json that its figures come from; a column that
 from others on the page (Holzer and mass-elastic tables) are computed again from those in test_tables_recomputed.py.
 """
 
+import cmath
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -27,7 +28,7 @@ Found = dict[str, Any]
 Values = Callable[[Found, Row], Iterable[Any]]
 SI = {
     "rpm": math.pi / 30.0, "deg": math.pi / 180.0, "%": 0.01, "1/min": 1.0 / 60.0, "N/mm²": 1e6, "µm": 1e-6, "mm": 1e-3,
-    "kN m": 1e3, "MN m": 1e6, "kW": 1e3, "kN": 1e3, "ms": 1e-3, "deg/min": math.pi / 180.0 / 60.0,
+    "kN m": 1e3, "MN m": 1e6, "kW": 1e3, "kN": 1e3, "bar": 1e5, "ms": 1e-3, "deg/min": math.pi / 180.0 / 60.0,
 }  # fmt: skip
 NUMBER = re.compile(r"[−\d][\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*")
 PAIR = re.compile(r"(\S+) / (?:≥ )?(\S+)")
@@ -153,6 +154,37 @@ def shares(found: Found, row: Row) -> Iterator[float]:
 
 def distances(found: Found, row: Row) -> Iterator[float]:
     return (one["margin"] for one in found["critical_speeds"])
+
+
+def harmonics(what: str, of: Callable[[complex], float] = abs) -> Values:
+    """Of the harmonics of cylinders."""
+    return lambda found, row: (of(complex(*one[what])) for engine in found["engines"] for one in engine["harmonics"])
+
+
+def phases(found: Found, row: Row) -> Iterator[float]:
+    for what in ("gas_Nm", "masses_Nm", "total_Nm"):
+        yield from harmonics(what, cmath.phase)(found, row)
+
+
+def misfires(per: str = "", times: float = 1.0) -> Values:
+    """Largest half range of every case and element."""
+
+    def values(found: Found, row: Row) -> Iterator[float]:
+        for engine in found["engines"]:
+            for case in engine["misfires"]:
+                yield from (max(curve) * times / (engine[per] if per else 1.0) for curve in case["half_range_Nm"])
+
+    return values
+
+
+def balance(found: Found, row: Row) -> Iterator[float]:
+    size = 1e-5 if row["Unit"] == "bar" else 1.0
+    names = (
+        ("imep_Pa", "stated_imep_Pa")
+        if row["Unit"] == "bar"
+        else ("mean_torque_Nm", "balanced_torque_Nm", "gas_mean_Nm")
+    )
+    return (engine[name] * size for engine in found["engines"] for name in names if engine[name] is not None)
 
 
 RPM, HZ = "speed_rad_per_s", "frequency_Hz"
@@ -303,6 +335,33 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Tooth forces", "F_{r}"): key("tooth_forces[].radial_N"),
     ("Tooth forces", "F_{a}"): key("tooth_forces[].axial_N"),
     ("Steps that were done", "Time"): key("plan.done[].seconds"),
+    ("Cylinders of", "Cylinder"): key("engines[].cylinders[].number"),
+    ("Cylinders of", "Fires at"): key("engines[].cylinders[].firing_rad"),
+    ("Cylinders of", "Heat"): key("engines[].cylinders[].share"),
+    ("Balance of mean torque", "Value"): balance,
+    ("Harmonics of a firing", "Order"): key("engines[].harmonics[].order"),
+    ("Harmonics of a firing", "Gas"): harmonics("gas_Nm"),
+    ("Harmonics of a firing", "Masses"): harmonics("masses_Nm"),
+    ("Harmonics of a firing", "Sum, amplitude"): harmonics("total_Nm"),
+    ("Harmonics of a firing", "its phase"): phases,
+    ("Harmonics of a firing", "Sum, tangential"): key("engines[].harmonics[].tangential_Pa"),
+    ("Sums of phasors", "Order"): key("engines[].harmonics[].order"),
+    ("Sums of phasors", "Rigid"): key("engines[].harmonics[].rigid"),
+    **{("Sums of phasors", word): key("engines[].harmonics[].by_mode") for word in ("First", "Second", "Third")},
+    ("Varying inertia", "Harmonic"): key("engines[].varying[].harmonic"),
+    ("Varying inertia", "Variation"): key("engines[].varying[].share"),
+    ("Varying inertia", "From"): key("engines[].varying[].lower_rad_per_s"),
+    ("Varying inertia", "To"): key("engines[].varying[].upper_rad_per_s"),
+    ("Varying inertia", "Damping ratio of"): key("engines[].varying[].damping"),
+    ("Varying inertia", "Damping ratio that"): key("engines[].varying[].share", times=0.25),
+    ("Misfire of one", "All fire"): misfires(),
+    ("Misfire of one", "Worst misfire"): misfires(),
+    ("Misfire of one", "At"): key(f"engines[].misfires[].{RPM}"),
+    ("Misfire by", "Largest half range"): misfires(),
+    ("Misfire by", "At speed"): key(f"engines[].misfires[].{RPM}"),
+    ("Nominal shear stress of the crankshaft", "All fire"): misfires("stress_modulus_m3"),
+    ("Nominal shear stress of the crankshaft", "Worst misfire"): misfires("stress_modulus_m3"),
+    ("Nominal shear stress of the crankshaft", "At speed"): key(f"engines[].misfires[].{RPM}"),
 }
 # the figures of the file, checked by their chapters
 INPUT = ("Motors", "Couplings: ratings", "Gears", "Propellers and", "Harmonic torques", "Internal damping",
@@ -322,6 +381,7 @@ OF_OTHERS = {  # columns of figures that follow from declared ones by a formula 
     "Natural frequencies of the models": ("",), "Largest errors against": ("Modes",), "Fastest growth": ("",),
     "Speeds whose amplitudes": ("",), "First order against exact": ("",),
     "Orders: largest amplitude": ("at", "Phase"),
+    "Misfire of one": ("Worst / all fire",),
     "Torques of the motion": ("",), "Resonances passed": ("",), "When a torque": ("",), "Events": ("",),
     "Nominal stress of the shafts at": ("",), "Couplings with play": ("",), "The first": ("",),
 }  # fmt: skip

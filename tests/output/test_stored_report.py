@@ -20,6 +20,8 @@ from torsion.output.reports import REPORTS
 from torsion.output.stored_report import _checksum, _text, opened, stored
 from torsion.output.write import redraw
 
+SCENES = Path(__file__).parents[2] / "shafting_specs"
+
 
 @dataclass(frozen=True)
 class Inner:
@@ -133,6 +135,13 @@ def test_a_report_with_every_sort_of_figure_is_drawn_the_same(
     kept_in(tmp_path, made)
     assert html(opened(tmp_path)) == html(made)
     assert opened(tmp_path / "results.json").name == report
+
+
+def test_the_figures_of_an_engine_and_what_misfires_are_drawn_the_same(tmp_path: Path) -> None:
+    made = document(torsion.run(torsion.read(SCENES / "diesel_misfire.yaml")))
+    kept_in(tmp_path, made)
+    assert "main engine with cylinder 6 motored (misfire)" in html(made)
+    assert html(opened(tmp_path)) == html(made)
 
 
 @pytest.mark.parametrize(

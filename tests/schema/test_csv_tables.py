@@ -31,6 +31,7 @@ SI = {
     "viscous": "N*m*s/rad", "rated_torque": "N*m", "vibratory_torque": "N*m", "max_torque": "N*m", "capacity": "N*m",
     "max_torque_rare": "N*m", "max_torque_range": "N*m", "heat_limit": "W", "torque": "N*m", "hysteresis_torque": "N*m",
     "entrained": "kg*m**2", "housing": "kg*m**2", "ring": "kg*m**2", "frequency": "Hz",
+    "crank_inertia": "kg*m**2",
 }  # fmt: skip
 NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)(?: (.*))?")
 DIALECTS = {"commas": (",", "."), "semicolons": (";", ","), "tabs": ("\t", ".")}

@@ -34,7 +34,6 @@ def fault(*lines: str):
          "write `- coupling: {...}`"),
         (["- generator: {inertia: 1}", END], (3, 3), "unknown component `generator`",
          "`propeller` for what absorbs the power, `motor` for what drives"),
-        (["- engine: {cylinders: 6}", END], (3, 3), "`engine` is part of the format but not built yet", ""),
         ([MOTOR, "- gear: {ratio: 1/5.77}", END], (4, 17), "'1/5.77' is not a number",
          "a quotient has whole numbers: write 100/577"),
         ([MOTOR, "- gear: {ratio: 1/0}", END], (4, 17), "'1/0' is not a number", "write 2, 0.5 or 21/8"),

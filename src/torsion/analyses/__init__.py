@@ -145,6 +145,12 @@ ANALYSES: dict[str, Analysis] = {
         needs=("steady",), results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
         chapters=("shaft_bending",),
     ),
+    "engine": Analysis(
+        "engines", "torsion.analyses.engine.engine_analysis", needs=("response", "damped"),
+        results={"engines": "torsion.analyses.engine.engine_results:Engines"},
+        wanted=lambda study: any(part.engine is not None for part in study.train.parts), chapters=("engine",),
+        place=("train",),
+    ),
     "transient": Analysis(
         "motion over time", "torsion.analyses.transient.motion_from_events",
         settings="torsion.analyses.transient.transient_settings:TransientSettings",

@@ -106,15 +106,18 @@ SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was wri
 def flow(train: Train, operation: Operation) -> tuple[Shares, str]:
     """(stations,) shares of the power, in positive and out negative, and where it enters and leaves in a sentence.
 
-    It enters at the motors, in proportion to their power, and leaves at the propellers, in equal parts. Without a motor
-    it enters at the first station, without a propeller it leaves at the last station of the main line; where the power
-    leaves (enters) there already, at the other end. Raises InputError where both ends are taken, or only some of the
-    motors have a power.
+    It enters at the motors and engines, in proportion to their power, and leaves at the propellers, in equal parts.
+    Without a motor it enters at the first station, without a propeller it leaves at the last station of the main line;
+    where the power leaves (enters) there already, at the other end. Of an engine every cylinder that fires has its
+    share; where one does not, that of the loads falls with it. Raises InputError where both ends are taken, or only
+    some of the motors have a power.
     """
-    motors, propellers = ([part for _, part in train.of_kind(kind)] for kind in ("motor", "propeller"))
+    motors = [part for part in train.parts if part.kind == "motor" or part.engine is not None]
+    propellers = [part for _, part in train.of_kind("propeller")]
     main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
     first, last = 0, main[-1].stations[-1]
-    drives, loads = _driving(motors), _equally(propellers)
+    driving_shares, loads = _driving(motors), _equally(propellers)
+    drives = [at for part, share in driving_shares for at in _within(part, share)]
     driving, loading = _names(motors), _names(propellers)
     if not motors:
         drives, driving = _at_an_end((first, last), loads, ("motor", "propeller"), train, operation)
@@ -125,7 +128,8 @@ def flow(train: Train, operation: Operation) -> tuple[Shares, str]:
     elif len(propellers) > 1:
         loading += " in equal parts"
     shares = [Fraction(0)] * len(train.stations)
-    for station, share in (*drives, *((station, -share) for station, share in loads)):
+    whole = sum((share for _, share in drives), Fraction(0))  # of the mean torque; cylinders that do not fire lack
+    for station, share in (*drives, *((station, -share * whole) for station, share in loads)):
         shares[station] += share
     stated = f"The mean torque enters at {driving} and leaves at {loading}."
     return shares, stated + _shares_alone(motors, operation)
@@ -148,17 +152,24 @@ def _at_an_end(
     return [(free[0], Fraction(1))], f"{train.stations[free[0]].name} ({why})"
 
 
-def _driving(motors: list[Part]) -> Shared:
+def _within(part: Part, share: Fraction) -> Shared:
+    """Where a motor's or engine's share of the mean torque enters: of an engine at its throws."""
+    if part.engine is None:
+        return [(part.stations[0], share)]
+    return [(station, share * Fraction(own)) for station, own in part.engine.drives]
+
+
+def _driving(motors: list[Part]) -> list[tuple[Part, Fraction]]:
     """The motors with their shares; raises InputError where only some of them have a power."""
     power = [motor.power for motor in motors]
     given = [Fraction(value) for value in power if value is not None]
     if len(motors) == 1 or not given:
-        return _equally(motors)
+        return [(part, Fraction(1, len(motors))) for part in motors]
     if len(given) < len(motors):
         lacking = motors[power.index(None)]
         hint = "give every motor its power, or none of them to share the load equally"
         raise InputError([Fault(lacking.path, f"'{lacking.name}' has no power, other motors have", hint)])
-    return [(part.stations[0], value / sum(given)) for part, value in zip(motors, given, strict=True)]
+    return [(part, value / sum(given)) for part, value in zip(motors, given, strict=True)]
 
 
 def _shares_alone(motors: list[Part], operation: Operation) -> str:

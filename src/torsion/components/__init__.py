@@ -14,8 +14,8 @@ KINDS = {
     "gear": "torsion.components.gear:Gear",
     "branch": "torsion.components.branch:Branch",
     "joint": "torsion.components.joint:Joint",
+    "engine": "torsion.components.engine.engine:Engine",
 }
-UNBUILT = ("engine",)  # kinds of the format that are refused because they are not built yet
 
 
 def component(kind: str) -> type[Component]:

@@ -4,12 +4,15 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from torsion.components.material import Material
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Inertia, Primitive, Spring, Station
+
+if TYPE_CHECKING:
+    from torsion.components.engine.record import EngineRecord
 
 Role = Literal["intermediate", "thrust", "propeller", "crank", "generator"]
 ROLES: tuple[Role, ...] = get_args(Role)
@@ -152,7 +155,7 @@ class Part:
     note: str | None = None
     source: str | None = None  # where its figures come from
     damping: tuple[str, float] | None = None  # key and value of its internal damping as given in the file
-    power: float | None = None  # W, of a motor
+    power: float | None = None  # W, of a motor or engine
     application_factor: float | None = None  # K_A, of a gear
     max_torque: float | None = None  # N m, greatest of a gear, at its driving side
     ratings: CouplingRatings | None = None
@@ -160,6 +163,7 @@ class Part:
     joint: JointRecord | None = None
     propeller: PropellerRecord | None = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
+    engine: "EngineRecord | None" = None
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""
@@ -208,6 +212,7 @@ class Lowering:
     faults: list[Fault] = field(default_factory=list)
     at: Arrival = field(default_factory=Arrival)
     number: Counter[str] = field(default_factory=Counter)  # of components of a kind that were met
+    folder: str = "."  # from which paths of files count
 
     @property
     def part(self) -> int:
@@ -218,6 +223,13 @@ class Lowering:
     def name(self) -> str:
         """Name of the component that is being lowered."""
         return self.parts[-1].name
+
+    def member(self, of: Part, name: str, kind: str, *, is_point: bool) -> None:
+        """Begin a piece of a component that is itself a point or a link, as every other component is."""
+        named = f"{of.name} {name}"
+        self.parts.append(replace(
+            of, name=named, kind=kind, is_point=is_point, stations=(), is_named=False, note=None, ratio=self.at.ratio,
+        ))  # fmt: skip
 
     def record(self, **facts: Any) -> None:
         """Leave facts on the part of the component that is being lowered, by the fields of `Part`."""
@@ -274,7 +286,6 @@ class Lowering:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""
         return value / self.at.scale
 
-    def fault(self, message: str, hint: str = "", key: str | int | None = None) -> None:
+    def fault(self, message: str, hint: str = "", *keys: str | int) -> None:
         """Note that the component being lowered cannot stand where or as it stands."""
-        path = self.parts[-1].path if key is None else (*self.parts[-1].path, key)
-        self.faults.append(Fault(path, message, hint))
+        self.faults.append(Fault((*self.parts[-1].path, *keys), message, hint))

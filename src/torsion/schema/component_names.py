@@ -45,6 +45,7 @@ def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter
         is_point = component(kind).sort == "point"
         if name not in found or is_point:
             found[name] = kind, is_point
+        found |= dict.fromkeys(component(kind).points_within(name, body or {}), (f"throw of {name}", True))
         branches = (body or {}).get("branches")
         inner = [body, *(branches if isinstance(branches, list) else [])]
         trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]

@@ -13,7 +13,6 @@ from pydantic_core import PydanticUndefined
 from torsion import units
 from torsion.analyses import MODELS, UNBUILT, settings_classes
 from torsion.components import KINDS, component
-from torsion.components import UNBUILT as UNBUILT_KINDS
 from torsion.components.component import Component
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import STEEL, Material
@@ -49,6 +48,22 @@ EXAMPLES = {
     "branch": "- branch: {train: [coupling: {stiffness: 20 kN*m/rad}, disc: {inertia: 1}]}",
     "joint": "- joint: {angle: 5 deg, phase: 90 deg}\n"
     "- joint: {kind: tripod, angle: 10 deg, radius: 30 mm, arm: 600 mm}",
+    "engine": """\
+- engine:
+    name: main engine
+    cylinders: 6
+    strokes: 4
+    firing_order: [1, 5, 3, 6, 2, 4]
+    inertia: [0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487]
+    stiffness: [1.253e6, 1.253e6, 1.678e6, 1.253e6, 1.253e6]
+    damping: 2 N*m*s/rad
+    loss_factor: 3.5 %
+    journal: {diameter: 90 mm}
+    geometry: {bore: 105 mm, stroke: 137 mm, rod_length: 207 mm}
+    masses: {reciprocating: 2.521 kg}
+    gas: {cycle: wiebe, compression_ratio: 17, charge: 2.4 bar, exhaust: 2 bar, imep: 18 bar, p_max: 150 bar,
+          duration: 60 deg}
+    misfire: 3""",
 }
 SETTINGS = {  # an example of every analysis and rule
     "modes": "modes: {count: 8}",
@@ -128,6 +143,24 @@ NOTES = {  # what the keys of a kind need of each other
     "order 2 of its driving shaft, a tripod at order 3. A tripod needs `radius` and `arm`; its yoke is its first arm, "
     "counted from the plane on the outer side of the bend. Between the yokes of a cross joint lie 90 degrees; behind a "
     "tripod or a cv joint nothing is added: two equal cross joints with a cv joint between them still cancel.",
+    "engine": "It is a list of points and links: throws are points called `main engine cylinder 1` (`main engine throw "
+    "1` where two cylinders work on one), crank spans are links called `main engine crank 1-2`. The flywheel is a disc "
+    "behind it. Give `firing_order`, or `firing_angles` where the cylinders do not fire evenly or work in a V: the "
+    "bank angle is contained in them. Give `inertia`, or `crank_inertia` and `masses`.\n\nThe torque of every cylinder "
+    "is that of its gas and that of its moving masses, the latter exact in the ratio of crank and rod. The mean torque "
+    "enters at the cylinders; the harmonics of the gas follow it over `operation.load`: mean pressure and mean torque "
+    "go together by `mechanical_efficiency`. A `table` without `at` is the same at every load, tables or diagrams with "
+    "a `speed` have their own load. Amplitudes are in `N*m` or, as tangential pressures (torque / piston area / half "
+    "the stroke), in `bar`. A diagram is a text file of two columns whose first line names their units, `angle [deg], "
+    "pressure [bar]`; its last row repeats the first one cycle later, and between rows the pressure is straight. "
+    "A `cycle` finds begin and amount of the heat release from `imep` and `p_max`.\n\nA cylinder in `misfire` is "
+    "motored: it compresses, has no heat, and its masses go on. From a diagram the compression is mirrored for that. "
+    "`misfire: worst` runs the train once for every cylinder: of each check the worst stands, with its cylinder, and "
+    "all else is of the cylinder with the worst check. "
+    "`cut_out`: valves open, no gas torque. The mean torque falls by the share of the cylinders that do not fire, but "
+    "for `keep_power: true`. Several engines in one train need a `phase` each, but for one. "
+    "Where that is by chance, as behind a clutch, `phase: worst` adds magnitudes to those of all else, order by order; "
+    "half ranges are then sums of the magnitudes of all orders.",
 }
 
 
@@ -158,7 +191,9 @@ def manual() -> str:
 def _kind(kind: str) -> str:
     """The section of one kind: what it is, its keys, an example."""
     declared = component(kind)
-    sort = {"point": "a point", "link": "a link", "none": "is carried by a point"}[declared.sort]
+    sort = {"point": "a point", "link": "a link", "line": "points and links in a row", "none": "is carried by a point"}[
+        declared.sort
+    ]
     example = f"```yaml\n{EXAMPLES[kind]}\n```\n"
     words = " ".join([(declared.__doc__ or "").strip().splitlines()[0], *([NOTES[kind]] if kind in NOTES else [])])
     return f"### `{kind}`: {sort}\n\n{words}\n\n{_with_parts(declared, Component)}\n{example}"
@@ -209,8 +244,7 @@ def _quantities() -> str:
 
 def _unbuilt() -> str:
     """What the format has a word for and the program refuses, as a list."""
-    rows = [f"- kinds: {_words(UNBUILT_KINDS)}"]
-    rows += [f"- keys of `{kind}`: {_words(component(kind).unbuilt)}" for kind in KINDS if component(kind).unbuilt]
+    rows = [f"- keys of `{kind}`: {_words(component(kind).unbuilt)}" for kind in KINDS if component(kind).unbuilt]
     rows += [f"- analyses: {_words(UNBUILT)}"]
     return "\n".join(rows) + "\n"
 

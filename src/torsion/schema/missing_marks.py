@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from itertools import takewhile
 
 from torsion.components import KINDS
-from torsion.components import UNBUILT as UNBUILT_KINDS
 from torsion.errors import Fault, printable
 from torsion.rules import RULES
 
@@ -88,7 +87,7 @@ def _without_dash(lines: list[str], place: tuple[int, int], begin: tuple[int, in
 
 def _dashless(lines: list[str], line: int) -> Fault | None:
     found = _UNDASHED.match(lines[line - 1])
-    if found is None or not (found[1] in KINDS or found[1] in UNBUILT_KINDS or found[1] in RULES):
+    if found is None or not (found[1] in KINDS or found[1] in RULES):
         return None
     message, hint = f"`{found[1]}` begins without a dash", f"write `- {found[1]}: ...`"
     return Fault((), message, hint, line=line, column=found.start(1) + 1)

@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 
 from torsion.analyses import ANALYSES, UNBUILT
 from torsion.components import KINDS, component
-from torsion.components import UNBUILT as UNBUILT_KINDS
 from torsion.components.component import Component
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import STEEL, Material
@@ -146,7 +145,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
     analyses, model, rules = _analyses(data, faults), _shaft_model(data, faults), _rules(data, faults)
     damping, document = _section(ModalDamping, data, "damping", faults), _section(FrontMatter, data, "document", faults)
-    train = _train(data, materials, operation, faults)
+    train = _train(data, materials, operation, faults, str(FilePath(source.name).parent))
     if train is None:
         return None
     if damping is not None:
@@ -281,7 +280,7 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
 
 
 def _train(
-    data: dict[str, Any], materials: dict[str, Material], operation: Operation | None, faults: list[Fault]
+    data: dict[str, Any], materials: dict[str, Material], operation: Operation | None, faults: list[Fault], folder: str
 ) -> Train | None:
     """The train as a whole, without the links and excitations that are faulty; None where a component is."""
     excitations = [declared(Excitation, body, path, faults) for path, body in _entries(data, "excitations", faults)]
@@ -293,7 +292,9 @@ def _train(
         faults += repeated_names(data.get("train"))
         faults += _unknown_names(data, reference, excitations, links)
         return None
-    found, more = lowered(parts, excitations=excitations, links=links, materials=materials, reference=reference)
+    found, more = lowered(
+        parts, excitations=excitations, links=links, materials=materials, reference=reference, folder=folder
+    )
     faults += more
     return found
 
@@ -329,9 +330,6 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
 
 def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:
     """A component of a kind; `path` ends with the kind. Trains within it are read first."""
-    if kind in UNBUILT_KINDS:
-        faults.append(unbuilt(path, f"`{kind}`"))
-        return None
     if kind not in KINDS:
         faults.append(_unknown_kind(kind, path))
         return None
@@ -342,19 +340,19 @@ def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> C
 
 def _unknown_kind(kind: str, path: Path) -> Fault:
     """The fault of a key that is no kind: without its mark, a word that the format has another for, or a slip."""
-    fault = unknown(path, "component", kind, [*KINDS, *UNBUILT_KINDS], list(KINDS))
+    fault = unknown(path, "component", kind, list(KINDS))
     return replace(fault, hint=KIND_FOR.get(kind.casefold(), fault.hint))
 
 
 def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:
     """An entry is a mapping with one key, its kind."""
     if not isinstance(entry, dict) or not entry:
-        named = without_mark(f"{entry} {{", [*KINDS, *UNBUILT_KINDS]) if isinstance(entry, str) else None
+        named = without_mark(f"{entry} {{", KINDS) if isinstance(entry, str) else None
         hint = f"write `- {named[0]}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
         faults.append(Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint))
         return None
     if len(entry) > 1:
-        kinds = [key for key in entry if key in KINDS or key in UNBUILT_KINDS]
+        kinds = [key for key in entry if key in KINDS]
         extra = next(key for key in entry if key != kinds[0]) if kinds else list(entry)[1]
         hint = "start each with its own `-`" if len(kinds) > 1 else "indent the keys of a component below its kind"
         message = f"a component is one key, its kind; there are {', '.join(f'`{key}`' for key in list(entry)[:5])}"

@@ -134,6 +134,9 @@ _motion_faults = _of_analysis(
         "stability" in study.analyses or study.setting("analyses", "response", "method") == "harmonic-balance"
     ),
 )
+_engine_faults = _of_analysis(
+    "engine.engine_analysis:engine_faults", lambda study: any(part.engine is not None for part in study.train.parts)
+)
 _transient_faults = _of_analysis(
     "transient.transient_settings:transient_faults", lambda study: "transient" in study.analyses
 )
@@ -152,6 +155,7 @@ _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that
     (_joint_faults, ("train", "analyses")),
     (_motion_faults, ("train", "links", "operation", "analyses")),
     (_growth_faults, ("train", "links", "operation", "analyses")),
+    (_engine_faults, ("train", "operation")),
     (_transient_faults, ("train", "operation", "analyses")),
     (_lateral_faults, ("train", "materials", "operation", "analyses")),
     (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),

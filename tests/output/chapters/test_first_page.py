@@ -164,6 +164,32 @@ def test_every_shaft_and_judged_gear_has_its_use_and_the_worst_is_pointed_at(fou
     assert bare.worst is None
 
 
+CRANK = """
+name: two throws
+operation: {at: engine, speeds: {from: 100 rpm, to: 600 rpm, steps: 6}}
+train:
+- engine: {name: engine, cylinders: 2, strokes: 2, firing_order: [1, 2], crank_inertia: 1, stiffness: 2e4,
+           geometry: {bore: 0.1, stroke: 0.1, rod_length: 0.2}, masses: {reciprocating: 1}}
+- shaft: {name: slow, length: 1 m, diameter: 60 mm}
+- propeller: {name: screw, inertia: 12, damping: 3}
+"""
+
+
+def test_a_crank_is_drawn_with_its_webs_and_graded_where_a_rule_judges_it() -> None:
+    found = torsion.run(torsion.parse(CRANK))
+    (bare,) = figure(judged(found), "utilisation").panels
+    (crank,) = (link for link in bare.links if link.kind == "crank")
+    assert crank.use is None
+    assert [disc.kind for disc in bare.discs] == ["throw", "throw", "propeller"]
+    (drawn,) = figure(judged(found, check("fail", where="engine crank 1-2", value=60.0)), "utilisation").panels
+    (crank,) = (link for link in drawn.links if link.kind == "crank")
+    assert (crank.label, crank.use.grade) == ("engine crank 1-2", "over")
+    assert drawn.worst[0] == ((crank.start[0] + crank.end[0]) / 2, crank.end[1])
+    plain, coloured = (svg(Drawing("utilisation", "", (one,))) for one in (bare, drawn))
+    boxes = [len(list(ET.fromstring(str(text)).iter(f"{SVG}path"))) for text in (plain, coloured)]
+    assert boxes[1] > boxes[0]
+
+
 def test_the_speeds_drawn_are_those_of_the_results(found: Findings) -> None:
     ranges = BarredRange(20.0, 30.0, 24.0, "slow", 21.0, 29.0, Fraction(2)), BarredRange(40.0, 45.0, 43.0, "quick")
     (plot,) = figure(judged(found, check(barred=ranges)), "speeds").panels

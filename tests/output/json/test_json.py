@@ -17,7 +17,7 @@ from torsion.output.results_json import documented, results, text
 KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
     "frequency_response", "check.", "checks[].barred", "checks[].times", "lateral", "joints.lines[].optimum",
-    "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers",
+    "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers", "engines",
     "report",  # in files alone
 )  # fmt: skip
 LIGHT = """

@@ -77,6 +77,10 @@ class Response(Displayed):
     system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
     remark: str = result("", (), "what the refinement of speeds left out", default="")
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
+    by_magnitude: bool = result(
+        "", (), "amplitudes of engines whose phase is any are added by their magnitudes, and so all orders",
+        default=False,
+    )  # fmt: skip
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
 
     @property

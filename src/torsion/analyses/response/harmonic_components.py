@@ -4,7 +4,7 @@ Orders are exact, so that two sources of one order meet in one line and are adde
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import zip_longest
 
@@ -72,6 +72,17 @@ class Excitation:
     line: Line
     torques: tuple[Torque, ...] = ()
     errors: tuple[JointError, ...] = ()
+
+    @property
+    def apart(self) -> "list[Excitation]":
+        """What is added by its magnitude alone: engines whose phase is any; all else together, first."""
+        of: dict[int, list[Torque]] = {-1: []}
+        for torque in self.torques:
+            law = torque.cylinder
+            of.setdefault(law.engine if law is not None and law.by_chance else -1, []).append(torque)
+        rest = [replace(self, torques=tuple(of.pop(-1)))]
+        found = rest if self.errors or rest[0].torques else []
+        return found + [replace(self, torques=tuple(each), errors=()) for each in of.values()] or rest
 
 
 @dataclass(frozen=True)
@@ -201,6 +212,8 @@ def joint_error(system: System, error: JointError, speed: FloatArray, steady: St
 def amplitude(system: System, torque: Torque, speed: FloatArray, steady: Steady | None) -> ComplexArray:
     """(speeds,) complex N m at the torque's own station."""
     own = speed * system.speed_ratio[torque.station]
+    if torque.cylinder is not None:
+        return torque.cylinder.amplitude(own, None if steady is None else steady.applied[torque.cylinder.station])
     size = np.full(len(speed), torque.torque)
     if torque.table:
         about = Fault(("excitations",), f"the table of the torque at '{torque.name}'", "")

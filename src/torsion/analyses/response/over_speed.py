@@ -32,7 +32,7 @@ from torsion.analyses.response.harmonic_components import (
     lines,
     sources,
 )
-from torsion.analyses.response.solver import Answer, answer, ground_damping
+from torsion.analyses.response.solver import Answer, answer, by_magnitude, ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -176,7 +176,8 @@ def _solved(
         if known is not None:
             mean[part] = known.torque.T
         each_w = [one.line.circular_frequency(here) for one in found]
-        forces = [sources(system, one, here, known) for one in found]
+        apart = [[sources(system, each, here, known) for each in one.apart] for one in found]
+        forces = [each[0] for each in apart]
         if system.train.has_nonlinear_couplings:
             from torsion.analyses.response.balanced_couplings import balanced
 
@@ -186,7 +187,7 @@ def _solved(
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
-            answered = answer(system, w, forces[k], ground, added)
+            answered = by_magnitude([answer(system, w, force, ground, added) for force in apart[k]])
             frequency[part, k] = w / (2.0 * math.pi)
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
@@ -196,8 +197,9 @@ def _solved(
         status[~whole.settled] = Status.SINGULAR
     each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
     return Response(
-        speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system, balanced=whole
-    )
+        speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system, balanced=whole,
+        by_magnitude=any(len(one.apart) > 1 for one in found),
+    )  # fmt: skip
 
 
 def _answers(

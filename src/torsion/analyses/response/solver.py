@@ -1,6 +1,6 @@
 """The answer of the train to one harmonic at many frequencies, at the stations' own speeds."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +55,22 @@ def answer(
     angle, torque, amplification = modal_sums(system, w, sources, still)
     none = np.zeros(len(w))
     return Answer(angle.T, torque.T, none, status(amplification, none))
+
+
+def by_magnitude(answers: Sequence[Answer]) -> Answer:
+    """One answer of several whose phases to each other are any: magnitudes added, with the phases of the first."""
+    first, *others = answers
+    if not others:
+        return first
+
+    def added(values: Sequence[ComplexArray]) -> ComplexArray:
+        size = np.abs(np.array(values)).sum(axis=0)
+        return np.asarray(size * np.exp(1j * np.angle(values[0])))
+
+    return Answer(
+        added([one.angle for one in answers]), added([one.torque for one in answers]),
+        np.max([one.residual for one in answers], axis=0), np.max([one.status for one in answers], axis=0),
+    )  # fmt: skip
 
 
 def undamped(system: System) -> System:

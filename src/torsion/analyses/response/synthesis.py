@@ -27,10 +27,12 @@ def synthesis(response: Response) -> Synthesis:
     """Half range, peak with the mean torque, RMS and arithmetic bound of every span at every speed.
 
     Orders are summed as phasors in time. Fixed frequencies have no common cycle with them: their magnitudes
-    are added. The same holds, as a bound, where the cycle of all orders is too long; `turns` is 0 then.
+    are added. The same holds, as a bound, where the cycle of all orders is too long, or engines stand in any phase to
+    each other; `turns` is 0 then.
     Where the status of a line is not ok, the sum has no value: it is infinite.
     """
     turns, harmonics = common_cycle([line.order for line in response.lines if line.order is not None])
+    turns = Fraction(0) if response.by_magnitude else turns
     ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
     values = np.empty((4, *response.mean.shape))
     for part in blocks(len(response.mean), response.mean.shape[1], SMALL_BLOCK):

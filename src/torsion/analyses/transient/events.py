@@ -270,7 +270,10 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
 KINDS: tuple[type[Kind], ...] = (
     Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop, Clutch, Start, Load, SpeedProgram,
 )  # fmt: skip
-UNBUILT = {"misfire": "it needs an engine; `stop: {share: 17 %}` takes a share of a mean torque away"}
+UNBUILT = {
+    "misfire": "`misfire` of the engine acts over the whole motion; `stop: {share: 17 %}` takes a share of a mean "
+    "torque away"
+}
 
 
 class _Event(Declared):

@@ -14,6 +14,7 @@ import numpy as np
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.transient.carrier import Carrier
+from torsion.analyses.transient.cylinder_torques import cylinder_law
 from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.events import Event
 from torsion.analyses.transient.following_events import Load, SpeedProgram
@@ -111,8 +112,12 @@ def following(
             station.append(there)
             words.append(what)
             own.append(number)
+    for throw, torques in _by_throw(system.train.torques).items():
+        found.append(cylinder_law(study, system, len(station), torques))
+        station.append(throw)
+        words.append(f"cylinders at {system.stations[throw].name}")
     for torque in system.train.torques:
-        if torque.order is not None:
+        if torque.order is not None and torque.cylinder is None:
             size = _size(study, system, torque)
             found.append(laws.Wave(len(station), size, float(torque.order), torque.phase))
             station.append(torque.station)
@@ -131,6 +136,15 @@ def following(
     carrier = Carrier(offset, speed, np.abs(system.speed_ratio), rates_of(study, system, events))
     stations = np.array(station, dtype=np.int64)
     return Following(tuple(found), stations, carrier, cuts, tuple(first), tuple(words), tuple(own))
+
+
+def _by_throw(torques: Sequence[Torque]) -> dict[int, list[Torque]]:
+    """The torques of cylinders by their station."""
+    found: dict[int, list[Torque]] = {}
+    for torque in torques:
+        if torque.cylinder is not None:
+            found.setdefault(torque.station, []).append(torque)
+    return found
 
 
 def _turning_as_one(frictions: Sequence[Friction], shape: FloatArray) -> list[list[Friction]]:

@@ -22,8 +22,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if not train.torques and not angled:
         return
     yield Heading("Excitations")
-    if train.torques:
+    if any(torque.cylinder is None for torque in train.torques):
         yield _torques(findings)
+    if engines := ", ".join(part.name for part in train.parts if part.engine is not None):
+        yield Paragraph(f"Cylinders of {engines}: their torques stand in the chapter on engines.")
     if angled:
         names = listed([f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled])
         yield Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}.")
@@ -34,7 +36,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
 def _torques(findings: Findings) -> Table:
     rows, sizes = [], _at_rated(findings)
     unit = scale("N m", [size for size in sizes if size is not None])
-    for torque, size in zip(findings.study.train.torques, sizes, strict=True):
+    for torque, size in zip(_plain(findings), sizes, strict=True):
         station, own = findings.system.stations[torque.station], torque.order
         frequency = "every one requested" if torque.frequency is None else given(torque.frequency)
         rows.append((
@@ -51,10 +53,15 @@ def _torques(findings: Findings) -> Table:
     )
 
 
+def _plain(findings: Findings) -> list[Torque]:
+    """The torques but for those of cylinders."""
+    return [torque for torque in findings.study.train.torques if torque.cylinder is None]
+
+
 def _at_rated(findings: Findings) -> list[float | None]:
     """N m at the rated speed, of every torque; None where that is not known."""
     speed, mean = rated(findings), steady_at_rated(findings)
-    every = findings.study.train.torques
+    every = _plain(findings)
     if speed is None:
         return [None if one.of_mean or one.table else one.torque for one in every]
     found: list[float | None] = []

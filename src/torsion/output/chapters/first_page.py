@@ -51,7 +51,7 @@ def box(findings: Findings) -> Box:
     """The verdict, its worst place, what is barred and unanswered, and how many checks there are of each verdict."""
     checks = findings.need(Checks).lines
     said = closing.overall(findings).text
-    lines = [("Conclusion", said), *worst_line(findings)]
+    lines = [("Conclusion", said), *_engines_line(findings), *worst_line(findings)]
     lines += [("Barred ranges", "; ".join(words)) for words in [_barred_words(findings)] if words]
     if others := closing.other_restrictions(findings, is_barred=bool(barred(findings))):
         lines.append(("Speeds", " ".join(others)))
@@ -109,6 +109,15 @@ def worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
     clause = f"{symbols(check.clause)}, {check.rule}; limit: {check.standing}"
     title = "Worst check" if check.fails else "Largest use"
     yield title, f"{check.where}: {check.what} {against}{used}{at}{order} ({clause})"
+
+
+def _engines_line(findings: Findings) -> Iterator[tuple[str, str]]:
+    """What misfires; nothing where every cylinder fires alike."""
+    if any(part.engine is not None for part in findings.study.train.parts):
+        from torsion.output.chapters.engine_states import states
+
+        if words := listed(states(findings), "; "):
+            yield "Judged with", words
 
 
 def _barred_words(findings: Findings) -> list[str]:
@@ -226,11 +235,11 @@ def _checks_of_parts(findings: Findings) -> dict[int, list[Check]]:
 
 
 def _used(findings: Findings, link: Link, checks: dict[int, list[Check]]) -> Link:
-    """A link with its use; a joint, and a gear that no rule judges, stay as they are."""
+    """A link with its use; a joint, and a gear or crank that no rule judges, stay as they are."""
     mine = [check for part in link.parts for check in checks.get(part, [])]
     if link.kind == "run":
         return replace(link, use=use_of_part(mine))
-    if link.kind not in ("shaft", "coupling", "gear") or (link.kind == "gear" and not mine):
+    if link.kind not in ("shaft", "coupling", "gear", "crank") or (link.kind in ("gear", "crank") and not mine):
         return replace(link, label="")
     name = findings.study.train.parts[link.parts[0]].name if link.parts else link.label
     return replace(link, label=name, use=use_of_part(mine))

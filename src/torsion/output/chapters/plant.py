@@ -121,6 +121,8 @@ def _drawing(part: Part, bar: Bar | None, mesh: Constraint | None) -> tuple[str,
         return "shaft", {"bore": bar.bore[0] / bar.outer[0], "taper": tuple(end / widest for end in bar.outer)}
     if part.joint is not None:
         return "joint", {}
+    if part.kind == "crank":
+        return "crank", {}
     return ("coupling", {}) if mesh is None else ("gear", {"ratio": float(mesh.ratio)})
 
 

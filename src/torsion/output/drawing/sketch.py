@@ -14,8 +14,9 @@ from torsion.output.figures.figure import Disc, Link, Sketch
 MANY = 60  # points and links from which lines are drawn thinner, and only some have words
 MOST_LABELS = 24  # of points, and of links, where there are many
 WIDEST = 95.0  # px of a unit across, at most
+WEB, PIN = 0.42, 0.3  # units: height of a crank's pin above the axis, and half the way between its webs
 GRADED, BED = 0.18, 0.27  # units: half thickness of a shaft, and of the area behind a coupling, that has a grade
-FILLS = {"motor": "#bcd5e8", "propeller": "#bfe3d5", "damper": "#ead2e0", "disc": "#dcdcdc"}
+FILLS = {"motor": "#bcd5e8", "propeller": "#bfe3d5", "damper": "#ead2e0", "throw": "#e3ddc6", "disc": "#dcdcdc"}
 DOTTED = "1.6 2"
 
 
@@ -98,6 +99,20 @@ def _coupling(sheet: Sheet, link: Link) -> None:
         edge = 0.18 * (x1 - x0)
         sheet.graded(_corners(x0 + edge, x1 - edge, sum(y) / 2, BED), link.use, near=1.5)
     _zigzag(sheet, (x0, y[0]), (x1, y[1]))
+
+
+def _crank(sheet: Sheet, link: Link) -> None:
+    """Two webs and the pin between them, off the axis."""
+    (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
+    middle, top = (x0 + x1) / 2, y + WEB
+    webs = (middle - PIN * (x1 - x0), middle + PIN * (x1 - x0))
+    if link.use is not None:
+        sheet.graded(_corners(*webs, y + WEB / 2, BED), link.use, near=1.5)
+    for first, last in ((x0, webs[0]), (webs[1], x1)):
+        sheet.line([(first, y), (last, y)], 1.4)
+    for x in webs:
+        _box(sheet, (x, y + WEB / 2), 0.1, BED, "#f3f3f3")
+    sheet.line([(webs[0] + 0.05, top), (webs[1] - 0.05, top)], 2.2)
 
 
 def _corners(left: float, right: float, y: float, half: float) -> Points:
@@ -185,6 +200,7 @@ DRAWINGS = {
     "coupling": _coupling,
     "gear": _gear,
     "joint": _joint,
+    "crank": _crank,
     "rigid": _line,
     "tie": _line,
     "run": _run,

@@ -158,7 +158,7 @@ class Use:
 class Link:
     """A link of the train in its sketch."""
 
-    kind: str  # shaft, coupling, gear, joint, rigid, tie (down to a branch), run (of very many)
+    kind: str  # shaft, coupling, gear, joint, crank, rigid, tie (down to a branch), run (of very many)
     start: Place  # x, row
     end: Place
     label: str = ""

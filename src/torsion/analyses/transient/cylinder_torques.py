@@ -1,0 +1,47 @@
+"""The torques of the cylinders of a throw, of gas and masses, as they follow its angle and speed."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from torsion.analyses.response.harmonic_components import amplitude
+from torsion.analyses.steady import steady_if_known
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.kernels.transient.cylinder_torques import OrdersByAngle, quadratics
+from torsion.primitives import Torque
+from torsion.study import Study
+
+PARTS = 64  # of a load by tables, between whose rows the harmonics are no polynomials of the speed
+
+
+def cylinder_law(study: Study, system: System, interface: int, torques: Sequence[Torque]) -> OrdersByAngle:
+    """Of the torques of one station; beyond the speeds of tables their first and last parts go on."""
+    ratio = abs(float(system.speed_ratio[torques[0].station]))
+    edges = _edges(study, torques, ratio)
+    speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1).ravel()
+    known = steady_if_known(study, system, speed / ratio)
+    values = np.stack([amplitude(system, one, speed / ratio, known) for one in torques], axis=-1)
+    found = quadratics(edges, values.reshape(-1, 3, len(torques)))
+    order = np.array([float(one.order or 0) for one in torques])
+    return OrdersByAngle(interface, order, edges[1:-1], found, float(edges[-1]))
+
+
+def _edges(study: Study, torques: Sequence[Torque], ratio: float) -> FloatArray:
+    """(parts + 1,) rad/s of the own shaft, between which every amplitude is a polynomial of the speed."""
+    operation = study.operation
+    highest = (operation.speed or math.pi) * ratio
+    load, ends = operation.load, {0.5 * highest, highest}
+    several = False
+    for law in {id(one.cylinder.gas): one.cylinder.gas for one in torques if one.cylinder is not None}.values():
+        if law is not None and law.over == "speed":
+            ends = set(law.at.tolist())
+        several |= law is not None and law.over == "load" and len(law.at) > 2
+    if not isinstance(load, str):
+        rows = {row[0] * ratio for row in load}
+        inside = {one for one in ends if min(rows) <= one <= max(rows)}
+        ends = rows | inside
+    if several:
+        ends |= set(np.linspace(min(ends), max(ends), PARTS + 1).tolist())
+    return np.array(sorted(ends))

@@ -1,0 +1,393 @@
+"""A reciprocating engine: crank throws with their inertias, crank spans, and the torque of every cylinder."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path as FilePath
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from torsion import fields
+from torsion.components.component import Component
+from torsion.components.engine.declarations import (
+    Gas,
+    Geometry,
+    Journal,
+    Masses,
+    Misfire,
+    Number,
+    Numbers,
+    Phase,
+    Share,
+    Throws,
+    Web,
+)
+from torsion.components.engine.gas_laws import Frame, GasFault, Law, law_of
+from torsion.components.engine.record import CylinderRecord, EngineRecord
+from torsion.components.lowering import Lowering
+from torsion.components.material import STEEL
+from torsion.fields import OneOrMany, Quantity, given, refuse, required
+from torsion.kernels.engine.crank_slider import CrankSlider, Rod
+from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
+from torsion.kernels.engine.gas_law import CylinderOrder
+from torsion.kernels.engine.gas_torque import Cylinder
+from torsion.kernels.round_sections import section_modulus
+from torsion.primitives import Damper, Spring, Torque
+
+TWICE = 1e-9  # rad: firing angles that differ by less are one
+VARYING = 8  # harmonics of the inertia over a revolution that are kept
+
+
+class Engine(Component, keyword="engine", sort="line"):
+    """A reciprocating engine with its crankshaft, from its free end to its last throw."""
+
+    cylinders: Annotated[int, Field(ge=1, le=40)] = required("number of cylinders")
+    strokes: Literal[2, 4] = required("of a cycle")
+    firing_order: tuple[Number, ...] = given("numbers of the cylinders as they fire, evenly spaced", ())
+    firing_angles: tuple[fields.Angle, ...] = given("crank angle at which each cylinder fires, cylinder 1 first", ())
+    phase: Phase | None = given("crank angle at which its first cylinder fires, at reference angle zero; "
+                                       "needed where a train has several engines")  # fmt: skip
+    throws: Throws = given("cylinders on each throw from the first end: [[1, 2], [3, 4]] (default: one each)", ())
+    reverse: bool = given("true: the train meets its last throw first", False)
+    power: fields.Power | None = given("rated power; shares the load where several drive one train")
+    mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual=(0.5, 1.0), slip=("%",))] = given(
+        "mean torque / that of the gas", 1.0
+    )
+    inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
+        "of every throw with the mean of its rods and pistons, from the first end; one value for all", ()
+    )
+    crank_inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
+        "of every throw alone, in place of `inertia`; the mean of `masses` is added", ()
+    )
+    stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given(
+        "between throws, from the first end; one value for all", ()
+    )
+    damping: Annotated[tuple[fields.Damping, ...], OneOrMany] = given("to ground, by throw; one value for all", ())
+    loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
+    journal: Journal | None = given("{diameter, bore} of its journals, for their stress")
+    pin: Journal | None = given("{diameter, bore} of its pins, for their stress")
+    web: Web | None = given("{thickness, width} of its webs: the report then estimates the stiffness of a throw")
+    geometry: Geometry | None = given("{bore, stroke, rod_length, offset} of a cylinder")
+    masses: Masses | None = given("{reciprocating}, or {piston, rod} of a cylinder, for their torque")
+    gas: Gas | None = given("gas torque of a cylinder; without it the moving masses alone excite")
+    misfire: Misfire = given("cylinders without fuel; needs motored harmonics", ())
+    cut_out: Numbers = given("cylinders with their valves open: no gas torque", ())
+    imbalance: tuple[tuple[Number, Share], ...] = given(
+        "list of [cylinder, its heat / that of the others]: [[1, 105 %], [6, 95 %]]", ()
+    )
+    keep_power: bool = given("true: the other cylinders make up for `misfire` and `cut_out`", False)
+    orders: Annotated[int, Field(ge=1, le=48)] | None = given(
+        "highest order of the crankshaft (default: 12, of two strokes 15, or the highest of the tables)"
+    )
+
+    @property
+    def revolutions(self) -> int:
+        """Of a cycle."""
+        return self.strokes // 2
+
+    @property
+    def lanes(self) -> tuple[tuple[int, ...], ...]:
+        """Cylinders of every throw."""
+        return self.throws or tuple((number,) for number in range(1, self.cylinders + 1))
+
+    @classmethod
+    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterator[str]:
+        number, throws = body.get("cylinders"), body.get("throws")
+        if isinstance(throws, list):
+            yield from (f"{name} throw {place}" for place in range(1, len(throws) + 1))
+        if isinstance(number, int):
+            yield from (f"{name} cylinder {place}" for place in range(1, min(number, 99) + 1))
+
+    def refuse_clashes(self) -> None:
+        for check in (self._firing, self._throws, self._lists, self._states):
+            check()
+        if self.web is not None:
+            sized = self.journal is not None and self.pin is not None and self.journal.length and self.pin.length
+            if not sized or self.geometry is None:
+                hint = "journal: {diameter: 90 mm, length: 40 mm}"
+                raise refuse("`web` needs `journal` and `pin` with their `length`, and `geometry`", hint, "web")
+        if self.masses is not None and self.geometry is None:
+            raise refuse(
+                "`masses` need the `geometry` of the cylinder", "geometry: {bore, stroke, rod_length}", "masses"
+            )
+        rod = None if self.masses is None else self.masses.rod
+        if rod is not None and self.geometry is not None and rod.centre >= self.geometry.rod_length:
+            raise refuse("the centre of mass lies beyond the rod", "it counts from the centre of the big end", "masses")
+        if bool(self.inertia) == bool(self.crank_inertia):
+            raise refuse("give `inertia`, or `crank_inertia` with `masses`", "inertia: 0.047 kg*m**2",
+                         "crank_inertia" if self.inertia else "")  # fmt: skip
+        if self.crank_inertia and self.masses is None:
+            raise refuse("`crank_inertia` needs `masses`", "their mean is added to it", "crank_inertia")
+        if self.gas is None and self.masses is None:
+            raise refuse("nothing excites: `gas` and `masses` are missing", "give one of them, or discs")
+
+    def _firing(self) -> None:
+        order, angles, z = self.firing_order, self.firing_angles, self.cylinders
+        if bool(order) == bool(angles) and (z > 1 or order):
+            what = "exclude each other" if order else "are both missing"
+            raise refuse(f"`firing_order` and `firing_angles` {what}", "firing_order: [1, 3, 4, 2]",
+                         "firing_angles" if order else "")  # fmt: skip
+        if order and sorted(order) != list(range(1, z + 1)):
+            raise refuse(f"`firing_order` does not name each of {z} cylinders once", f"numbers 1 to {z}",
+                         "firing_order")  # fmt: skip
+        if angles and len(angles) != z:
+            raise refuse(f"`firing_angles` are {len(angles)}, cylinders {z}", "one angle a cylinder", "firing_angles")
+        if any(not 0 <= one < self._cycle - TWICE for one in angles):
+            limit = f"from 0 to below {360 * self.revolutions} deg"
+            raise refuse("a firing angle lies outside the cycle", limit, "firing_angles")
+
+    def _throws(self) -> None:
+        named = [number for throw in self.throws for number in throw]
+        if self.throws and sorted(named) != list(range(1, self.cylinders + 1)):
+            message = f"`throws` do not name each of {self.cylinders} cylinders once"
+            raise refuse(message, "throws: [[1, 2], [3, 4]]", "throws")
+        fires = [self._cycle * float(share) for share in self._cycles]
+        for throw in self.lanes:
+            at = sorted(fires[number - 1] for number in throw)
+            if any(after - before < TWICE for before, after in pairwise(at)):
+                raise refuse("two cylinders of one throw fire at one angle", "a V engine has its bank angle between",
+                             "firing_angles" if self.firing_angles else "throws")  # fmt: skip
+
+    def _lists(self) -> None:
+        number = len(self.lanes)
+        for key, most in (("inertia", number), ("crank_inertia", number), ("damping", number),
+                          ("stiffness", number - 1)):  # fmt: skip
+            values = getattr(self, key)
+            if len(values) not in (0, 1, most):
+                what = "throws" if most == number else "spans between them"
+                raise refuse(
+                    f"`{key}` has {len(values)} values, and there are {most} {what}", "one value, or each", key
+                )
+        if number > 1 and not self.stiffness:
+            raise refuse("`stiffness` of the crank spans is missing", "between throws; one value for all")
+
+    def _states(self) -> None:
+        uneven, missing = tuple(number for number, _ in self.imbalance), () if self.misfire == "worst" else self.misfire
+        named = [("misfire", missing), ("cut_out", self.cut_out), ("imbalance", uneven)]
+        for key, numbers in named:
+            wrong = next((number for number in numbers if number > self.cylinders), None)
+            if wrong is not None:
+                raise refuse(f"there is no cylinder {wrong}", f"numbers 1 to {self.cylinders}", key)
+            if len(set(numbers)) < len(numbers):
+                raise refuse("a cylinder is named twice", "each once", key)
+        out = [*missing, *self.cut_out]
+        every = [*out, *uneven]
+        twice = next((number for number in every if every.count(number) > 1), None)
+        if twice is not None:
+            raise refuse(f"cylinder {twice} is named by two of `misfire`, `cut_out` and `imbalance`", "one of them",
+                         "cut_out" if twice in self.cut_out else "misfire")  # fmt: skip
+        if len(set(out)) + (self.misfire == "worst") >= self.cylinders:
+            raise refuse("no cylinder is left that fires", "leave one", "misfire" if self.misfire else "cut_out")
+        if (out or self.misfire or self.imbalance) and self.gas is None:
+            raise refuse("without `gas` there is nothing to misfire", "give `gas`", named[0][0] if out else "imbalance")
+        gas = self.gas
+        if self.misfire and gas is not None and (gas.table or gas.tables) and gas.motored is None:
+            raise refuse("a misfire needs the motored harmonics", "rows `motored` of `gas`, a diagram or a cycle",
+                         "misfire")  # fmt: skip
+
+    @property
+    def _cycle(self) -> float:
+        return 2.0 * math.pi * self.revolutions
+
+    @property
+    def _turned(self) -> float:
+        """rad, by which it stands behind the reference; 0 where that is not known."""
+        return self.phase if isinstance(self.phase, float) else 0.0
+
+    @property
+    def _cycles(self) -> tuple[Fraction, ...]:
+        """(cylinders,) of a cycle, at which each fires."""
+        if self.firing_angles:
+            return tuple(Fraction(angle / self._cycle) for angle in self.firing_angles)
+        order = self.firing_order or (1,)
+        return tuple(Fraction(order.index(number), self.cylinders) for number in range(1, self.cylinders + 1))
+
+    def lower(self, build: Lowering) -> None:
+        owner = build.part
+        law = self._law(build)
+        slider = self._slider()
+        stations, cranks = self._throws_and_spans(build, slider)
+        record = self._record(owner, (stations, cranks), slider, law)
+        build.parts[owner] = replace(build.parts[owner], engine=record, power=self.power)
+        if law is not None or record.inertia.any():
+            self._torques(build, owner, record)
+
+    def _law(self, build: Lowering) -> Law | None:
+        """The gas torque; a fault is noted where the file's figures give none."""
+        if self.gas is None:
+            return None
+        slider = self._slider()
+        frame = Frame(
+            self.revolutions, self._highest, self.cylinders, self.mechanical_efficiency,
+            None if slider is None else self._cylinder(slider), FilePath(build.folder),
+        )  # fmt: skip
+        try:
+            return law_of(self.gas, frame)
+        except GasFault as fault:
+            build.fault(fault.message, fault.hint, "gas", *([fault.key] if fault.key else []))
+            return None
+
+    @property
+    def _highest(self) -> int:
+        """Order of the crankshaft: that of the file, else the usual one or the highest of the tables."""
+        if self.orders is not None:
+            return self.orders
+        gas = self.gas
+        tables = [] if gas is None else [gas.table or (), gas.motored or (), *(one.rows for one in gas.tables)]
+        highest: list[int] = [math.ceil(row[0]) for rows in tables for row in rows]
+        return max(12 if self.strokes == 4 else 15, *highest, 1)
+
+    def _slider(self) -> CrankSlider | None:
+        size = self.geometry
+        return None if size is None else CrankSlider.of_stroke(size.stroke, size.rod_length, size.offset)
+
+    def _cylinder(self, slider: CrankSlider) -> Cylinder:
+        bore = 0.0 if self.geometry is None else self.geometry.bore
+        return Cylinder(slider, math.pi / 4.0 * bore**2, self.revolutions)
+
+    def _moving(self, slider: CrankSlider) -> tuple[float, float, float]:
+        """Reciprocating mass (kg), J_c (kg m2) and the inertia (kg m2) of what turns with the pin, of a cylinder."""
+        masses = self.masses
+        if masses is None:
+            return 0.0, 0.0, 0.0
+        if masses.rod is None:
+            return masses.reciprocating or 0.0, 0.0, 0.0
+        rod = Rod(masses.rod.mass, masses.rod.centre, masses.rod.inertia)
+        turning = rod.rotating(slider.rod) * slider.radius**2
+        return (masses.piston or 0.0) + rod.reciprocating(slider.rod), rod.correction(slider.rod), turning
+
+    def _throws_and_spans(self, build: Lowering, slider: CrankSlider | None) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Lower the crankshaft: stations of the throws and parts of the spans, both from its first end."""
+        number, engine = len(self.lanes), build.parts[-1]
+        stations, cranks = dict[int, int](), dict[int, int]()
+        way = range(number - 1, -1, -1) if self.reverse else range(number)
+        for place, throw in enumerate(way):
+            if place:
+                span = min(throw, throw + 1 if self.reverse else throw - 1)
+                build.member(engine, f"crank {span + 1}-{span + 2}", "crank", is_point=False)
+                cranks[span] = build.part
+                driving, driven = build.link()
+                flexibility = 1.0 / build.own(_of(self.stiffness, span))
+                build.add(Spring(build.name, build.part, driving, driven, flexibility, 0.0, self.loss_factor))
+                if self.loss_factor:
+                    build.record(damping=("loss_factor", self.loss_factor))
+            build.member(engine, self._named(throw), "throw", is_point=True)
+            stations[throw] = here = build.point()
+            self._masses(build, here, throw, slider)
+            if damping := _of(self.damping or (0.0,), throw):
+                build.add(Damper(here, constant=build.own(damping)))
+        return tuple(stations[k] for k in range(number)), tuple(cranks[k] for k in range(number - 1))
+
+    def _named(self, throw: int) -> str:
+        lane = self.lanes[throw]
+        return f"cylinder {lane[0]}" if len(lane) == 1 else f"throw {throw + 1}"
+
+    def _masses(self, build: Lowering, here: int, throw: int, slider: CrankSlider | None) -> None:
+        """The inertia of a throw, with the mean of its moving masses where they are to be added."""
+        if self.inertia:
+            build.inertia(here, _of(self.inertia, throw))
+            return
+        build.inertia(here, _of(self.crank_inertia, throw), "crank")
+        if slider is not None:
+            mass, correction, turning = self._moving(slider)
+            mean = slider.inertia_harmonics(0, mass, correction)[0].real + turning
+            build.inertia(here, len(self.lanes[throw]) * float(mean), "moving masses, mean")
+
+    def _record(
+        self, owner: int, made: tuple[tuple[int, ...], tuple[int, ...]], slider: CrankSlider | None, law: Law | None
+    ) -> EngineRecord:
+        """What analyses and reports read."""
+        harmonics = self._highest * self.revolutions
+        inertia, over_angle = np.zeros(harmonics + 1, dtype=np.complex128), np.zeros(1, dtype=np.complex128)
+        if slider is not None and self.masses is not None:
+            mass, correction, turning = self._moving(slider)
+            inertia[:: self.revolutions] = slider.inertia_torque(self._highest, mass, correction)
+            over_angle = slider.inertia_harmonics(VARYING, mass, correction)
+            over_angle[0] += turning
+        round_ = [one for one in (self.journal, self.pin) if one is not None]
+        modulus = min((float(section_modulus(one.diameter, one.bore)) for one in round_), default=None)
+        cylinder = None if slider is None else self._cylinder(slider)
+        gas, words = (None, "not given") if law is None else (law.law, law.words)
+        return EngineRecord(
+            owner, self.revolutions, tuple(self._each(made[0])), *made, self.mechanical_efficiency, gas, words, inertia,
+            over_angle, cylinder, () if law is None else law.curves, modulus, self.keep_power, self.phase is not None,
+            self.phase == "worst", self.misfire == "worst",
+            tuple(self._words(slider)), () if law is None else law.remarks,
+        )  # fmt: skip
+
+    def _each(self, stations: tuple[int, ...]) -> Iterator[CylinderRecord]:
+        """The cylinders in the order of their numbers."""
+        lane = {number: throw for throw, numbers in enumerate(self.lanes) for number in numbers}
+        out, misfire = set(self.cut_out), () if self.misfire == "worst" else self.misfire
+        uneven = dict(self.imbalance)
+        share = {number: uneven.get(number, 1.0) for number in range(1, self.cylinders + 1)}
+        fires = [number for number in share if number not in out and number not in misfire]
+        raised = self.cylinders / sum(share[number] for number in fires) if self.keep_power else 1.0
+        for number, heat in share.items():
+            state: Literal["firing", "motored", "cut out"] = (
+                "cut out" if number in out else "motored" if number in misfire else "firing"
+            )
+            yield CylinderRecord(
+                number, stations[lane[number]], lane[number], self._cycles[number - 1], self._turned,
+                self.revolutions, state, raised * heat,
+            )  # fmt: skip
+
+    def _words(self, slider: CrankSlider | None) -> Iterator[tuple[str, str]]:
+        """Figures of the data sheet."""
+        yield "Cylinders", str(self.cylinders)
+        yield "Strokes of a cycle", str(self.strokes)
+        if self.firing_order:
+            yield "Firing order", "-".join(map(str, self.firing_order))
+        size = self.geometry
+        if size is not None and slider is not None:
+            yield (
+                "Bore, stroke, rod",
+                " × ".join(f"{1e3 * one:.6g}" for one in (size.bore, size.stroke, size.rod_length)) + " mm",
+            )
+            yield "Radius / rod", f"{slider.radius / slider.rod:.5g}"
+            if size.offset:
+                yield "Offset", f"{1e3 * size.offset:.6g} mm"
+        if slider is not None:
+            yield from self._estimates(slider)
+        if self.masses is not None and slider is not None:
+            mass, correction, turning = self._moving(slider)
+            yield "Reciprocating mass of a cylinder", f"{mass:.6g} kg"
+            if self.masses.rod is not None:
+                yield "Correction of the rod, inertia", f"{correction:.5g} kg m²"
+                yield "Rotating share of the rod, inertia", f"{turning:.5g} kg m²"
+
+    def _estimates(self, slider: CrankSlider) -> Iterator[tuple[str, str]]:
+        """The stiffness of a throw by formulas, where its dimensions are given."""
+        if self.web is None or self.journal is None or self.pin is None:
+            return
+        ends = [(one.diameter, one.bore, one.length or 0.0) for one in (self.journal, self.pin)]
+        throw = Throw(ends[0], ends[1], (self.web.thickness, self.web.width), slider.radius)
+        both = (formula(throw, STEEL.shear_modulus) * 1e-6 for formula in (carter, ker_wilson))
+        words = ", ".join(f"{k:.4g} MN m/rad ({name})" for k, name in zip(both, ("Carter", "Ker Wilson"), strict=True))
+        yield "Stiffness of a throw, estimate, to be verified", f"{words}, of steel; used is the stiffness of the file"
+
+    def _torques(self, build: Lowering, owner: int, record: EngineRecord) -> None:
+        """One primitive for every cylinder and order that is there."""
+        station, load = record.load_says
+        there = np.abs(record.inertia) > 0
+        if record.gas is not None:
+            there |= (np.abs(record.gas.firing) > 0).any(axis=0)
+        path = build.parts[owner].path
+        for one in record.cylinders:
+            name = build.stations[one.station].name
+            for harmonic in np.flatnonzero(there[1:]).tolist():
+                order = Fraction(harmonic + 1, record.revolutions)
+                law = CylinderOrder(
+                    record.gas, harmonic + 1, complex(record.inertia[harmonic + 1]), one.phasor(harmonic + 1), station,
+                    load, one.state, one.share, owner, record.by_chance,
+                )  # fmt: skip
+                build.add(Torque(name, one.station, order, path=path, source=self.source, cylinder=law))
+
+
+def _of(values: tuple[float, ...], place: int) -> float:
+    """The value of a place; one value stands for all."""
+    return values[place] if len(values) > 1 else values[0]

@@ -1,0 +1,1 @@
+"""Reciprocating engines: crank kinematics, harmonics of the torque of a cylinder, cycles, sums of phasors."""

@@ -1,0 +1,127 @@
+"""Crank and connecting rod, exactly: motion of the piston, torques of moving masses, inertia that varies.
+
+Crank angles count from firing top dead centre. With the offset of the cylinder axis that is not where the crank lies
+in line with the axis: there the angle of the formulas is the crank angle plus `top`.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsion.arrays import ComplexArray, FloatArray
+
+SAMPLES = 4096  # of a revolution; harmonics fall like (radius / rod)^order, so that all that fit a double are there
+
+
+@dataclass(frozen=True)
+class CrankSlider:
+    """A crank of a radius and a rod (m); offset of the cylinder axis, positive where the pin moves first.
+
+    >>> crank = CrankSlider(0.05, 0.15, 0.01)
+    >>> round(math.degrees(crank.top), 6), round(crank.stroke, 9)
+    (2.865984, 0.1002511)
+    """
+
+    radius: float
+    rod: float
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.rod > self.radius + abs(self.offset):
+            raise ValueError("the rod is not longer than crank radius and offset together")
+
+    @classmethod
+    def of_stroke(cls, stroke: float, rod: float, offset: float = 0.0) -> "CrankSlider":
+        """The one of a stroke; with an offset the stroke is longer than twice the radius. Raises ValueError.
+
+        Stroke s: (l + r)^2 - e^2 = (s + u)^2 with u^2 = (l - r)^2 - e^2, hence r in closed form.
+        """
+        square = (stroke / 2.0) ** 2
+        inner = rod * rod - square - offset * offset
+        radius = math.sqrt(square * inner / (rod * rod - square)) if inner > 0 else math.inf
+        return cls(radius, rod, offset)
+
+    @cached_property
+    def top(self) -> float:
+        """Angle of the formulas at top dead centre, rad."""
+        return math.asin(self.offset / (self.rod + self.radius))
+
+    @cached_property
+    def bottom(self) -> float:
+        """Crank angle from top to bottom dead centre, rad; pi without an offset."""
+        return math.pi + math.asin(self.offset / (self.rod - self.radius)) - self.top
+
+    @cached_property
+    def stroke(self) -> float:
+        """Way of the piston, m."""
+        return float(self.piston(0.0)[0] - self.piston(self.bottom)[0])
+
+    def piston(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Distance of the piston pin from the crank's centre along the axis, m, and its derivatives by the angle."""
+        turned = np.asarray(angle, dtype=np.float64) + self.top
+        sine, cosine = self.radius * np.sin(turned), self.radius * np.cos(turned)
+        across = sine - self.offset
+        along = np.sqrt(self.rod**2 - across**2)
+        first = -sine - across * cosine / along
+        second = -cosine - (cosine**2 - across * sine) / along - (across * cosine) ** 2 / along**3
+        return cosine + along, first, second
+
+    def rod_angle(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """First and second derivative of the angle of the rod against the axis by the crank angle."""
+        turned = np.asarray(angle, dtype=np.float64) + self.top
+        sine, cosine = self.radius * np.sin(turned), self.radius * np.cos(turned)
+        across = sine - self.offset
+        along = np.sqrt(self.rod**2 - across**2)
+        first = cosine / along
+        return first, -sine / along + across * first**2 / along
+
+    def inertia_over_angle(self, reciprocating: float, correction: float = 0.0) -> FloatArray:
+        """(SAMPLES,) kg m2 that moving masses add to the crank at angles of one revolution.
+
+        reciprocating: kg; correction: kg m2, of the rod, I_cg - m u (l - u), usually negative.
+        """
+        angle = 2.0 * math.pi / SAMPLES * np.arange(SAMPLES)
+        return np.asarray(reciprocating * self.piston(angle)[1] ** 2 + correction * self.rod_angle(angle)[0] ** 2)
+
+    def inertia_harmonics(self, count: int, reciprocating: float, correction: float = 0.0) -> ComplexArray:
+        """(count + 1,) kg m2: J(angle) = J_0 + Re sum J_k exp(i k angle), k = 1 .. count."""
+        return of_samples(self.inertia_over_angle(reciprocating, correction), count)
+
+    def inertia_torque(self, count: int, reciprocating: float, correction: float = 0.0) -> ComplexArray:
+        """(count + 1,) kg m2: harmonics 0 .. count of the torque of moving masses / speed^2, at constant speed.
+
+        T = -(1/2) dJ/dangle speed^2: -m x' x'' of the piston with -J_c beta' beta'' of the rod.
+        """
+        order = np.arange(count + 1)
+        return np.asarray(-0.5j * order * self.inertia_harmonics(count, reciprocating, correction))
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A connecting rod: mass (kg), distance of its centre of mass from the big end (m), inertia about that (kg m2)."""
+
+    mass: float
+    centre: float
+    inertia: float
+
+    def rotating(self, length: float) -> float:
+        """Share of its mass that turns with the pin, kg."""
+        return self.mass * (length - self.centre) / length
+
+    def reciprocating(self, length: float) -> float:
+        """Share that goes with the piston, kg."""
+        return self.mass * self.centre / length
+
+    def correction(self, length: float) -> float:
+        """J_c = I_cg - m u (l - u), kg m2, by which two masses differ from the rod."""
+        return self.inertia - self.mass * self.centre * (length - self.centre)
+
+
+def of_samples(values: FloatArray, count: int) -> ComplexArray:
+    """(count + 1,) harmonics C_k of evenly spaced samples of one period: C_0 + Re sum C_k exp(i k angle)."""
+    found = np.fft.rfft(values)[: count + 1] / len(values)
+    found[1:] *= 2.0
+    return np.asarray(found)

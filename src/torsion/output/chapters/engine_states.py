@@ -1,0 +1,22 @@
+"""Of the first page: as what the engines of the train are judged."""
+
+from collections.abc import Iterator
+
+from torsion.findings import Findings
+from torsion.results import listed
+
+WORDS = {"motored": "motored (misfire)", "cut out": "cut out"}
+
+
+def states(findings: Findings) -> Iterator[str]:
+    """As what the engines are judged, where not every cylinder fires alike or a phase is any."""
+    for part in findings.study.train.parts:
+        if part.engine is None:
+            continue
+        words = [f"cylinder {one.number} {WORDS[one.state]}" for one in part.engine.cylinders if one.state in WORDS]
+        uneven = [one for one in part.engine.cylinders if one.state == "firing" and one.share != 1.0]
+        words += [f"cylinder {one.number} with {100 * one.share:.4g} % of the heat" for one in uneven]
+        words += ["any phase to the rest of the train (magnitudes are added)"] if part.engine.by_chance else []
+        words += ["every cylinder in turn (the worst of each check; all else is of this one)"] * part.engine.tries_all
+        if words:
+            yield f"{part.name} with {listed(words)}"

@@ -1,0 +1,84 @@
+"""Two columns of numbers from a text file whose first line names their units."""
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from torsion import units
+
+MOST_ROWS = 100_000
+_UNIT = re.compile(r".*[\[(](.+)[\])]\s*|(.*)")  # time [ms], torque (kN*m), or the unit alone
+_BETWEEN = re.compile(r"[;,\t]")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What the two columns are, and an example of the first line and of a row."""
+
+    names: tuple[str, str]
+    units: tuple[str, str]
+    head: str
+    row: str
+    meant: str  # what a row must be: "a finite torque at a finite time"
+    least: float = -math.inf  # value of the first column
+
+    @property
+    def both(self) -> str:
+        """Their names."""
+        return " and ".join(self.names)
+
+
+@lru_cache(maxsize=8)
+def pairs(file: Path, columns: Columns) -> tuple[tuple[float, float], ...]:
+    """Both values of every row in SI, those of the first column ascending.
+
+    Raises ValueError with two arguments, what is wrong and what would be right, where it is no such file.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, ValueError) as error:
+        raise ValueError(f"'{file}' cannot be read: {getattr(error, 'strerror', error)}", "give a text file") from None
+    numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
+    if not 3 <= len(numbered) <= MOST_ROWS + 1:
+        raise ValueError(f"'{file}' has {max(len(numbered) - 1, 0)} rows", f"2 to {MOST_ROWS} rows below the units")
+    factors = _factors(file, numbered[0][1], columns)
+    rows = [_row(file, number, line, factors, columns) for number, line in numbered[1:]]
+    first = columns.names[0]
+    for place in range(1, len(rows)):
+        if rows[place][0] <= rows[place - 1][0]:
+            message = f"'{file}', line {numbered[place + 1][0]}: the {first} does not rise"
+            raise ValueError(message, f"{first}s ascend")
+    return tuple(rows)
+
+
+def _factors(file: Path, header: str, columns: Columns) -> tuple[float, float]:
+    """SI per unit of both columns."""
+    cells = _BETWEEN.split(header)
+    if len(cells) != 2:
+        raise ValueError(f"'{file}' has {len(cells)} columns in line 1, not 2", columns.head)
+    found = []
+    for cell, unit in zip(cells, columns.units, strict=True):
+        match = _UNIT.fullmatch(cell.strip())
+        word = "" if match is None else (match[1] or match[2] or "").strip()
+        try:
+            found.append(units.to_si(f"1 {word}" if word else "", unit))
+        except units.UnitFault as fault:
+            message = f"'{file}', line 1: '{cell.strip()}' has no unit of {unit}: {fault.message}"
+            raise ValueError(message, f"the first line names the units: {columns.head}") from None
+    return found[0], found[1]
+
+
+def _row(file: Path, number: int, line: str, factors: tuple[float, float], columns: Columns) -> tuple[float, float]:
+    cells = _BETWEEN.split(line)
+    if len(cells) != 2:
+        hint = "a point in decimals, one separator" if len(cells) > 2 else columns.both
+        raise ValueError(f"'{file}', line {number}: {len(cells)} columns, not 2", hint)
+    try:
+        first, second = (float(cell) * factor for cell, factor in zip(cells, factors, strict=True))
+    except ValueError:
+        raise ValueError(f"'{file}', line {number}: '{line.strip()}' is no pair of numbers", columns.row) from None
+    if not (math.isfinite(first) and math.isfinite(second) and first >= columns.least):
+        raise ValueError(f"'{file}', line {number}: {columns.meant} is meant", columns.row)
+    return first, second
