@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from torsion.components.material import Material
-from torsion.errors import Fault, Path
+from torsion.errors import Fault, Path, nearest
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Inertia, Primitive, Spring, Station
 
@@ -177,6 +177,11 @@ class Part:
         return ("T_Kmax2", rare) if is_rare else ("T_Kmax1", normal)
 
     @property
+    def is_bar(self) -> bool:
+        """A shaft by its own dimensions: not a crank span, which has a stiffness and a journal."""
+        return self.shaft is not None and self.shaft.journal is None
+
+    @property
     def is_clutch(self) -> bool:
         """A coupling that slips beyond its capacity."""
         return self.nonlinear is not None and self.nonlinear.capacity is not None
@@ -230,6 +235,16 @@ class Lowering:
         self.parts.append(replace(
             of, name=named, kind=kind, is_point=is_point, stations=(), is_named=False, note=None, ratio=self.at.ratio,
         ))  # fmt: skip
+
+    def material(self, name: str) -> Material | None:
+        """The material of that name; None, with a fault, where there is none."""
+        found = self.materials.get(name)
+        if found is None:
+            near, known = nearest(name, self.materials), f"there is {', '.join(self.materials)}"
+            figures = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"  # of an example
+            hint = f"declare it with its figures, as `materials: {{{name}: {figures}}}`; {known}"
+            self.fault(f"no material is called '{name}'", f"did you mean '{near}'?" if near else hint, "material")
+        return found
 
     def record(self, **facts: Any) -> None:
         """Leave facts on the part of the component that is being lowered, by the fields of `Part`."""

@@ -8,7 +8,6 @@ from pydantic import Field, ValidationInfo, field_validator
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering, Role, ShaftRecord, Support
-from torsion.errors import nearest
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 
@@ -80,14 +79,8 @@ class Shaft(Component, keyword="shaft", sort="link"):
             damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
         )
         driving, driven = build.link()
-        material = build.materials.get(self.material)
+        material = build.material(self.material)
         if material is None:
-            near = nearest(self.material, build.materials)
-            figures = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"  # of an example
-            known = f"there is {', '.join(build.materials)}"
-            hint = f"declare it with its figures, as `materials: {{{self.material}: {figures}}}`; {known}"
-            hint = f"did you mean '{near}'?" if near else hint
-            build.fault(f"no material is called '{self.material}'", hint, "material")
             return
         section, widest = None, math.inf if self.unusual else WIDEST
         if self.section is not None:

@@ -110,10 +110,10 @@ def _line(
     part: Part, limit: tuple[str, float], values: dict[str, float], notes: tuple[str, ...], *, is_sound: bool
 ) -> Check:
     """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
-    what, unit = ("shear stress at the greatest torque in ice", "N/mm2") if part.shaft else ("torque in ice", "N m")
+    what, unit = ("shear stress at the greatest torque in ice", "N/mm2") if part.is_bar else ("torque in ice", "N m")
     is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
     words, worst = max(values.items(), key=lambda pair: pair[1]) if is_known else ("", math.inf)
-    standing: Standing = TO_BE_VERIFIED if part.shaft else "maker"
+    standing: Standing = TO_BE_VERIFIED if part.is_bar else "maker"
     verdict = verdict_of(worst <= limit[1], standing) if is_known and is_sound else "fail"
     note = "; ".join((f"worst in {words}" if is_known else "no value is known", *notes))
     return Check("ice", limit[0], part.name, what, worst, limit[1], unit, verdict, standing, note=note)
@@ -162,7 +162,7 @@ def _missing(study: Study) -> list[str]:
 
 def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float] | None:
     """The clause and its limit, N/mm2 of a shaft and N m of a coupling or gear; None where the file gives none."""
-    if part.shaft is None:
+    if part.shaft is None or not part.is_bar:
         return part.greatest_torque(is_rare=False)
     strength = study.train.materials[part.shaft.material].yield_strength
     return None if strength is None else (f"0.577 R_e/{settings.factor:g}", SHEAR * strength * PA / settings.factor)
@@ -171,7 +171,7 @@ def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float]
 def _value(evidence: Results, number: int, part: Part, found: TransientMotion) -> float:
     """The greatest shear stress (N/mm2) or torque (N m) of a part, its mean torque included; NaN where not known."""
     spans = spans_of(evidence.system, number)
-    if part.shaft is None:
+    if not part.is_bar:
         return float(found.peak[spans].max())
     return math.nan if found.stress is None else float(found.stress[spans].max()) * PA
 

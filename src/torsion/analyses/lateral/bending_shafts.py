@@ -158,7 +158,7 @@ def _loads(train: Train, node: list[int], stations: list[int], parts: tuple[int,
     return tuple(
         part.name
         for number, part in enumerate(train.parts)
-        if number not in parts and not (part.joint or part.shaft) and here & set(part.stations)
+        if number not in parts and not (part.joint or part.is_bar) and here & set(part.stations)
     )
 
 

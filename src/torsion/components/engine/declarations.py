@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 from torsion import fields, units
 from torsion.components.lowering import Mass
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required, shown
+from torsion.kernels.round_sections import section_modulus
 
 Length = Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))]
 Pressure = Annotated[float, Quantity("Pa", above=0, usual=(5e3, 5e8), slip=("bar", "MPa"))]
@@ -97,6 +98,16 @@ class Journal(Declared):
     def refuse_clashes(self) -> None:
         if self.bore >= self.diameter:
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
+
+    @property
+    def modulus(self) -> float:
+        """m3, torque over the largest nominal stress."""
+        return float(section_modulus(self.diameter, self.bore))
+
+
+def weakest(*round_: Journal | None) -> Journal | None:
+    """The one with the smallest section modulus; None where none is given."""
+    return min((one for one in round_ if one is not None), key=lambda one: one.modulus, default=None)
 
 
 class Web(Declared):

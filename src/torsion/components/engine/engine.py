@@ -25,17 +25,17 @@ from torsion.components.engine.declarations import (
     Share,
     Throws,
     Web,
+    weakest,
 )
 from torsion.components.engine.gas_laws import Frame, GasFault, Law, law_of
 from torsion.components.engine.record import CylinderRecord, EngineRecord
-from torsion.components.lowering import Lowering
+from torsion.components.lowering import Lowering, ShaftRecord
 from torsion.components.material import STEEL
 from torsion.fields import OneOrMany, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod
 from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
 from torsion.kernels.engine.gas_law import CylinderOrder
 from torsion.kernels.engine.gas_torque import Cylinder
-from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Damper, Spring, Torque
 
 TWICE = 1e-9  # rad: firing angles that differ by less are one
@@ -70,6 +70,7 @@ class Engine(Component, keyword="engine", sort="line"):
     loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
     journal: Journal | None = given("{diameter, bore} of its journals, for their stress")
     pin: Journal | None = given("{diameter, bore} of its pins, for their stress")
+    material: str = given("of the crankshaft, for the rules that judge its stress", "steel")
     web: Web | None = given("{thickness, width} of its webs: the report then estimates the stiffness of a throw")
     geometry: Geometry | None = given("{bore, stroke, rod_length, offset} of a cylinder")
     masses: Masses | None = given("{reciprocating}, or {piston, rod} of a cylinder, for their torque")
@@ -207,8 +208,8 @@ class Engine(Component, keyword="engine", sort="line"):
         return tuple(Fraction(order.index(number), self.cylinders) for number in range(1, self.cylinders + 1))
 
     def lower(self, build: Lowering) -> None:
-        owner = build.part
-        law = self._law(build)
+        owner, law = build.part, self._law(build)
+        build.material(self.material)
         slider = self._slider()
         stations, cranks = self._throws_and_spans(build, slider)
         record = self._record(owner, (stations, cranks), slider, law)
@@ -273,6 +274,8 @@ class Engine(Component, keyword="engine", sort="line"):
                 driving, driven = build.link()
                 flexibility = 1.0 / build.own(_of(self.stiffness, span))
                 build.add(Spring(build.name, build.part, driving, driven, flexibility, 0.0, self.loss_factor))
+                if (size := weakest(self.journal, self.pin)) is not None:
+                    build.record(shaft=ShaftRecord(self.material, "crank", (), (), journal=(size.diameter, size.bore)))
                 if self.loss_factor:
                     build.record(damping=("loss_factor", self.loss_factor))
             build.member(engine, self._named(throw), "throw", is_point=True)
@@ -308,8 +311,7 @@ class Engine(Component, keyword="engine", sort="line"):
             inertia[:: self.revolutions] = slider.inertia_torque(self._highest, mass, correction)
             over_angle = slider.inertia_harmonics(VARYING, mass, correction)
             over_angle[0] += turning
-        round_ = [one for one in (self.journal, self.pin) if one is not None]
-        modulus = min((float(section_modulus(one.diameter, one.bore)) for one in round_), default=None)
+        modulus = None if (round_ := weakest(self.journal, self.pin)) is None else round_.modulus
         cylinder = None if slider is None else self._cylinder(slider)
         gas, words = (None, "not given") if law is None else (law.law, law.words)
         return EngineRecord(

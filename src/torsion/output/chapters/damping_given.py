@@ -73,7 +73,7 @@ def _as_given(findings: Findings, part: int) -> str:
     if own.damping is not None:
         key, value = own.damping
         return f"{GIVEN[key]} = {given(value, 6)}"
-    return "input" if own.shaft is None else f"material {own.shaft.material}"
+    return f"material {own.shaft.material}" if own.is_bar and own.shaft else "input"
 
 
 def _grounds(findings: Findings) -> Table:

@@ -139,7 +139,7 @@ def _springs(findings: Findings) -> Table:
             own, referred = given(unit.factor / h, DIGITS), given(unit.factor * element.ratio**2 / h, SUMMED)
         ratio, part = system.stations[first.driving].ratio, system.train.parts[element.part]
         at = ratio if part.referred_to is None else part.referred_to
-        is_given = 0 < h < math.inf and part.shaft is None  # of a shaft the file gives dimensions
+        is_given = 0 < h < math.inf and not part.is_bar  # of a shaft the file gives dimensions
         figure = _given_columns(findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at)
         rows.append((
             element.name, element.kind, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
