@@ -3,16 +3,19 @@
 import os
 import secrets
 import shutil
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from datetime import date
+from functools import partial
 from pathlib import Path
 
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS, Content, files
-from torsion.output.reports import REPORTS
-from torsion.output.results_json import SERIES
+from torsion.output.reports import REPORTS, Report
+from torsion.output.stored_report import named, naming
+from torsion.primitives import SectionMesh
+from torsion.study import Study
 
 
 def write(
@@ -21,48 +24,97 @@ def write(
 ) -> Document:  # fmt: skip
     """Write every file of a report into the folder, `also` those of outputs on request; the report.
 
-    Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
+    What an earlier report of its sort wrote into the folder, and this one does not, is removed. Raises OSError where
+    the folder cannot be written, InputError where a file cannot be made of these findings, or is one of the scene's.
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    placed = write_texts(files(made, findings, also), folder)
-    for pattern in ("table-[0-9]*.csv", "input.yaml"):
-        for earlier in Path(folder).glob(f"{made.report.stem}-{pattern}"):
-            if earlier not in placed:
-                earlier.unlink(missing_ok=True)  # of an earlier report, of which a table or the input was long
+    earlier, read = named(_results(made.report, folder)), inputs(findings.study)
+    placed = write_texts(files(made, findings, also), folder, read)
+    for path in {Path(folder) / name for name in earlier}.difference(placed):
+        if path.is_file() and not _is_one(path, read):
+            path.unlink()
     return made
 
 
-def redraw(document: Document, folder: str | Path, *, also: Collection[str] = ()) -> None:
-    """Write every file that a report alone makes, `also` those of outputs on request.
+def _results(report: Report, folder: str | Path) -> Path:
+    return Path(folder) / report.files.get("json", f"{report.stem}.json")
 
-    Raises OSError where the folder cannot be written, InputError where the report cannot be drawn.
+
+def inputs(study: Study) -> list[Path]:
+    """Every file that a scene was read from."""
+    folder, bars = Path(study.file).parent, study.train.bars
+    names = [name for name, _ in study.tables]
+    if study.document is not None and study.document.logo:
+        names.append(study.document.logo)
+    if "transient" in study.analyses:
+        from torsion.analyses.transient.transient_settings import cases
+
+        tables = (getattr(event, "table", None) for one, _ in cases(study) for event in one.events)
+        names += [table.file for table in tables if table is not None and table.file]
+    meshes = [Path(bar.section.file) for bar in bars if isinstance(bar.section, SectionMesh)]
+    return [Path(study.file), *(folder / name for name in names), *meshes] if study.file else meshes
+
+
+def refuse_inputs(targets: Iterable[Path], read: Collection[Path]) -> None:
+    """Raise InputError where a file to be written is one of those that were read, by whatever path."""
+    for target in targets:
+        if _is_one(target, read):
+            message = f"{target} is a file that was read, and would be overwritten"
+            raise InputError([Fault((), message, hint := "write to another place")], f"{message} ({hint})")
+
+
+def _is_one(path: Path, read: Collection[Path]) -> bool:
+    return path.exists() and any(one.exists() and path.samefile(one) for one in read)
+
+
+def redraw(document: Document, folder: str | Path, *, also: Collection[str] = (), results: Path | None = None) -> None:
+    """Write every file that a report alone makes, `also` those of outputs on request, and name them in its results.
+
+    Raises OSError where the folder cannot be written, InputError where the report cannot be drawn, or the folder holds
+    results that are not the file `results` of this report.
     """
+    own, read = _results(document.report, folder), [] if results is None else [results]
+    is_beside = _is_one(own, read)
+    if read and own.exists() and not is_beside:
+        message = f"{own} holds the results of another report"
+        raise InputError([Fault((), message)], f"{message} (choose another folder with -o)")
     try:
         OUTPUTS["terminal"](document)
         contents = files(document, also=also)
     except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as error:
         message = f"the report cannot be drawn: {type(error).__name__}, {error}"
         raise InputError([Fault((), message, "solve the scene again")]) from None
-    write_texts(contents, folder)
+    if is_beside:
+        contents[own.name] = partial(_renamed, own)
+    write_texts(contents, folder, [] if is_beside else read)
 
 
-def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Path]:
-    """Write contents under their names into the folder, all or none; raises OSError where it cannot be written.
+def _renamed(results: Path, target: Path) -> list[Path]:
+    """Write the results with the names of the finished files beside the target; nothing where they name them."""
+    known = named(results)
+    names = known.union(os.listdir(target.parent))
+    if names == known:
+        return []
+    target.write_bytes(naming(results.read_bytes().decode(), names).encode())
+    return [target]
 
-    Every file is finished in a temporary folder inside the target before the first is put in its place.
+
+def write_texts(contents: Mapping[str, Content], folder: str | Path, read: Collection[Path] = ()) -> list[Path]:
+    """Write contents under their names into the folder, all or none; files of results last.
+
+    Every file is finished in a temporary folder inside the target before the first is put in its place. Raises OSError
+    where the folder cannot be written, InputError where a file is one of those `read`.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     workshop = target / f".report-{secrets.token_hex(4)}"  # named first: a signal may come as soon as it is made
     try:
         workshop.mkdir(mode=0o700)
-        finished = [path for name, content in contents.items() for path in _finished(workshop / name, content)]
-        placed = [Path(shutil.move(path, target / path.name)) for path in finished]
-        names = {path.name for path in placed}
-        if SERIES not in names and any(name.endswith(".json") for name in names):
-            (target / SERIES).unlink(missing_ok=True)  # of an earlier report
-        return placed
+        ordered = sorted(contents.items(), key=lambda one: one[0].endswith(".json"))
+        finished = [path for name, content in ordered for path in _finished(workshop / name, content)]
+        refuse_inputs((target / path.name for path in finished), read)
+        return [Path(shutil.move(path, target / path.name)) for path in finished]
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
 
