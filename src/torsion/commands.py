@@ -114,20 +114,24 @@ def report(
     Writes its page, and `also` those of outputs on request that it alone makes, into `out` (default: beside the
     results). The report and its folder. Raises InputError.
     """
-    from torsion.output.stored_report import opened
+    from torsion.output.stored_report import file_at, opened
     from torsion.output.write import redraw
 
     place = Path(results)
     made, folder = opened(place), Path(out) if out is not None else place if place.is_dir() else place.parent
     with _writing(None, "the report", folder, OTHER_FOLDER):
-        redraw(made, folder, also=also)
+        redraw(made, folder, also=also, results=file_at(place))
     return made, folder
 
 
 @contextmanager
 def _writing(study: Study | None, what: str, place: Path, remedy: str = "") -> Iterator[None]:
-    """Raise InputError where something cannot be written to its place; locate other faults in the file."""
+    """Raise InputError where something cannot be written to its place, or that is a file of the scene itself; locate
+    other faults in the file."""
+    from torsion.output.write import inputs, refuse_inputs
+
     try:
+        refuse_inputs([place], [] if study is None else inputs(study))
         yield
     except OSError as error:
         message = f"{what} cannot be written to {place}: {error.strerror or error}"

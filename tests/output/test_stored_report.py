@@ -154,8 +154,10 @@ def test_the_figures_of_an_engine_and_what_misfires_are_drawn_the_same(tmp_path:
         ('{"report": {"format": 1, "content": {}, "sha256": ""}}', "damaged or was changed"),
         ('{"report": {"format": 0, "content": {}, "sha256": ""}}', "damaged or was changed"),
         ("1" * 5000, "is not JSON"), ('{"report": {"format": 1, "content": {"a": 1e999}}}', "is none to torsion"),
+        ('{"a": 1,\n"report": {"format": 1, "content": {"a": 1e999}}\n}\n', "is none to torsion"),
+        ('{"a": 1,\n"report": {"format": 1, "content": {"a": "\\ud800"}}\n}\n', "damaged or was changed"),
     ],
-    ids=range(11),
+    ids=range(13),
 )  # fmt: skip
 def test_a_foreign_or_damaged_file_is_refused_in_words(text: str, words: str, tmp_path: Path) -> None:
     (tmp_path / "results.json").write_text(text, encoding="utf-8")

@@ -26,7 +26,7 @@ def test_a_failed_run_leaves_the_earlier_report_whole(
     write(bare, tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
-    def fail(*args: object) -> str:
+    def fail(*args: object, **settings: object) -> str:
         raise RuntimeError("in the middle")
 
     monkeypatch.setattr(module, "html" if module is html else "write_json", fail)
@@ -43,6 +43,7 @@ def test_a_pdf_is_written_when_asked(undamped: Findings, tmp_path: Path) -> None
 
 def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(bare: Findings, tmp_path: Path) -> None:
     (tmp_path / "series.npz").write_bytes(b"earlier")
+    (tmp_path / "results.json").write_text('{\n"a": 1,\n"files": ["results.json", "series.npz"]\n}\n', encoding="utf-8")
     write(bare, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "results.json"]
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 KEY = "report"  # of a report in a file of results
+FILES = "files"  # key of the names of its files
 
 
 @dataclass(frozen=True)

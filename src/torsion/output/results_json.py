@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
+from hashlib import sha256
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,12 +74,16 @@ def pieces(values: Any) -> Iterator[str]:
         yield from _joined("[]", map(pieces, values))
 
 
-def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = MOST_NUMBERS) -> list[Path]:
+def write_json(
+    parts: Mapping[str, Callable[[], Any]], file: Path, most: int = MOST_NUMBERS,
+    report: Callable[[str], str] | None = None,
+) -> list[Path]:  # fmt: skip
     """Write a file of one line for each key of `parts`, made when its turn comes; the paths of all that was written.
 
-    Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name.
+    Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name. Last come the
+    names of the files that stand beside it by then, and the `report`, made of the SHA-256 of all before it.
     """
-    beside, opened = file.with_name(SERIES), ExitStack()
+    beside, opened, before = file.with_name(SERIES), ExitStack(), sha256()
     archive: list[zipfile.ZipFile] = []  # made with the first array that stands in it
 
     def stored(name: str, array: NDArray[Any]) -> Any:
@@ -90,8 +95,17 @@ def write_json(parts: Mapping[str, Callable[[], Any]], file: Path, most: int = M
             np.lib.format.write_array(member, array, allow_pickle=False)
         return {"file": SERIES, "array": name, "shape": list(array.shape)}
 
-    with opened, file.open("w", encoding="utf-8", newline="\n") as target:
-        target.writelines(lines((key, replaced(make(), stored, key)) for key, make in parts.items()))
+    def made() -> Iterator[tuple[str, Any]]:
+        yield from ((key, replaced(make(), stored, key)) for key, make in parts.items())
+        if report is not None:
+            yield reports.FILES, sorted(one.relative_to(file.parent).as_posix() for one in file.parent.rglob("*.*"))
+            yield reports.KEY, Written(report(before.hexdigest()))
+
+    with opened, file.open("wb") as target:
+        for piece in lines(made()):
+            data = piece.encode()
+            before.update(data)
+            target.write(data)
     return [file, beside] if beside.exists() else [file]
 
 
@@ -171,6 +185,7 @@ FIXED = (
     Key("program.name", "", (), "torsion"),
     Key("program.version", "", (), "version of the program"),
     Key("legend", "", (), "conventions in words"),
+    Key(reports.FILES, "", (), "in files alone: names of the files of the report, this one among them"),
     Key(reports.KEY, "", (), "in files alone: the report, from which `torsion report` draws it again"),
 )
 
@@ -199,8 +214,7 @@ def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[
     """What writes the results and their report into a file, and very long arrays into another beside it."""
     from torsion.output.stored_report import stored
 
-    made = _made(findings, document.report.keys)
-    return partial(write_json, made | {reports.KEY: lambda: Written(stored(document))})
+    return partial(write_json, _made(findings, document.report.keys), report=partial(stored, document))
 
 
 def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:

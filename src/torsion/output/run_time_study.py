@@ -25,7 +25,7 @@ from torsion.output.numbers import given, number
 from torsion.output.plain import finite
 from torsion.output.reports import REPORTS
 from torsion.output.scene import checksum
-from torsion.output.write import write_texts
+from torsion.output.write import inputs, write_texts
 
 FORMAT = 1
 TITLES = (
@@ -56,7 +56,8 @@ def write_study(findings: Findings, timings: Timings, folder: str | Path, *, tod
     report = REPORTS["study"]
     made = document(findings, today or date.today(), report=report, before=blocks(timings))
     texts = {"html": html(made), "json": json_text(findings, timings), "csv": csv_text(timings)}
-    write_texts({f"{report.stem}.{suffix}": content for suffix, content in texts.items()}, folder)
+    contents = {f"{report.stem}.{suffix}": content for suffix, content in texts.items()}
+    write_texts(contents, folder, inputs(findings.study))
     return made
 
 

@@ -1,29 +1,33 @@
 """A report as it is kept in results.json: drawn from it again, it is the same to the last byte.
 
-What is read is checked against the types of the report and against its own checksum; nothing of it is executed.
+What is read is checked against the types of the report and against a checksum of the whole file; nothing of it is
+executed.
 """
 
 import json
+from collections.abc import Iterable
 from hashlib import sha256
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import torsion
 from torsion.errors import Fault, InputError, printable
 from torsion.output.document import Document
 from torsion.output.frozen_data import Arrays, DamagedDataError, form
-from torsion.output.reports import KEY, REPORTS
+from torsion.output.reports import FILES, KEY, REPORTS
 
 FORMAT = 1
 WRITES = "`torsion solve` writes results.json, from which it is drawn"
+MARK, END = f',\n"{KEY}": ', "\n}\n"  # before and behind the report in its file
+NAMED = f',\n"{FILES}": '  # before the line with the files of the report
 
 
-def stored(document: Document) -> str:
-    """The report as JSON text on one line."""
+def stored(document: Document, before: str = "") -> str:
+    """The report as JSON text on one line; `before`: the SHA-256 of what stands before it in its file."""
     arrays = Arrays()
     written = form(Document).write(document, arrays)
     content = _text({"document": written, "arrays": arrays.kept})
-    head = _text({"format": FORMAT, "program": torsion.__version__, "sha256": _checksum(content)})
+    head = _text({"format": FORMAT, "program": torsion.__version__, "sha256": _checksum(before + content)})
     return f'{head[:-1]},"content":{content}}}'
 
 
@@ -35,11 +39,16 @@ def _checksum(text: str) -> str:
     return sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
+def file_at(path: Path) -> Path:
+    """The file of results itself, or the results.json of a folder."""
+    return path / REPORTS["solve"].files["json"] if path.is_dir() else path
+
+
 def opened(path: Path) -> Document:
     """The report that a file of results, or the results.json of a folder, holds; raises InputError."""
-    file = path / REPORTS["solve"].files["json"] if path.is_dir() else path
+    file = file_at(path)
     try:
-        text = file.read_text(encoding="utf-8")
+        text = file.read_bytes().decode()
     except (OSError, UnicodeDecodeError) as error:
         raise _refused(file, f"cannot be read: {getattr(error, 'strerror', None) or 'it is not UTF-8 text'}") from None
     try:
@@ -47,15 +56,49 @@ def opened(path: Path) -> Document:
     except (ValueError, RecursionError) as error:
         place = f" (line {error.lineno}, column {error.colno})" if isinstance(error, json.JSONDecodeError) else ""
         raise _refused(file, f"is not JSON{place}") from None
-    return _restored(file, data.get(KEY) if isinstance(data, dict) else None)
+    return _restored(file, text, data.get(KEY) if isinstance(data, dict) else None)
+
+
+def named(file: Path) -> set[str]:
+    """The files that a file of results names as those of its report; none where there is no such file."""
+    try:
+        with file.open("rb") as lines:
+            found = next((line for line in lines if line.startswith(NAMED[2:].encode())), b'"":[]')
+        names = json.loads(found.partition(b":")[2].strip().removesuffix(b","))
+    except (OSError, ValueError, RecursionError):
+        return set()
+    return {name for name in names if isinstance(name, str) and _lies_within(name)} if names else set()
+
+
+def _lies_within(name: str) -> bool:
+    """The name of a file in the folder of the report, or in that of a case there."""
+    path = PurePosixPath(name)
+    return str(path) == name and not path.is_absolute() and ".." not in path.parts and len(path.parts) in (1, 2)
+
+
+def naming(text: str, names: Iterable[str]) -> str:
+    """The text of a file of results with these names of files, and with its checksum."""
+    before, mark, rest = text.rpartition(MARK)
+    if not mark:
+        return text  # a report without results
+    before = before.rpartition(NAMED)[0] + NAMED + json.dumps(sorted(names))
+    kept = json.loads(rest.removesuffix(END))
+    kept["sha256"] = _checksum(_checksum(before) + _text(kept["content"]))
+    return before + MARK + _text(kept) + END
+
+
+def _before(text: str, kept: object) -> str:
+    """The SHA-256 of what stands before the report, which stands last; '' where nothing does."""
+    before, mark, rest = text.rpartition(MARK)
+    return _checksum(before) if mark and rest == _text(kept) + END else ""
 
 
 def _no_number(word: str) -> None:
     raise ValueError(word)
 
 
-def _restored(file: Path, kept: object) -> Document:
-    """The report from what stands under its key."""
+def _restored(file: Path, text: str, kept: object) -> Document:
+    """The report from what stands under its key in the text."""
     if not isinstance(kept, dict) or not isinstance(kept.get("format"), int):
         raise _refused(file, f"holds no report (key `{KEY}`), as what `--json` prints does not")
     by = f"torsion {printable(str(kept.get('program')), 20)}"
@@ -64,7 +107,8 @@ def _restored(file: Path, kept: object) -> Document:
         raise _refused(file, f"holds a report in format {kept['format']} of {by}; {here}", "install that version")
     content = kept.get("content")
     try:
-        if kept["format"] < 1 or not isinstance(content, dict) or _checksum(_text(content)) != kept.get("sha256"):
+        found = _checksum(_before(text, kept) + _text(content))
+        if kept["format"] < 1 or not isinstance(content, dict) or found != kept.get("sha256"):
             again = "solve the scene again"
             raise _refused(file, "holds a report that is damaged or was changed after it was written", again)
         made: Document = form(Document).read(content.get("document"), _arrays(content.get("arrays")))

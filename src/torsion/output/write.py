@@ -3,16 +3,19 @@
 import os
 import secrets
 import shutil
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from datetime import date
+from functools import partial
 from pathlib import Path
 
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS, Content, files
-from torsion.output.reports import REPORTS
-from torsion.output.results_json import SERIES
+from torsion.output.reports import REPORTS, Report
+from torsion.output.stored_report import named, naming
+from torsion.primitives import SectionMesh
+from torsion.study import Study
 
 
 def write(
@@ -22,67 +25,110 @@ def write(
     """Write every file of a report into the folder, `also` those of outputs on request; the report.
 
     That of every case with an answer goes into a folder of its own there, without its results, which stand among all.
-
-    Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
+    What an earlier report of its sort wrote there, and this one does not, is removed. Raises OSError where the folder
+    cannot be written, InputError where a file cannot be made of these findings, or is one of the scene's.
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    contents = files(made, findings, also)
+    contents, read, folders = files(made, findings, also), inputs(findings.study), {Path(folder)}
     for found in findings.cases.values():
         if found.is_answered and found.study.case is not None:
             page = document(found, today or date.today(), also, REPORTS[report])
             own = files(page, found, also, without=("json",))
             contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
-    placed = write_texts(contents, folder)
-    for one in {path.parent for path in placed}:
-        _clear(made, one, placed)
+            folders.add(Path(folder) / found.study.case.folder)
+            read += inputs(found.study)
+    results = {_results(made.report, one) for one in folders}  # those of a case that was solved alone too
+    earlier = results.union(one.parent / name for one in results for name in named(one))
+    placed = write_texts(contents, folder, read)
+    for path in earlier.difference(placed):
+        if path.is_file() and not _is_one(path, read):
+            path.unlink()
     return made
 
 
-def _clear(made: Document, folder: Path, placed: Collection[Path]) -> None:
-    """Take away what is left there of an earlier report: of long tables, a long input, or a case solved alone."""
-    stem, of_a_case = made.report.stem, (made.report.files.get("json", f"{made.report.stem}.json"), SERIES)
-    is_case = not any(path.parent == folder and path.suffix == ".json" for path in placed)
-    for pattern in (f"{stem}-table-[0-9]*.csv", f"{stem}-input.yaml", *(of_a_case if is_case else ())):
-        for earlier in folder.glob(pattern):
-            if earlier not in placed:
-                earlier.unlink(missing_ok=True)
+def _results(report: Report, folder: str | Path) -> Path:
+    return Path(folder) / report.files.get("json", f"{report.stem}.json")
 
 
-def redraw(document: Document, folder: str | Path, *, also: Collection[str] = ()) -> None:
-    """Write every file that a report alone makes, `also` those of outputs on request.
+def inputs(study: Study) -> list[Path]:
+    """Every file that a scene was read from."""
+    folder, bars = Path(study.file).parent, study.train.bars
+    names = [name for name, _ in study.tables]
+    if study.document is not None and study.document.logo:
+        names.append(study.document.logo)
+    if "transient" in study.analyses:
+        from torsion.analyses.transient.transient_settings import cases
 
-    Raises OSError where the folder cannot be written, InputError where the report cannot be drawn.
+        tables = (getattr(event, "table", None) for one, _ in cases(study) for event in one.events)
+        names += [table.file for table in tables if table is not None and table.file]
+    meshes = [Path(bar.section.file) for bar in bars if isinstance(bar.section, SectionMesh)]
+    return [Path(study.file), *(folder / name for name in names), *meshes] if study.file else meshes
+
+
+def refuse_inputs(targets: Iterable[Path], read: Collection[Path]) -> None:
+    """Raise InputError where a file to be written is one of those that were read, by whatever path."""
+    for target in targets:
+        if _is_one(target, read):
+            message = f"{target} is a file that was read, and would be overwritten"
+            raise InputError([Fault((), message, hint := "write to another place")], f"{message} ({hint})")
+
+
+def _is_one(path: Path, read: Collection[Path]) -> bool:
+    return path.exists() and any(one.exists() and path.samefile(one) for one in read)
+
+
+def redraw(document: Document, folder: str | Path, *, also: Collection[str] = (), results: Path | None = None) -> None:
+    """Write every file that a report alone makes, `also` those of outputs on request, and name them in its results.
+
+    Raises OSError where the folder cannot be written, InputError where the report cannot be drawn, or the folder holds
+    results that are not the file `results` of this report.
     """
+    own, read = _results(document.report, folder), [] if results is None else [results]
+    is_beside = _is_one(own, read)
+    if read and own.exists() and not is_beside:
+        message = f"{own} holds the results of another report"
+        raise InputError([Fault((), message)], f"{message} (choose another folder with -o)")
     try:
         OUTPUTS["terminal"](document)
         contents = files(document, also=also)
     except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as error:
         message = f"the report cannot be drawn: {type(error).__name__}, {error}"
         raise InputError([Fault((), message, "solve the scene again")]) from None
-    write_texts(contents, folder)
+    if is_beside:
+        contents[own.name] = partial(_renamed, own)
+    write_texts(contents, folder, [] if is_beside else read)
 
 
-def write_texts(contents: Mapping[str, Content], folder: str | Path) -> list[Path]:
-    """Write contents under their names into the folder, all or none; raises OSError where it cannot be written.
+def _renamed(results: Path, target: Path) -> list[Path]:
+    """Write the results with the names of the finished files beside the target; nothing where they name them."""
+    known = named(results)
+    names = known.union(os.listdir(target.parent))
+    if names == known:
+        return []
+    target.write_bytes(naming(results.read_bytes().decode(), names).encode())
+    return [target]
 
-    A name may begin with a folder: `warm/report.html`.
 
-    Every file is finished in a temporary folder inside the target before the first is put in its place.
+def write_texts(contents: Mapping[str, Content], folder: str | Path, read: Collection[Path] = ()) -> list[Path]:
+    """Write contents under their names into the folder, all or none; files of results last.
+
+    A name may begin with a folder: `warm/report.html`. Every file is finished in a temporary folder inside the target
+    before the first is put in its place. Raises OSError where the folder cannot be written, InputError where a file is
+    one of those `read`.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     workshop = target / f".report-{secrets.token_hex(4)}"  # named first: a signal may come as soon as it is made
     try:
         workshop.mkdir(mode=0o700)
-        finished = [path for name, content in contents.items() for path in _finished(workshop / name, content)]
-        for one in {(target / name).parent for name in contents}:
+        ordered = sorted(contents.items(), key=lambda one: one[0].endswith(".json"))
+        finished = [path for name, content in ordered for path in _finished(workshop / name, content)]
+        places = [target / path.relative_to(workshop) for path in finished]
+        refuse_inputs(places, read)
+        for one in {place.parent for place in places}:
             one.mkdir(exist_ok=True)
-        placed = [Path(shutil.move(path, target / path.relative_to(workshop))) for path in finished]
-        for one in {path.parent for path in placed if path.suffix == ".json"}:
-            if one / SERIES not in placed:
-                (one / SERIES).unlink(missing_ok=True)  # of an earlier report
-        return placed
+        return [Path(shutil.move(path, place)) for path, place in zip(finished, places, strict=True)]
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
 

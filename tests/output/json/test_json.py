@@ -18,7 +18,7 @@ KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
     "frequency_response", "check.", "checks[].barred", "checks[].times", "lateral", "joints.lines[].optimum",
     "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers", "engines",
-    "report",  # in files alone
+    "files", "report",  # in files alone
 )  # fmt: skip
 LIGHT = """
 import sys, torsion
