@@ -8,7 +8,7 @@ from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import first_page
-from torsion.output.check_words import STRESS, contributing
+from torsion.output.check_words import STRESS, contributing, quoted
 from torsion.output.numbers import NONE, counted, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred, barred_rpm, mode_near, rated
 from torsion.results import listed
@@ -71,11 +71,11 @@ def remarks(findings: Findings) -> Iterator[Block]:
 
 def _remarks(checks: Iterable[Check]) -> Points | None:
     """Each remark once, with the components that it is about; None where there is none."""
-    about: dict[str, list[str]] = {}
+    about: dict[str, list[Check]] = {}
     for check in checks:
         if check.note:
-            about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check.where)
-    found = (f"{listed(dict.fromkeys(where))}: {note}" for note, where in about.items())
+            about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check)
+    found = (f"{listed(check_words.about(some))}: {note}" for note, some in about.items())
     return Points(tuple(found)) if about else None
 
 
@@ -87,7 +87,9 @@ def _unjudged(findings: Findings) -> Iterator[Paragraph]:
     about: dict[str, list[str]] = {}
     for bar in findings.study.train.bars if findings.study.rules else ():
         if bar.name not in judged:
-            about.setdefault(reasons.get(bar.name, "no rule that the file names judges it"), []).append(bar.name)
+            about.setdefault(reasons.get(bar.name, "no rule that the file names judges it"), []).append(
+                quoted(bar.name)
+            )
     if about:
         words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
         yield Paragraph(f"Shafts whose stress no rule judges: {words}.", "note")
@@ -97,7 +99,7 @@ def _sources(findings: Findings) -> Paragraph:
     """How many components and excitations do not say where their figures come from."""
     parts = [part for part in findings.study.train.parts if part.kind != "branch"]
     given = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
-    bare = [part.name for part in parts if part.source is None]
+    bare = [quoted(part.name) for part in parts if part.source is None]
     lacking = f"{len(bare):,} of {counted(len(parts), 'component')}" if bare else ""
     lacking += f" ({', '.join(bare)})" if 0 < len(bare) <= MOST_NAMED else ""
     acting = sum(torque.source is None for torque in given)
