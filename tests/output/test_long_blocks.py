@@ -63,12 +63,24 @@ def test_a_long_table_has_its_first_last_and_largest_rows_and_says_how_many_more
 
 
 def test_rows_that_do_not_pass_are_counted_where_they_are_left_out() -> None:
-    whole = table(COLUMNS, [(k, "c", 1.0, 1) for k in range(300)], "Checks", marks=["fail"] * 40 + ["pass"] * 260)
+    marks = ["pass", "fail", "not kept"] * 130
+    whole = table(COLUMNS, [(k, "c", 1.0, 1) for k in range(390)], "Checks", marks=marks)
     made, _ = shortened(whole, "Table 1.1", "report")
     assert isinstance(made, Table)
-    assert "more rows in report-table-1.1.csv, 20 of them not passed" in made.caption
-    assert made.marks.count("fail") == FIRST
+    hidden = 260 - MOST_ROWS - sum(one != "pass" for one in marks[-LAST:])
+    assert f"more rows in report-table-1.1.csv, {hidden} of them not passed" in made.caption
+    assert f"the first {MOST_ROWS} that do not pass" in made.caption
     assert len(made.marks) == len(made.rows)
+
+
+def test_every_row_that_does_not_pass_is_printed_up_to_the_most_rows() -> None:
+    marks = ["pass"] * 100 + ["fail"] * 40 + ["not kept"] * 50 + ["pass"] * 110
+    whole = table(COLUMNS, [(k, "c", 1.0, 1) for k in range(300)], "Checks", marks=marks)
+    made, _ = shortened(whole, "Table 1.1", "report")
+    assert isinstance(made, Table)
+    assert (made.marks.count("fail"), made.marks.count("not kept")) == (40, 50)
+    assert "all 90 that do not pass" in made.caption
+    assert "of them not passed" not in made.caption
 
 
 def test_an_infinite_figure_is_the_largest_and_words_are_none() -> None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -20,15 +21,31 @@ NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none ove
 NOT_JUDGED = Use("not judged", "", (3.0, 0.0))
 
 
-def rank(check: Check) -> tuple[float, float]:
-    """Failing checks first, then those that keep no limit to be verified, then by falling utilisation."""
-    used = check.utilisation
-    return {"fail": 0.0, "not kept": 1.0}.get(check.verdict, 2.0), math.inf if used is None else -used
+def rank(check: Check) -> tuple[float, ...]:
+    """Failing checks first, then those that keep no limit to be verified, then by falling utilisation.
+
+    A limit that is not kept and of which no share is known, as of 0, is infinitely exceeded: by falling excess.
+    """
+    used, excess = check.utilisation, abs(check.value - check.limit)
+    order = {"fail": 0.0, "not kept": 1.0}.get(check.verdict, 2.0)
+    if used is None:
+        used = math.inf if check.fails else -math.inf
+    return order, -used, -excess if math.isinf(used) and not math.isnan(excess) else 0.0
 
 
 def is_judged(check: Check) -> bool:
     """The rule has a limit for it."""
     return check.verdict != "outside"
+
+
+def quoted(name: str) -> str:
+    """A name in a list, in quotes where it holds what parts the names of the list."""
+    return f'"{name}"' if "," in name else name
+
+
+def about(checks: Iterable[Check]) -> Iterable[str]:
+    """What checks are about, each once, as names in a list; a check of several parts lists them itself."""
+    return dict.fromkeys(one.where if len(one.parts) > 1 else quoted(one.where) for one in checks)
 
 
 def value(check: Check) -> str:
@@ -67,9 +84,9 @@ def use(check: Check) -> Use:
     if not is_judged(check):
         return Use("not judged", words, (3.0, 0.0))
     if check.verdict == "not kept":
-        return Use("not kept", words, rank(check), is_bad=True)
+        return Use("not kept", words, rank(check), SIGNS["not kept"])
     if check.verdict == "fail":
-        return Use("over" if math.isfinite(check.value) else "no answer", words, rank(check), is_bad=True)
+        return Use("over" if math.isfinite(check.value) else "no answer", words, rank(check), SIGNS["fail"])
     return Use(next(grade for most, grade in GRADES if (used or 0.0) < most), words, rank(check))
 
 
@@ -83,4 +100,14 @@ def use_of_part(checks: Iterable[Check]) -> Use:
         return found
     more = f"{use(others[0]).words}:\n{symbols(others[0].clause)}"
     words = f"{found.words}\n{more}" if found.words else more
-    return Use(found.grade, words, min(found.rank, rank(others[0])), is_bad=True)
+    worst = use(min((*strain[:1], others[0]), key=rank))
+    return Use(found.grade, words, worst.rank, worst.mark)
+
+
+def use_of_joint(checks: Iterable[Check]) -> Use | None:
+    """The worst limit of any kind that a joint does not keep; None where it keeps all."""
+    worst = min((one for one in checks if one.fails), key=rank, default=None)
+    if worst is None:
+        return None
+    found = use(worst)
+    return replace(found, words=f"{found.words}:\n{symbols(worst.clause)}")

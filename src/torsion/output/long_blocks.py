@@ -8,7 +8,11 @@ from torsion.output.blocks import Block, Paragraph, Table, Verbatim
 from torsion.output.table_text import file_name, plain_figure, table_text
 
 MOST_ROWS = 200  # of a table that is printed whole
-FIRST, LAST, LARGEST = 20, 5, 3  # rows printed of a longer one: its first, its last, those with largest of a column
+FIRST, LAST, LARGEST = (
+    20,
+    5,
+    3,
+)  # rows printed of a longer one: its first, its last, those with largest of a column (and what does not pass)
 MOST_LINES, MOST_SIGNS = 2_000, 200_000  # of a text that is printed
 GAP = "⋮"  # in a row, in place of those left out
 Texts = Mapping[str, Callable[[], str]]  # what makes the text of a file, by its name
@@ -36,10 +40,12 @@ def _table(table: Table, name: str) -> Table:
     gap = (GAP,) * len(table.columns)
     marks = [table.marks[at] if at is not None else "" for at in order] if table.marks else []
     hidden = set(range(len(table.rows))) - set(kept)
-    bad = sum(table.marks[at] in ("fail", "not kept") for at in hidden) if table.marks else 0
+    every, bad = _bad(table), len(hidden.intersection(_bad(table)))
+    which = f"the first {MOST_ROWS}" if len(every) > MOST_ROWS else f"all {len(every)}"
     words = (
-        f"{table.caption}; the first {FIRST} rows, the last {LAST} and those with the {LARGEST} largest figures of a "
-        f"column, {len(hidden):,} more rows in {name}{f', {bad:,} of them not passed' if bad else ''}"
+        f"{table.caption}; the first {FIRST} rows, the last {LAST}{f', {which} that do not pass' if every else ''} and "
+        f"those with the {LARGEST} largest figures of a column, {len(hidden):,} more rows in {name}"
+        f"{f', {bad:,} of them not passed' if bad else ''}"
     )
     rows = tuple(gap if at is None else table.rows[at] for at in order)
     return replace(table, rows=rows, marks=tuple(marks), caption=words)
@@ -48,6 +54,7 @@ def _table(table: Table, name: str) -> Table:
 def _kept(table: Table) -> Iterator[int]:
     """Positions of the rows that are printed."""
     yield from range(FIRST)
+    yield from _bad(table)[:MOST_ROWS]
     yield from range(len(table.rows) - LAST, len(table.rows))
     for k, column in enumerate(table.columns):
         if column.align == "right":
@@ -55,6 +62,11 @@ def _kept(table: Table) -> Iterator[int]:
             top = sorted(range(len(size)), key=lambda at: -size[at])[: LARGEST + 1]
             if size[top[0]] > size[top[-1]]:  # else the figures are all the same, or there is none
                 yield from (at for at in top[:LARGEST] if size[at] > 0)
+
+
+def _bad(table: Table) -> list[int]:
+    """Positions of the rows of what does not pass."""
+    return [at for at, mark in enumerate(table.marks) if mark in ("fail", "not kept")]
 
 
 def _size(cell: str) -> float:

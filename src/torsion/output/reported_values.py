@@ -19,6 +19,8 @@ from torsion.output.selection import Element
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 if TYPE_CHECKING:
+    from torsion.analyses.lateral.shaft_bending import Lateral
+    from torsion.analyses.lateral.tilt_stability import Tilting
     from torsion.analyses.motion.stability_over_speed import Stability
 
 Band = tuple[float, float]
@@ -186,10 +188,21 @@ def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
 
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
-    """The unstable ranges of speed, rpm."""
+    """The unstable ranges of speed, rpm: of the train, then of the tilt of shafts."""
     stability: Stability | None = findings.results.get("stability")  # its class is not loaded where there is none
     found = () if stability is None else stability.ranges
-    return tuple((one.first * RPM, one.last * RPM) for one in found)
+    zones = (zone for _, tilting in tilted(findings) for zone in tilting.zones)
+    return (
+        *((one.first * RPM, one.last * RPM) for one in found),
+        *((zone.lower * RPM, zone.upper * RPM) for zone in zones),
+    )
+
+
+def tilted(findings: Findings) -> "tuple[tuple[str, Tilting], ...]":
+    """Every shaft whose tilt was looked at, by its name."""
+    lateral: Lateral | None = findings.results.get("lateral")
+    shafts = () if lateral is None else lateral.shafts
+    return tuple((shaft.name, shaft.tilting) for shaft in shafts if shaft.tilting is not None)
 
 
 def failed(findings: Findings) -> tuple[Check, ...]:

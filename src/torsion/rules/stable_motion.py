@@ -123,9 +123,10 @@ def bending_checks(found: Lateral, operation: Operation) -> tuple[Check, ...]:
     checks = []
     for shaft in found.shafts:
         if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():
-            checks.append(_whirl(shaft.name, shaft.whirl.speed, shaft.whirl.log_decrement, operation))
+            one = _whirl(shaft.name, shaft.whirl.speed, shaft.whirl.log_decrement, operation)
+            checks.append(replace(one, parts=shaft.parts))
         if shaft.tilting is not None:
-            checks.append(_tilting(shaft.name, shaft.tilting, operation))
+            checks.append(replace(_tilting(shaft.name, shaft.tilting, operation), parts=shaft.parts))
     return tuple(checks)
 
 

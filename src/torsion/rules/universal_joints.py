@@ -155,7 +155,9 @@ class UniversalJoints(Rule):
             limit: Limit = settings.speed_angle, "setting", "setting `speed_angle`"
             for joint in found.joints:
                 value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
-                rows.append(_verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed))
+                rows.append(
+                    _verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed, (joint.part,))
+                )
         for tube in tubes(evidence.study.train):
             if not tube.lacks:
                 rows += _bending(tube, evidence.get(Lateral), settings.critical_share, speed)
@@ -167,10 +169,11 @@ def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed:
     joints = [found.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit = _published(settings, "unevenness")
-    yield _verdict("U", where, "non-uniformity tan b sin b", line.index, "1", limit, None, before=bend)
+    limit, most = _published(settings, "unevenness"), sorted(joints, key=lambda joint: -joint.unevenness)
+    parts = tuple(joint.part for joint in most)
+    yield _verdict("U", where, "non-uniformity tan b sin b", line.index, "1", limit, None, parts, before=bend)
     what, value = "acceleration of the driven side by all joints", _steepest(joints[-1], speed)
-    yield _verdict("torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed)
+    yield _verdict("torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed, parts)
 
 
 def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
@@ -180,7 +183,10 @@ def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[i
         for position in line.joints[:-1]:
             joint = found.joints[position]
             value, driven = _steepest(joint, speed), "driven from its first end"
-            checks[position] = _verdict("inertial", joint.name, what, value, "rad/s2", limit, speed, after=driven)
+            about = (joint.part,)
+            checks[position] = _verdict(
+                "inertial", joint.name, what, value, "rad/s2", limit, speed, about, after=driven
+            )
     return checks
 
 
@@ -204,18 +210,18 @@ def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> It
     words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({origin})"
     couple = f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}"
     limit = share * critical, standing, words
-    yield _verdict("n_crit", tube.name, "speed of the tube", own, "rpm", limit, speed, after=couple)
+    yield _verdict("n_crit", tube.name, "speed of the tube", own, "rpm", limit, speed, tube.parts, after=couple)
 
 
 def _verdict(
-    clause: str, where: str, what: str, value: float, unit: str, limit: Limit, speed: float | None, *,
-    before: str = "", after: str = "",
+    clause: str, where: str, what: str, value: float, unit: str, limit: Limit, speed: float | None,
+    parts: tuple[int, ...], *, before: str = "", after: str = "",
 ) -> Check:  # fmt: skip
-    """A verdict whose note is that of the limit, with what stands `before` and `after` it."""
+    """A verdict on some parts whose note is that of the limit, with what stands `before` and `after` it."""
     most, standing, words = limit
     note = "; ".join(text for text in (before, words, after) if text)
     verdict = verdict_of(value <= most, standing)
-    return Check(RULE, clause, where, what, value, most, unit, verdict, standing, speed=speed, note=note)
+    return Check(RULE, clause, where, what, value, most, unit, verdict, standing, speed=speed, note=note, parts=parts)
 
 
 def _published(settings: JointRuleSettings, key: str) -> Limit:

@@ -253,11 +253,11 @@ def crowded(number: int, rows: int) -> Sketch:
     uses = itertools.cycle([Use("low", "✓ PASS 5.12 %", (2.0, -0.05)), Use("over", "✗ FAIL 117 %", (0.0, -1.17))])
     places = [(k % (number // rows), -(k // (number // rows))) for k in range(number)]
     links = tuple(
-        Link("shaft", (1.6 * x, row), (1.6 * (x + 1), row), f"intermediate shaft {k}", use=replace(use, is_bad=False))
+        Link("shaft", (1.6 * x, row), (1.6 * (x + 1), row), f"intermediate shaft {k}", use=use)
         for (k, (x, row)), use in zip(enumerate(places), uses, strict=False)
     )
     discs = tuple(Disc(1.6 * x, row, 0.8, f"flange of the shaft {k}", "disc") for k, (x, row) in enumerate(places))
-    return Sketch(discs, links, ((4.0, 0.0), Use("over", "worst: FAIL 117 %", is_bad=True)), 190.0)
+    return Sketch(discs, links, ((4.0, 0.0), Use("over", "worst: FAIL 117 %", mark="✗")), 190.0)
 
 
 def boxes(drawing: str) -> Iterable[tuple[float, float, float, float]]:

@@ -208,7 +208,7 @@ class Row:
     worst: str  # name of the case
 
     @property
-    def rank(self) -> tuple[float, float]:
+    def rank(self) -> tuple[float, ...]:
         """Its place among the rows: the worst first."""
         return check_words.rank(self.each[self.worst])
 

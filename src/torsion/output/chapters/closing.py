@@ -8,6 +8,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points
+from torsion.output.check_words import about
 from torsion.output.numbers import RPM, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -16,6 +17,7 @@ from torsion.output.reported_values import (
     barred_rpm,
     failed,
     reference,
+    tilted,
     unreliable,
 )
 from torsion.output.selection import elements, highest
@@ -104,7 +106,7 @@ def overall(findings: Findings) -> Paragraph:
     )
     requested = "the rules requested" if findings.study.rules else f"the demand of {standing}; no rule was requested"
     if bad:
-        where = listed(dict.fromkeys(check.where for check in bad), most=4)
+        where = listed(about(bad), most=4)
         return Paragraph(f"{_bad(checks)} ({where}). The train does not satisfy {requested}.{doubt}", "fail")
     if any(check.verdict != "pass" for check in checks):
         words = {"pass": "passed", "outside": "outside the range for which the rule has a limit"}
@@ -134,7 +136,12 @@ def _to_be_verified(checks: tuple[Check, ...]) -> str:
     if not number_of:
         return ""
     missed = listed(
-        dict.fromkeys(f"{check.where} ({symbols(check.clause)})" for check in checks if check.verdict == "not kept"),
+        dict.fromkeys(
+            f"{one} ({symbols(check.clause)})"
+            for check in checks
+            if check.verdict == "not kept"
+            for one in about([check])
+        ),
         most=4,
     )
     more = f"; of these not kept: {missed}" if missed else ""
@@ -159,6 +166,10 @@ def other_restrictions(findings: Findings, *, is_barred: bool) -> tuple[str, ...
         from torsion.output.chapters.stability_ranges import restrictions
 
         found += restrictions(findings, stable)
+    if tilted(findings):
+        from torsion.output.chapters.stability_ranges import tilt_restrictions
+
+        found += tilt_restrictions(findings)
     if response is not None and np.any(bad):
         found.append(f"At {_listed(response.speed[bad] * RPM)} {UNDAMPED}")
     if not (found or is_barred) and response is not None and findings.need(Checks).lines and not failed(findings):

@@ -15,7 +15,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output import check_words
 from torsion.output.blocks import Block, Box, PageEnd
 from torsion.output.chapters import closing, plant
-from torsion.output.check_words import SIGNS, contributing, is_judged, use_of_part
+from torsion.output.check_words import SIGNS, contributing, is_judged, use_of_joint, use_of_part
 from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use
 from torsion.output.figures.ranges import unanswered
 from torsion.output.figures.speed_range import speed_range
@@ -37,6 +37,7 @@ from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 
 MOST_BARRED, MOST_UNANSWERED = 3, 3  # stated one by one in the box
+MOST_BESIDE = 3  # failures that are not drawn, in words
 MOST_CRITICAL = 5  # critical speeds that are drawn
 MOST_SHARES, FEWEST_SHARES = 20, 8  # shares of limits that are drawn
 LETTERS, USUAL_ROWS = 115, 8  # of a row of the box, and its rows beside which MOST_SHARES have room on A4
@@ -103,7 +104,8 @@ def worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
     if check is None or (check.utilisation is None and not check.fails):
         return
     against = f"{check_words.value(check)} against {check_words.limit(check)} {check_words.unit(check)}".rstrip()
-    used = "" if check.utilisation is None else f", {check_words.percent(check.utilisation)} of the limit"
+    share = check.utilisation
+    used = "" if share is None or np.isinf(share) else f", {check_words.percent(share)} of the limit"
     at = "" if check.speed is None else f", at {rpm(check.speed)} rpm"
     order = "" if check.order is None else f", mostly order {contributing(findings, check.order)}"
     clause = f"{symbols(check.clause)}, {check.rule}; limit: {check.standing}"
@@ -129,7 +131,7 @@ def _barred_words(findings: Findings) -> list[str]:
             mode = mode_near(findings, float(one.order) * one.critical / (2.0 * np.pi))
             parts += [f"order {contributing(findings, one.order)}", f"mode {mode}"]
         if np.isfinite(one.formula_lower):
-            parts.append(f"by formula {rpm(one.formula_lower)} to {rpm(one.formula_upper)} rpm")
+            parts.append(f"by formula {band_words((one.formula_lower * RPM, one.formula_upper * RPM))}")
         found.append(", ".join(parts))
     more = len(found) - MOST_BARRED
     return found if more <= 0 else [*found[:MOST_BARRED], f"{more} more in the table of barred ranges"]
@@ -181,7 +183,8 @@ def blocks(findings: Findings, notes: Iterable[Block], taken: int = 0) -> Iterat
     yield Figure(
         "utilisation",
         "The train: shafts, couplings and gears in colour and pattern of their largest utilisation (value / limit) of "
-        "stress or torque. Other limits, as that of a least diameter, stand in words. Not to scale" + joining,
+        "stress or torque, and joints that fail. Outlined with a sign: a limit of any kind is not kept. Not to scale"
+        + "; ".join([joining, *train.beside]),
         (train,),
     )
     speeds, behind = tuple(_speeds(findings)), bool(taken) and most < LEAST_FOR_SPEEDS
@@ -206,7 +209,25 @@ def _train(findings: Findings) -> tuple[Sketch, str]:
     discs = tuple(
         replace(disc, label=parts[int(disc.label.split()[0]) - 1].name if disc.label else "") for disc in found.discs
     )
-    return Sketch(discs, links, _pointed_at(findings, links, is_whole=not joining), HEIGHT), joining
+    pointed = _pointed_at(findings, links, is_whole=not joining)
+    return Sketch(discs, links, pointed, HEIGHT, _beside(findings, found, checks) if joining else ()), joining
+
+
+def _beside(findings: Findings, drawn: Sketch, checks: dict[int, list[Check]]) -> tuple[str, ...]:
+    """What fails in components that are not drawn, the worst of them in words."""
+    parts, place = findings.study.train.parts, layout(findings.system)
+    shown = {part for link in drawn.links for part in link.parts}
+    shown.update(int(disc.label.split()[0]) - 1 for disc in drawn.discs if disc.label)
+    worst = {part: min(every, key=check_words.rank) for part, every in checks.items() if part not in shown}
+    bad = sorted((part for part, one in worst.items() if one.fails), key=lambda part: check_words.rank(worst[part]))
+    stated = [
+        f"{check_words.use(worst[part]).words}: {parts[part].name}, "
+        + ("on a branch that is not drawn" if place.row[parts[part].stations[-1]] else "which is joined with others")
+        for part in bad
+        if parts[part].stations
+    ]
+    more = len(stated) - MOST_BESIDE
+    return tuple(stated if more <= 0 else [*stated[:MOST_BESIDE], f"✗ {more} more that fail are not drawn"])
 
 
 def _pointed_at(findings: Findings, links: tuple[Link, ...], *, is_whole: bool) -> tuple[Place, Use] | None:
@@ -220,34 +241,42 @@ def _pointed_at(findings: Findings, links: tuple[Link, ...], *, is_whole: bool) 
 
 
 def _part_of(findings: Findings) -> dict[str, int]:
-    """The component that a name in a check stands for: its own, or that of one of its spans."""
+    """The component that the name in a check stands for: its own, or that of one of its spans."""
     spans = {span.name: span.part for span in findings.system.spans}
     return spans | {part.name: position for position, part in enumerate(findings.study.train.parts)}
 
 
+def _about(check: Check, part_of: dict[str, int]) -> tuple[int, ...]:
+    """The components that a check is about, the worst first; none of the train as a whole."""
+    return check.parts or ((part_of[check.where],) if check.where in part_of else ())
+
+
 def _checks_of_parts(findings: Findings) -> dict[int, list[Check]]:
     """The checks of every component."""
-    of, found = _part_of(findings), defaultdict[int, list[Check]](list)
+    part_of, found = _part_of(findings), defaultdict[int, list[Check]](list)
     for check in findings.need(Checks).lines:
-        if check.where in of:
-            found[of[check.where]].append(check)
+        for part in _about(check, part_of):
+            found[part].append(check)
     return found
 
 
 def _used(findings: Findings, link: Link, checks: dict[int, list[Check]]) -> Link:
-    """A link with its use; a joint, and a gear or crank that no rule judges, stay as they are."""
+    """A link with its use; a joint that does not fail, and a gear or crank that no rule judges, stay as they are."""
     mine = [check for part in link.parts for check in checks.get(part, [])]
     if link.kind == "run":
         return replace(link, use=use_of_part(mine))
-    if link.kind not in ("shaft", "coupling", "gear", "crank") or (link.kind in ("gear", "crank") and not mine):
+    if link.kind not in ("shaft", "coupling", "gear", "crank", "joint") or (
+        link.kind in ("gear", "crank") and not mine
+    ):
         return replace(link, label="")
+    used = use_of_joint(mine) if link.kind == "joint" else use_of_part(mine)
     name = findings.study.train.parts[link.parts[0]].name if link.parts else link.label
-    return replace(link, label=name, use=use_of_part(mine))
+    return replace(link, label=name if used else "", use=used)
 
 
 def _place(findings: Findings, links: tuple[Link, ...], check: Check, *, is_whole: bool) -> Place | None:
     """x and row of what a check is about; None where that is no single place, or a point of a joined sketch."""
-    part = _part_of(findings).get(check.where.partition(", ")[0])
+    part = next(iter(_about(check, _part_of(findings))), None)
     if part is None:
         return None
     for link in links:
@@ -302,7 +331,7 @@ def _shares(findings: Findings, most: int) -> Iterator[Figure]:
     if not shown:
         return
     rows = tuple(
-        Share(f"{one.where}, {symbols(one.clause)}", np.inf if one.utilisation is None else one.utilisation,
+        Share(one.where, symbols(one.clause), np.inf if one.utilisation is None else one.utilisation,
               check_words.use(one))
         for one in shown[:most]
     )  # fmt: skip

@@ -13,7 +13,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.numbers import NONE, RPM, counted, distinct_texts, given_rpm, number, rpm
-from torsion.output.reported_values import rated_rpm, reference, widened
+from torsion.output.reported_values import rated_rpm, reference, tilted, widened
 from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
@@ -160,6 +160,22 @@ def restrictions(findings: Findings, found: Stability) -> list[str]:
         for low, high in found.unknown
         if not any(low <= end <= high for end in beside)
     ]
+
+
+def tilt_restrictions(findings: Findings) -> list[str]:
+    """Of the speed: the unstable ranges of the tilt of every shaft in words, the first of them."""
+    stated = []
+    for name, tilting in tilted(findings):
+        looked_at = float(tilting.speed[0]) * RPM, float(tilting.speed[-1]) * RPM
+        for zone in tilting.zones:
+            low, high = widened((zone.lower * RPM, zone.upper * RPM), looked_at)
+            kind = TILT_ZONES.get(zone.kind, zone.kind)
+            further = "; it goes on beyond the speeds looked at" if any(zone.is_open) else ""
+            stated.append(f"Unstable range: {low} to {high} rpm, tilt of {name}, {kind}{further}. Not for operation.")
+    more = len(stated) - MOST_ROWS
+    return (
+        stated if more <= 0 else [*stated[:MOST_ROWS], f"{more} more unstable ranges of the tilt stand in its table."]
+    )
 
 
 def words(one: UnstableRange, requested: tuple[float, float]) -> str:

@@ -8,7 +8,7 @@ from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import case_comparison, first_page
-from torsion.output.check_words import STRESS, contributing
+from torsion.output.check_words import STRESS, contributing, quoted
 from torsion.output.numbers import NONE, counted, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred, barred_rpm, mode_near, rated
 from torsion.results import listed
@@ -72,11 +72,11 @@ def remarks(findings: Findings) -> Iterator[Block]:
 
 def _remarks(checks: Iterable[Check]) -> Points | None:
     """Each remark once, with the components that it is about; None where there is none."""
-    about: dict[str, list[str]] = {}
+    about: dict[str, list[Check]] = {}
     for check in checks:
         if check.note:
-            about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check.where)
-    found = (f"{listed(dict.fromkeys(where))}: {note}" for note, where in about.items())
+            about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check)
+    found = (f"{listed(check_words.about(some))}: {note}" for note, some in about.items())
     return Points(tuple(found)) if about else None
 
 
@@ -88,7 +88,9 @@ def _unjudged(findings: Findings) -> Iterator[Paragraph]:
     about: dict[str, list[str]] = {}
     for bar in findings.study.train.bars if findings.study.rules else ():
         if bar.name not in judged:
-            about.setdefault(reasons.get(bar.name, "no rule that the file names judges it"), []).append(bar.name)
+            about.setdefault(reasons.get(bar.name, "no rule that the file names judges it"), []).append(
+                quoted(bar.name)
+            )
     if about:
         words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
         yield Paragraph(f"Shafts whose stress no rule judges: {words}.", "note")
@@ -98,7 +100,7 @@ def _sources(findings: Findings) -> Paragraph:
     """How many components and excitations do not say where their figures come from."""
     parts = [part for part in findings.study.train.parts if part.kind != "branch"]
     given = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
-    bare = [part.name for part in parts if part.source is None]
+    bare = [quoted(part.name) for part in parts if part.source is None]
     lacking = f"{len(bare):,} of {counted(len(parts), 'component')}" if bare else ""
     lacking += f" ({', '.join(bare)})" if 0 < len(bare) <= MOST_NAMED else ""
     acting = sum(torque.source is None for torque in given)
@@ -114,11 +116,12 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
     found, speed = barred(findings), rated(findings)
     if not found:
         return
+    by = listed(dict.fromkeys(check.rule for check in findings.need(Checks).lines if check.barred))
     yield Paragraph(
         f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. The range is to be "
         "passed rapidly, to be marked on the tachometer and to be shown on a notice at every control station. By "
         "formula 16 n_{c}/(18 − λ) to (18 − λ) n_{c}/16 with λ = n_{c}/n_{rated}, extended to every speed at which the "
-        "stress exceeds τ_{C} and by the tolerance of the tachometer (IACS UR M68); n_{c} is the critical speed."
+        f"stress exceeds its limit and by the tolerance of the tachometer ({by}); n_{{c}} is the critical speed."
     )
     yield table(
         "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ | "

@@ -4,15 +4,17 @@ import math
 from collections.abc import Iterable
 
 from torsion.output.drawing.frame import END, MIDDLE, WIDTH
-from torsion.output.drawing.pens import BAD, GRADES, GREY, INK, Stroke
+from torsion.output.drawing.pens import BAD, GRADES, GREY, INK, MARKED, MARKS, Stroke
 from torsion.output.drawing.plot import hatching
 from torsion.output.drawing.text import shown, words
 from torsion.output.drawing.words import GROWTH, SIZE, fitted, width
-from torsion.output.figures.figure import Grade, Share, Shares
+from torsion.output.figures.figure import Grade, Share, Shares, Use
 
 Box = tuple[float, float, float, float]
 SAMPLE, KEY_ROW = 24.0, 16.0  # px
 LEFT, RIGHT, ROW, HEAD = 252.0, 466.0, 13.2, 16.0  # px: of the shares, whose names and words stand beside them
+SIGN = 6.5  # px: radius of the disc around a sign
+FEWEST = 30.0  # px of a name that stands before a very long clause
 MOST = 2.0  # times the limit: a larger share is cut
 BEYOND = 1.05  # times the largest share: as far the axis goes
 BOLD = ' font-weight="bold"'
@@ -34,18 +36,27 @@ def area(box: Box, grade: Grade) -> str:
     return f'<rect {edges} fill="{GRADES[grade].fill}" stroke="{INK}" stroke-width="8"/>{inside}'
 
 
-def key(grades: Iterable[Grade], top: float) -> tuple[float, str]:
-    """Height in px and elements of the key of the grades that are there."""
+def marked(x: float, y: float, sign: str) -> str:
+    """The sign in px of what does not keep a limit, in a disc."""
+    disc = f'<circle cx="{shown(x)}" cy="{shown(y)}" r="{SIGN:g}" fill="#ffffff" stroke="{BAD}"/>'
+    return disc + words(x, y + 3.7, sign, f'{MIDDLE}{BOLD} fill="{BAD}"')
+
+
+def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
+    """Height in px and elements of the key of the grades and marks that are there."""
+    every = list(uses)
+    grades, marks = {one.grade for one in every}, {one.mark for one in every}
+    box = (0.0, -50.0, 10 * SAMPLE, 50.0)
+    entries = [(area(box, grade), "", GRADES[grade].words) for grade in GRADES if grade in grades]
+    outline = f'<path d="M0-50h{10 * SAMPLE:g}v100h-{10 * SAMPLE:g}z" fill="none" {MARKED.attributes(10.0)}/>'
+    entries += [(outline, marked(SAMPLE / 2, 0.0, sign), MARKS[sign]) for sign in MARKS if sign in marks]
     x, y, made = 4.0, top + KEY_ROW / 2, list[str]()
-    for grade, pattern in GRADES.items():
-        if grade not in grades:
-            continue
-        need = SAMPLE + 5 + GROWTH * width(pattern.words) + 10
+    for sample, sign, said in entries:
+        need = SAMPLE + 5 + GROWTH * width(said) + 10
         if x + need > WIDTH and x > 4.0:
             x, y = 4.0, y + KEY_ROW
-        sample = f'<g transform="scale(.1)">{area((0.0, -50.0, 10 * SAMPLE, 50.0), grade)}</g>'
         at = f'<g transform="translate({shown(x)} {shown(y)})">'
-        made.append(f"{at}{sample}{words(SAMPLE + 5, 3.7, pattern.words)}</g>")
+        made.append(f'{at}<g transform="scale(.1)">{sample}</g>{sign}{words(SAMPLE + 5, 3.7, said)}</g>')
         x += need
     text = f'<g class="key" font-size="{SIZE:g}" fill="{INK}">{"".join(made)}</g>'
     return y + KEY_ROW / 2 - top if made else 0.0, text if made else ""
@@ -77,7 +88,8 @@ def _row(one: Share, end: float, top: float) -> str:
         x, y = shown(right - 14), shown(top + ROW - 1)
         cut = f'<path d="M{x} {y}l5-{ROW - 2:g}m4 0l-5 {ROW - 2:g}" stroke="#ffffff" stroke-width="2"/>'
     bold = BOLD + f' fill="{BAD}"' if one.use.is_bad else ""
-    name = fitted(one.label, (LEFT - 8) / GROWTH)
+    room, clause = (LEFT - 8) / GROWTH, f", {one.clause}"
+    name = fitted(fitted(one.name, max(room - width(clause), FEWEST)) + clause, room)
     said = words(RIGHT + 8, middle + 3.7, one.use.words, bold)
     return (
         f'{words(LEFT - 6, middle + 3.7, name, END)}<g transform="scale(.1)">{area(box, one.use.grade)}</g>{cut}{said}'

@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.output.drawing.curves import outline
 from torsion.output.drawing.grades import hatched
-from torsion.output.drawing.pens import GRADES, INK, Stroke
+from torsion.output.drawing.pens import GRADES, INK, MARKED, Stroke
 from torsion.output.figures.figure import Use
 
 Points = Sequence[tuple[float, float]]
@@ -54,6 +54,8 @@ class Sheet:
         look, path = hatched((x[1], y[1], x[2], y[2]), use.grade)
         if path:
             self.drawn.setdefault(Look(look, near=near + 0.05), []).append(path)
+        if use.mark:
+            self.drawn.setdefault(Look(MARKED, near=5.0), []).append(self._path(corners) + "z")
 
     def _path(self, points: Points) -> str:
         places = np.rint([[10.0 * one for one in self.at(x, y)] for x, y in points]).astype(np.int64)

@@ -15,6 +15,7 @@ MANY = 60  # points and links from which lines are drawn thinner, and only some 
 MOST_LABELS = 24  # of points, and of links, where there are many
 WIDEST = 95.0  # px of a unit across, at most
 WEB, PIN = 0.42, 0.3  # units: height of a crank's pin above the axis, and half the way between its webs
+JOINT = 0.24  # units: half width of the area behind a joint
 GRADED, BED = 0.18, 0.27  # units: half thickness of a shaft, and of the area behind a coupling, that has a grade
 FILLS = {"motor": "#bcd5e8", "propeller": "#bfe3d5", "damper": "#ead2e0", "throw": "#e3ddc6", "disc": "#dcdcdc"}
 DOTTED = "1.6 2"
@@ -33,7 +34,7 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
         number = len(sketch.discs) + len(sketch.links)
         spread, texts = sketch_words.in_steps(sheet, sketch, MOST_LABELS if number > MANY else number)
     upper, lower = spread[0] - 3.0, spread[1] + 3.0
-    below, legend = key({link.use.grade for link in sketch.links if link.use is not None}, lower - upper + top)
+    below, legend = key([link.use for link in sketch.links if link.use is not None], lower - upper + top)
     body = f'<g transform="scale(.1)">{"".join(sheet.elements())}</g><g font-size="{SIZE:g}">{"".join(texts)}</g>'
     scale = f'data-left="{sheet.left:.6g}" data-across="{sheet.across:.6g}" data-row="{ROW * sheet.down:g}"'  # of modes
     placed = f'<g class="sketch" {scale} transform="translate(0 {shown(top - upper)})">{body}</g>{legend}'
@@ -178,11 +179,14 @@ def _wheel(sheet: Sheet, x: float, y: float, half: float) -> None:
 
 def _joint(sheet: Sheet, link: Link) -> None:
     (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
-    middle = (x0 + x1) / 2
+    middle, colour = (x0 + x1) / 2, COLOURS[1]
+    if link.use is not None:
+        colour = "#ffffff" if link.use.grade == "over" else colour
+        sheet.graded(_corners(middle - JOINT, middle + JOINT, y, BED + 0.1), link.use, near=1.5)
     for ends in ((x0, middle - 0.14), (middle + 0.14, x1)):
         sheet.line([(x, y) for x in ends], 1.4)
     for sign in (-1, 1):
-        sheet.line([(middle - 0.14, y - sign * 0.26), (middle + 0.14, y + sign * 0.26)], 2.2, colour=COLOURS[1])
+        sheet.line([(middle - 0.14, y - sign * 0.26), (middle + 0.14, y + sign * 0.26)], 2.2, colour=colour)
     sheet.area(
         [(middle - 0.04, y), (middle, y + 0.07), (middle + 0.04, y), (middle, y - 0.07)], "#ffffff", 1.1, near=4.0
     )

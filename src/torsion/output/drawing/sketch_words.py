@@ -1,15 +1,16 @@
 """Words of the sketch of the train: in even steps of a long one, or those that matter first where links are graded."""
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from torsion.output.drawing.frame import MIDDLE, WIDTH
-from torsion.output.drawing.grades import BOLD
+from torsion.output.drawing.grades import BOLD, marked
 from torsion.output.drawing.pens import BAD, INK
 from torsion.output.drawing.sheet import Sheet, height
 from torsion.output.drawing.text import HALO, shown, words
-from torsion.output.drawing.words import GROWTH, SIZE, Box, Room, Word, width
+from torsion.output.drawing.words import GROWTH, SIZE, Box, Room, Word, fitted, width
 from torsion.output.figures.figure import Link, Sketch, Use
 from torsion.output.figures.mode_shape import thinned
 from torsion.output.numbers import counted
@@ -18,6 +19,9 @@ LETTERS = 0.95  # units from the axis to the words
 MOST_ROWS = 8  # of words above or below an axis
 FEWER_ROWS = (2, 3)  # of names of points above an axis and of words of links below it, where these are graded
 SOFT = "#33506b"
+COLOURS = {"✓": SOFT, "✗": BAD, "!": BAD}  # of a row of words, by the sign of its verdict
+NOT_KEPT = {"✗": "fail", "!": "not kept"}
+APART = 13.0  # px between two signs
 WIDER = 1.08  # bold letters than plain ones
 LINE = "#999999"
 Spread = tuple[float, float]  # px of the highest and the lowest
@@ -41,30 +45,58 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
     if sketch.worst is not None:
         texts += _pointer(sheet, room, *sketch.worst)
     ranked = sorted((link for link in sketch.links if link.label and link.use), key=_rank)
-    left_out = 0
+    left_out, bad = 0, Counter[str]()
     for link in ranked:
         x, row = _middle(link)
-        said = f"{link.label}\n{link.use.words}" if link.use and link.use.words else link.label
-        word = _placed(sheet, room, (x, row, said), -1)
+        word = next(filter(None, (_placed(sheet, room, (x, row, said), -1) for said in _said(link))), None)
         left_out += word is None
-        if word is not None and link.use is not None:
+        if word is not None:
             lines.append(_leader(sheet, (x, row), word, -1))
-            texts += _rows(word, BAD if link.use.is_bad else SOFT)
+            texts += _rows(word)
+        elif link.use is not None and link.use.is_bad:
+            bad[link.use.mark] += 1
     names = [(one.x, one.row, one.label) for one in sketch.discs if one.label]
     for name in sorted(names, key=lambda name: -_from_the_middle(name, names)):
         word = _placed(sheet, room, name, 1)
         left_out += word is None
         if word is not None:
             lines.append(_leader(sheet, name[:2], word, 1))
-            texts += _rows(word, INK)
+            texts += _rows(word)
     high, low = _spread(sheet, sketch, room.taken[bodies:])
     if left_out:
         low += 1.3 * SIZE
-        said = (
-            f"Without their words for want of room, those of low utilisation first: {counted(left_out, 'component')}."
-        )
+        which = " and ".join(f"{bad[sign]} {what}" for sign, what in NOT_KEPT.items() if bad[sign])
+        said = f"Without their words for want of room: {counted(left_out, 'component')}"
+        said += f" (of these {which})." if which else "."
         texts.append(words(4.0, low - 3.0, said, f' fill="{SOFT}"'))
-    return (high, low), lines + texts
+    for said in sketch.beside:
+        low += 1.3 * SIZE
+        texts.append(words(4.0, low - 3.0, fitted(said, WIDTH / (GROWTH * WIDER)), f'{BOLD} fill="{BAD}"'))
+    return (high, low), lines + _marks(sheet, sketch) + texts
+
+
+def _said(link: Link) -> Iterator[str]:
+    """Name and use; of what does not keep a limit also the worst line of its use alone."""
+    use = link.use
+    if use is None or not use.words:
+        yield link.label
+        return
+    yield f"{link.label}\n{use.words}"
+    short = next((one for one in use.words.split("\n") if use.mark and one.startswith(use.mark)), "")
+    if short and short != use.words:
+        yield f"{link.label}\n{short.removesuffix(':')}"
+
+
+def _marks(sheet: Sheet, sketch: Sketch) -> list[str]:
+    """Signs in the components that do not keep a limit, the worst of those that lie too close."""
+    placed, made = list[tuple[float, float]](), list[str]()
+    bad = sorted((link for link in sketch.links if link.use is not None and link.use.is_bad), key=_rank)
+    for link in bad:
+        x, y = sheet.at(_middle(link)[0], height(_middle(link)[1]))
+        if link.use is not None and all(abs(x - a) > APART or abs(y - b) > SIZE for a, b in placed):
+            placed.append((x, y))
+            made.append(marked(x, y, link.use.mark))
+    return made
 
 
 def _rank(link: Link) -> tuple[float, ...]:
@@ -134,16 +166,17 @@ def _leader(sheet: Sheet, place: tuple[float, float], word: Word, side: int) -> 
     return f'<path d="{path}" stroke="{LINE}" stroke-width=".6" fill="none"/>'
 
 
-def _rows(word: Word, colour: str) -> list[str]:
-    """The rows of a placed text, the last of several in bold letters."""
+def _rows(word: Word) -> list[str]:
+    """The rows of a placed text, those behind the first in bold letters and the colour of their own verdict."""
     left, upper, right, lower = word.box
     rows = word.text.split("\n")
-    step = (lower - upper) / len(rows)
-    return [
-        words((left + right) / 2, upper + (k + 0.5) * step + 3.7, text,
-              f'{MIDDLE}{HALO} fill="{colour if k else INK}"{BOLD if k else ""}')
-        for k, text in enumerate(rows)
-    ]  # fmt: skip
+    step, colour, made = (lower - upper) / len(rows), INK, list[str]()
+    for k, text in enumerate(rows):
+        if k and text[:1] in COLOURS:  # else it goes on with the verdict before it
+            colour = COLOURS[text[:1]]
+        look = f'{MIDDLE}{HALO} fill="{colour}"{BOLD if k else ""}'
+        made.append(words((left + right) / 2, upper + (k + 0.5) * step + 3.7, text, look))
+    return made
 
 
 def _pointer(sheet: Sheet, room: Room, place: tuple[float, float], use: Use) -> list[str]:

@@ -151,7 +151,12 @@ class Use:
     grade: Grade
     words: str
     rank: tuple[float, ...] = ()  # where there is no room for all words, those of the highest are left out
-    is_bad: bool = False  # a limit is not kept, this one or another
+    mark: str = ""  # sign of the worst limit that is not kept, this one or another
+
+    @property
+    def is_bad(self) -> bool:
+        """A limit is not kept."""
+        return bool(self.mark)
 
 
 @dataclass(frozen=True)
@@ -177,6 +182,7 @@ class Sketch:
     links: tuple[Link, ...]
     worst: tuple[Place, Use] | None = None  # x and row of what is pointed at
     height: float | None = None  # px from the lowest to the highest axis, at most
+    beside: tuple[str, ...] = ()  # what fails in parts that are not drawn, in words below it
 
     @property
     def is_graded(self) -> bool:
@@ -188,9 +194,15 @@ class Sketch:
 class Share:
     """The share of a limit that is used."""
 
-    label: str
+    name: str
+    clause: str
     share: float  # infinite where no value is known
     use: Use
+
+    @property
+    def label(self) -> str:
+        """What is judged by which clause."""
+        return f"{self.name}, {self.clause}"
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from torsion.output.drawing.words import fitted
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Panel
 from torsion.output.figures.ranges import SPEED, Bands, barred_bands
 from torsion.output.numbers import number
+from torsion.output.reported_values import widened
 
 HEIGHT, ROOM = 54.0, 0.03  # px; of the range, free beyond its ends
 LONGEST = 120.0  # px of the name of an order
@@ -35,5 +36,5 @@ def speed_range(
 
 def _labelled(band: Band) -> Band:
     kind = band.name.removesuffix(" range")
-    words = f"{kind} {number(band.low, 4)} to {number(band.high, 4)}"
+    words = f"{kind} {' to '.join(widened((band.low, band.high)))}"
     return Band(band.name, band.low, band.high, band.kind, label=words)
