@@ -4,6 +4,7 @@ import os
 import secrets
 import shutil
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -21,15 +22,19 @@ def write(
 ) -> Document:  # fmt: skip
     """Write every file of a report into the folder, `also` those of outputs on request; the report.
 
-    Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings.
+    Raises OSError where the folder cannot be written, InputError where a file cannot be made of these findings: after
+    all others are written, where it is one on request.
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    placed = write_texts(files(made, findings, also), folder)
+    faults: list[Fault] = []
+    placed = write_texts(files(made, findings, also, faults), folder)
     for pattern in ("table-[0-9]*.csv", "input.yaml"):
         for earlier in Path(folder).glob(f"{made.report.stem}-{pattern}"):
             if earlier not in placed:
                 earlier.unlink(missing_ok=True)  # of an earlier report, of which a table or the input was long
+    if faults:
+        raise InputError([replace(one, message=f"{one.message}; all other files are written") for one in faults])
     return made
 
 
