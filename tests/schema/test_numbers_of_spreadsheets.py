@@ -28,8 +28,7 @@ def refused(folder: Path, rows: str, separator: str = ";") -> str:
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        ("coupling;;;40.000;;\n", "line.csv:3:12: `40.000` may be thousands or decimals: every such number of this "
-         "table has three digits behind its mark (write 40000 or 40.0)"),
+        ("coupling;;;40.000;;\n", "line.csv:3:12: `40.000` may be thousands or decimals: every such number"),
         ("coupling;;;40.000;;\nshaft;;;;4.500;150\n", "(write 40000 or 40.0)"),
         ("coupling;;;1,234;;\n", "`1,234` may be thousands or decimals"),
         ("coupling;;;1,234;;\n", "(write 1234 or 1,2340)"),
@@ -48,7 +47,8 @@ def test_numbers_of_which_none_shows_what_its_mark_is_are_refused(
 @pytest.mark.parametrize(
     ("rows", "stiffness"),
     [
-        ("coupling;;;1.250;;\ncoupling;;;12.75;;\n", 1.25), ("coupling;;;1.250;;\ndisc;;0.125;;;\ncoupling;;;4;;\n", 1.25),
+        ("coupling;;;1.250;;\ncoupling;;;12.75;;\n", 1.25),
+        ("coupling;;;1.250;;\ndisc;;0.125;;;\ncoupling;;;4;;\n", 1.25),
         ("coupling;;;1.2500;;\n", 1.25), ("coupling;;;1.250e3;;\n", 1250.0), ("coupling;;;1234.500;;\n", 1234.5),
         ("coupling;;;1,250;;\ncoupling;;;0,5;;\n", 1.25), ("coupling;;;1250;;\n", 1250.0),
         ("coupling;1.250;;40;;\n", 40.0),
@@ -64,8 +64,7 @@ def test_one_number_that_can_only_be_a_decimal_tells_what_all_are(
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        ("shaft;;;;4500,5;[150,5]\n", "line.csv:3:17: `[150,5]` may be one number or a list (write 150,5 for a number, "
-         '"[150; 5]" for a list)'),
+        ("shaft;;;;4500,5;[150,5]\n", "line.csv:3:17: `[150,5]` may be one number or a list (write 150,5 for"),
         ("coupling;;[1,2];40;;\n", "`[1,2]` may be one number or a list"),
         ('coupling;;"[0,9, 0,6]";40;;\n', '"[0,9; 0,6]" for a list'),
         ("coupling;;[0,9,0,6];40;;\n", '"[0; 9; 0; 6]" for a list'),

@@ -69,8 +69,8 @@ def files(
             except (InputError, RuntimeError) as error:
                 if faults is None or not output.on_request:
                     raise
-                told = error.faults if isinstance(error, InputError) else [Fault((), str(error))]
-                faults += [replace(one, message=f"the {name} cannot be made: {one.message}") for one in told]
+                noted = error.faults if isinstance(error, InputError) else [Fault((), str(error))]
+                faults += [replace(one, message=f"the {name} cannot be made: {one.message}") for one in noted]
                 continue
             if content is not None:
                 found[document.report.files.get(name, document.report.stem + output.suffix)] = content

@@ -15,7 +15,7 @@ _COMMA = re.compile(r"([-+]?[0-9]*),([0-9]+(?:[eE][-+]?[0-9]+)?)(?![0-9,.])")  #
 _POINT = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[eE][-+]?[0-9]+)?(?![0-9,.])")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}[.,][0-9]{3}")
 _FIGURE = re.compile(r"(?<![\w.,])[-+]?[0-9.,]*[0-9](?:[eE][-+]?[0-9]+)?")
-_JOINED = re.compile(r"(?<=[0-9]),(?=[0-9])")  # no blank tells whether it parts two numbers or one
+_JOINED = re.compile(r"(?<=[0-9]),(?=[0-9])")  # no blank shows whether it parts two numbers or one
 
 
 @dataclass(frozen=True)
@@ -35,18 +35,15 @@ class Numbers:
 
     def slip(self, cell: Cell) -> Slip | None:
         """What is wrong with a list of which a comma may part two numbers, or one."""
-        is_told = not self.commas or self.points or any(sign in cell.text for sign in ".;")
-        if is_told or cell.text[:1] != "[" or not _JOINED.search(cell.text):
+        is_plain = not self.commas or self.points or any(sign in cell.text for sign in ".;")
+        if is_plain or cell.text[:1] != "[" or not _JOINED.search(cell.text):
             return None
         inner = cell.text.strip("[] ")
         parts = re.split(r",\s+", inner) if re.search(r",\s", inner) else inner.split(",")
         one = f"{inner} for a number, " if len(parts) == 2 and "," in inner and ", " not in inner else ""
         right = f'write {one}"[{"; ".join(parts)}]" for a list'
-        return (
-            cell,
-            f"`{cell.text}` may be one number or a list" if one else f"`{cell.text}` may be read in two ways",
-            right,
-        )
+        ways = "one number or a list" if one else "read in two ways"
+        return cell, f"`{cell.text}` may be {ways}", right
 
 
 def numbers_of(separator: str, cells: Iterable[Cell]) -> tuple[Numbers, Slip | None]:

@@ -63,7 +63,7 @@ def _is_jpeg(content: bytes) -> bool:
 
 
 def _is_svg(content: bytes) -> bool:
-    """A document of XML without entities of its own, whose root is svg; raises InputError where it needs another file."""
+    """A document of XML whose root is svg; raises InputError where it needs another file."""
     from torsion.schema.svg_logo import needs
 
     found = needs(content)

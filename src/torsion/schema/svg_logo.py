@@ -1,4 +1,4 @@
-"""What a drawing in SVG needs beyond its own file: pictures, style sheets and programs that no report may ask for."""
+"""What a drawing in SVG needs beyond its own file: pictures, style sheets and programs that no report may need."""
 
 import re
 from collections.abc import Iterator
