@@ -137,8 +137,8 @@ def _one_line(value: str) -> str:
 def _imo_number(value: Any) -> str:
     """Seven digits, the last of which is that of 7 a + 6 b + 5 c + 4 d + 3 e + 2 f (IMO resolution A.1117(30))."""
     digits = re.sub(r"^IMO *", "", value.strip()) if isinstance(value, str) else str(value)
-    if isinstance(value, bool) or not re.fullmatch("[0-9]{7}", digits):
-        raise refuse(f"{fields.shown(value)} is no IMO number", "seven digits, as 9074729")
+    if type(value) not in (int, str) or not re.fullmatch("[0-9]{7}", digits) or not int(digits):
+        raise refuse(f"{fields.shown(value)} is no IMO number", "seven decimal digits, as 9074729")
     total = sum(weight * int(digit) for weight, digit in zip(range(7, 1, -1), digits, strict=False))
     if total % 10 != int(digits[6]):
         message = f"{digits} is no IMO number: the last digit checks the others, and behind {digits[:6]} it is"

@@ -67,6 +67,14 @@ _DIGITS = r"[0-9]+(?:_[0-9]+)*"
 _NUMBER = re.compile(rf"[+-]?(?:{_DIGITS}(?:\.(?:{_DIGITS})?)?|\.{_DIGITS})(?:[eE]([+-]?[0-9]+))?")
 _TOKEN = re.compile(r"\s*(\*\*[+-]?[0-9]{1,2}(?![0-9])|[*/()]|1(?![0-9.])|[^\W\d_]+|%)\s*")
 _GLUED = re.compile(r"([kMGmu]?N|kgf|lbf)(mm|cm|m|in|ft)(s?)|([kMGmu]?N|[kMGm]?W|[kM]?Pa)(s)|(kg|g|lb)(mm|cm|m|in|ft)")
+_MARKED = re.compile(  # groups: the whole part, its mark, what follows a decimal point
+    r"([-+]?[0-9]{1,3}(?:(['\u2019\s])[0-9]{3}(?:\s?\2?[0-9]{3})*|(?:\.[0-9]{3}){2,}))(?![0-9/])((?:\.[0-9]+)?)"
+)
+_DATE = re.compile(
+    r"[0-9]{1,4}([./-])[0-9]{1,2}\1[0-9]{1,4}|"
+    r"[0-9]{1,2}[. -]+(?:jan|feb|mar|mär|apr|ma[iy]|jun|jul|aug|sep|o[ck]t|nov|de[cz])[^\W\d_]*\.?(?:[ -]?[0-9]+)?",
+    re.IGNORECASE,
+)
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
 _SIGNS = str.maketrans(dict.fromkeys("·⋅∙•×", "*") | {"µ": "u", "μ": "u", "−": "-", "^": "**", "℃": "degC"})
 _RAISED = re.compile(r"[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
@@ -158,6 +166,7 @@ def _parts(text: str) -> tuple[Fraction, str]:
     if len(spelled) > _LONGEST:
         raise UnitFault(f"{_quoted(text)} is too long for a quantity")
     written = spelled[found.end() :].strip()
+    _refuse_slips(spelled, text)
     if re.match(r",\s*[0-9]", written):
         raise UnitFault(
             f"{_quoted(text)} has a comma in its number", "write a decimal point, and no mark between thousands"
@@ -167,6 +176,16 @@ def _parts(text: str) -> tuple[Fraction, str]:
     for pattern, replacement in _REWRITES:
         written = pattern.sub(replacement, written)
     return Fraction(found[0].replace("_", "")), "1" + written if written.startswith("/") else written
+
+
+def _refuse_slips(spelled: str, text: str) -> None:
+    """Raise UnitFault for marks between thousands, and for a date that a spreadsheet made of a number."""
+    if found := _MARKED.match(spelled):
+        right = f"write {re.sub(r'[^-+0-9]', '', found[1])}{found[3]}"
+        raise UnitFault(f"{_quoted(text)} has a mark between its thousands", right)
+    if _DATE.fullmatch(spelled):
+        hint = "write the number; a spreadsheet makes dates of cells that are not formatted as numbers"
+        raise UnitFault(f"{_quoted(text)} looks like a date", hint)
 
 
 def _rounded(amount: Fraction, text: str) -> float:

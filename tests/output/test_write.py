@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from torsion.errors import Fault, InputError
 from torsion.findings import Findings
-from torsion.output import html
+from torsion.output import html, pdf
 from torsion.output import results_json as json
 from torsion.output.write import write, write_texts
 
@@ -39,6 +40,21 @@ def test_a_pdf_is_written_when_asked(undamped: Findings, tmp_path: Path) -> None
     write(undamped, tmp_path, also=("pdf",))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "report.pdf", "results.json"]
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF-")
+
+
+@pytest.mark.parametrize("error", [RuntimeError("odd"), InputError([Fault(("document", "logo"), "odd", "other")])])
+def test_where_a_pdf_cannot_be_made_all_else_is_written_and_its_fault_told(
+    error: Exception, undamped: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*args: object) -> bytes:
+        raise error
+
+    monkeypatch.setattr(pdf, "pdf", fail)
+    with pytest.raises(InputError, match="the pdf cannot be made: odd; all other files are written"):
+        write(undamped, tmp_path, also=("pdf", "figures"))
+    names = {path.name for path in tmp_path.iterdir()}
+    assert {"report.html", "results.json", "figure-campbell.csv"} <= names
+    assert "report.pdf" not in names
 
 
 def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(bare: Findings, tmp_path: Path) -> None:

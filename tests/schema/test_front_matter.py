@@ -47,8 +47,9 @@ def test_of_ten_last_digits_one_is_right(last: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["907472", "90747290", "true", "9074729.5", "IMO", "'90747 29'", "[9074729]", "'٩٠٧٤٧٢٩'"]
-)
+    "text", ["907472", "90747290", "true", "9074729.5", "IMO", "'90747 29'", "[9074729]", "'٩٠٧٤٧٢٩'",
+             "'0000000'", "0000000", "0x8A77F9", "0o42474771"]
+)  # fmt: skip
 def test_what_is_no_imo_number_is_refused_at_its_place(text: str) -> None:
     assert "scene.yaml:2:24: " in faults(f"imo_number: {text}")
 
@@ -96,6 +97,48 @@ def test_a_picture_that_is_none_is_refused_at_its_place(content: bytes, words: s
     found = faults("logo: logo", tmp_path / "scene.yaml")
     assert words in found
     assert "scene.yaml:2:18: " in found
+
+
+OUTSIDE = "the picture refers to"
+
+
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        ('\n<image href="http://127.0.0.1:9/x.png"/>', f"line 2: {OUTSIDE} 'http://127.0.0.1:9/x.png'"),
+        ('<g xmlns:xlink="http://www.w3.org/1999/xlink"><image xlink:href="ok.png"/></g>', f"{OUTSIDE} 'ok.png'"),
+        ('<path fill="url(other.svg#a)"/>', f"{OUTSIDE} 'other.svg#a'"),
+        ("<path style=\"fill: URL( 'http://a/b#c' )\"/>", f"{OUTSIDE} 'http://a/b#c'"),
+        ("<style>@import 'a.css';</style>", f"{OUTSIDE} 'a.css'"),
+        ("<style>a {}\n\np {fill: url(\"b.svg#c\")}</style>", f"line 3: {OUTSIDE} 'b.svg#c'"),
+        ("<style><![CDATA[p {fill: url(b.svg)}]]></style>", f"{OUTSIDE} 'b.svg'"),
+        ("\n<script>1</script>", "line 2: the picture holds a script"),
+        ('<g onload="x()"/>', "the picture holds a script"),
+        ("<foreignObject/>", "the picture holds `foreignObject`"),
+        ("<?xml-stylesheet href='a.css'?>", f"{OUTSIDE} 'a.css'"),
+    ],
+)  # fmt: skip
+def test_a_logo_that_needs_more_than_its_file_is_refused(inside: str, words: str, tmp_path: Path) -> None:
+    """Neither the page nor its PDF may ask for what is elsewhere."""
+    (tmp_path / "logo").write_bytes(SVG.replace(b"<path", inside.encode() + b"<path"))
+    found = faults("logo: logo", tmp_path / "scene.yaml")
+    assert words in found
+    assert "scene.yaml:2:18: " in found
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_entities_of_its_own_are_refused_in_a_logo(encoding: str, tmp_path: Path) -> None:
+    (tmp_path / "logo").write_bytes('<!DOCTYPE svg [<!ENTITY a "b">]><svg/>'.encode(encoding))
+    assert "no picture" in faults("logo: logo", tmp_path / "scene.yaml")
+
+
+def test_a_logo_that_refers_to_itself_and_to_data_is_taken(tmp_path: Path) -> None:
+    inside = b"""<!-- url(a.png) --><defs><linearGradient id="a"/></defs><use href="#a"/><path fill="url(#a)"
+        style="fill: url('#a')"/><image href="data:image/png;base64,AAAA"/><style>p {fill: url(#a)}</style><title>
+        url(of)</title>"""
+    (tmp_path / "logo").write_bytes(SVG.replace(b"<path d", inside + b"<path d"))
+    (tmp_path / "scene.yaml").write_text(SCENE % "logo: logo", encoding="utf-8")
+    assert torsion.read(tmp_path / "scene.yaml").logo
 
 
 @pytest.mark.parametrize(("name", "words"), [("none.png", "is not there"), (".", "is a folder"), ("'a\\0b'", "")])

@@ -6,10 +6,12 @@ import pytest
 
 from torsion.analyses import settings_classes
 from torsion.components import KINDS, component
+from torsion.errors import InputError
 from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import SETTINGS, declarations
+from torsion.schema.scene_reader import parse
 from torsion.schema.yaml_source import parse_source
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -37,6 +39,19 @@ def test_every_scene_of_the_repository_is_valid(validator, path):
 @pytest.mark.parametrize("text", [GOOD, template("example.yaml")], ids=["one of every kind", "example"])
 def test_scene_with_every_sort_of_value_is_valid(validator, text):
     assert refusals(validator, text) == []
+
+
+@pytest.mark.parametrize("name", RULES)
+def test_a_rule_and_its_settings_may_be_left_empty_where_the_reader_takes_it(validator, name):
+    for entry in (name, f"{{{name}: }}", f"{{{name}: {{}}}}"):
+        text = f"name: x\ntrain: [disc: {{inertia: 1}}, shaft: {{length: 1, diameter: 0.1}}]\nrules: [{entry}]\n"
+        try:
+            parse(text, "f")
+            words = ""
+        except InputError as error:
+            words = str(error)
+        if "has no value" not in words and "is missing" not in words:
+            assert refusals(validator, text) == []
 
 
 @pytest.mark.parametrize(

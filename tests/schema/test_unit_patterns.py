@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -50,6 +51,34 @@ def test_usual_spellings_of_one_quantity_are_refused_for_every_other(data: st.Da
     text = "20 " + data.draw(st.from_regex(spellings(unit), fullmatch=True))
     assert bool(re.search(pattern(expected), text)) == (unit == expected)
     assert unit == expected or not takes(text, expected)
+
+
+def expanded(body: Any) -> list[str]:
+    """Every text of a parsed regular expression, without the signs and blanks that it may leave out."""
+    texts = [""]
+    for kind, value in body:
+        name = str(kind)
+        if name == "LITERAL":
+            found = [chr(value)]
+        elif name == "IN":
+            found = [chr(one[1]) for one in value if str(one[0]) == "LITERAL"]
+        elif name == "BRANCH":
+            found = [text for one in value[1] for text in expanded(one)]
+        elif name == "SUBPATTERN":
+            found = expanded(value[-1])
+        else:
+            assert (name, *value[:2]) == ("MAX_REPEAT", 0, 1)
+            inner = expanded(value[2])
+            found = [""] if " " in inner else ["", *inner]
+        texts = [text + one for text in texts for one in dict.fromkeys(found)]
+    return texts
+
+
+@pytest.mark.parametrize("unit", KNOWN)
+def test_no_usual_spelling_of_one_quantity_is_read_as_another(unit: str) -> None:
+    """Every one without signs between its units: `kgfs`, which names kgf in the plural, is none of `kgf s`."""
+    for text in expanded(re._parser.parse(spellings(unit))):  # type: ignore[attr-defined]
+        assert [other for other in KNOWN if other != unit and takes(f"20 {text}", other)] == [], text
 
 
 @settings(max_examples=1500, deadline=None)

@@ -1,11 +1,12 @@
 """Every form of a report in one registry: what renders it, and the file that it is written to."""
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
+from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document
 
@@ -53,17 +54,26 @@ def beside(document: Document) -> Callable[[Path], list[Path]] | None:
 
 
 def files(
-    document: Document, findings: Findings | None = None, also: Collection[str] = (), without: Collection[str] = ()
-) -> dict[str, Content]:
+    document: Document, findings: Findings | None = None, also: Collection[str] = (),
+    faults: list[Fault] | None = None, without: Collection[str] = (),
+) -> dict[str, Content]:  # fmt: skip
     """Name and content of every file of a report, `also` of the outputs on request and not of those `without`.
 
-    Without the findings: of every file that the document alone makes.
+    Without the findings: of every file that the document alone makes. An output on request that cannot be made is noted
+    in `faults`, where they are given.
     """
     found = {}
     for name, output in OUTPUTS.items():
         is_made = output.suffix and name not in without and (not output.on_request or name in also)
         if is_made and not (output.of_findings and findings is None):
-            content = output(document, *([findings] if output.of_findings and findings else []))
+            try:
+                content = output(document, *([findings] if output.of_findings and findings else []))
+            except (InputError, RuntimeError) as error:
+                if faults is None or not output.on_request:
+                    raise
+                noted = error.faults if isinstance(error, InputError) else [Fault((), str(error))]
+                faults += [replace(one, message=f"the {name} cannot be made: {one.message}") for one in noted]
+                continue
             if content is not None:
                 found[document.report.files.get(name, document.report.stem + output.suffix)] = content
     return found

@@ -4,6 +4,7 @@ import os
 import secrets
 import shutil
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 from datetime import date
 from functools import partial
 from pathlib import Path
@@ -26,15 +27,17 @@ def write(
 
     That of every case with an answer goes into a folder of its own there, without its results, which stand among all.
     What an earlier report of its sort wrote there, and this one does not, is removed. Raises OSError where the folder
-    cannot be written, InputError where a file cannot be made of these findings, or is one of the scene's.
+    cannot be written, InputError where a file is one of the scene's, or cannot be made of these findings: after all
+    others are written, where it is one on request.
     """
     made = document(findings, today or date.today(), also, REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
-    contents, read, folders = files(made, findings, also), inputs(findings.study), {Path(folder)}
+    faults: list[Fault] = []
+    contents, read, folders = files(made, findings, also, faults), inputs(findings.study), {Path(folder)}
     for found in findings.cases.values():
         if found.is_answered and found.study.case is not None:
             page = document(found, today or date.today(), also, REPORTS[report])
-            own = files(page, found, also, without=("json",))
+            own = files(page, found, also, faults, without=("json",))
             contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
             folders.add(Path(folder) / found.study.case.folder)
             read += inputs(found.study)
@@ -44,6 +47,8 @@ def write(
     for path in earlier.difference(placed):
         if path.is_file() and not _is_one(path, read):
             path.unlink()
+    if faults:
+        raise InputError([replace(one, message=f"{one.message}; all other files are written") for one in faults])
     return made
 
 

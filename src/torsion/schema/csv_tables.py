@@ -18,6 +18,7 @@ from torsion import units
 from torsion.components import KINDS, component
 from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import Amount, Quantity, shown
+from torsion.schema.csv_numbers import Numbers, numbers_of
 from torsion.schema.csv_text import FORMULA_ERROR, Cell, rows_of, table_text
 from torsion.schema.declaration_reader import items_of, keys_of
 from torsion.schema.fault_text import Node, Source, input_error
@@ -31,8 +32,6 @@ MAPPINGS = {  # lists of mappings: key, what declares an entry
 PAIRS = ("load", "torque")  # lists of [speed, torque]
 SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
 _HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
-_COMMA = re.compile(r"([-+]?[0-9]*),([0-9]+(?:[eE][-+]?[0-9]+)?)(?![0-9,])")  # a number with a decimal comma begins
-_POINT = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[eE][-+]?[0-9]+)?")
 _FIRST = "kind"  # the column of a train that says the kind of every row
 
 
@@ -133,6 +132,7 @@ class _Rows:
         self.faults: list[Fault] = []
         self.separator, self.rows = rows_of(source, self.faults)
         self.columns: list[Column | None] = []
+        self.numbers = Numbers()
 
     def nodes(self, reading: Reading) -> list[Node]:
         """Every row below the first; none where the first is at fault, which ends the reading."""
@@ -143,8 +143,8 @@ class _Rows:
             ended = True
         else:
             self.columns = [self._column(cell) for cell in self.rows[0]]
+            self.numbers = self._read_signs()
             ended = self._head_is_faulty()
-        self._one_decimal_sign()
         found = [] if ended else [node for row in self.rows[1:] if (node := self._row(row)) is not None]
         reading.faults += [replace(fault, file=self.source.name) for fault in self.faults]
         reading.is_ended |= ended
@@ -206,28 +206,19 @@ class _Rows:
                 self.fault(cell, f"the unit of the column `{column.key}`: {faults[0].message}", faults[0].hint)
             return
         if expected - {"1"} and any(
-            place < len(row) and _is_number(self._plain(row[place].text)) for row in self.rows[1:]
+            place < len(row) and _is_number(self.numbers.plain(row[place].text)) for row in self.rows[1:]
         ):
             unit = units.example(min(expected - {"1"})).partition(" ")[2]
             self.fault(cell, f"the column `{column.key}` has no unit", f"write `{column.key} [{unit}]`")
 
-    def _one_decimal_sign(self) -> None:
-        """Note numbers with a decimal point among numbers with a decimal comma: one of the two is a slip."""
-        cells = [cell for row in self.rows[1:] for cell in row]
-        commas = [cell for cell in cells if self.separator != "," and _COMMA.fullmatch(cell.text)]
-        points = [cell for cell in cells if _POINT.fullmatch(cell.text)]
-        if commas and points:
-            fewer, other = (points, commas) if len(points) <= len(commas) else (commas, points)
-            message = f"`{fewer[0].text}` here, and `{other[0].text}` in line {other[0].line}"
-            self.fault(fewer[0], f"{message}: two decimal signs in one table", "write all numbers with one of them")
-
-    def _plain(self, text: str) -> str:
-        """With a decimal point for a decimal comma, which numbers may have where no comma parts the cells."""
-        if self.separator == ",":
-            return text
-        if text[:1] in "[{" and ";" in text:
-            return text.replace(",", ".").replace(";", ",")
-        return _COMMA.sub(r"\1.\2", text, count=1) if _COMMA.match(text) else text
+    def _read_signs(self) -> Numbers:
+        """How the numbers of the table are written; note what is wrong with their decimal signs."""
+        texts = {place for place, column in enumerate(self.columns) if column is not None and column.is_text}
+        cells = [cell for row in self.rows[1:] for place, cell in enumerate(row) if place not in texts]
+        found, slip = numbers_of(self.separator, cells)
+        if slip is not None:
+            self.fault(*slip)
+        return found
 
     def _row(self, row: list[Cell]) -> Node | None:
         """One entry; None where the cells cannot be assigned to the columns."""
@@ -236,6 +227,8 @@ class _Rows:
             count = f"{len(row)} cell{'s' * (len(row) != 1)}, the first row {len(self.columns)}"
             comma = self.separator == "," and len(row) > len(self.columns)
             hint = "with decimal commas the cells are parted by semicolons" if comma else "leave cells empty, not out"
+            if any(cell.text[:1] in ("[", "{") and cell.text[-1] not in "]}" for cell in row):
+                hint = f'put a list that holds the separator in quotes: "[0.9{self.separator} 0.6]"'
             self.fault(begin, f"this row has {count}", hint)
             return None
         filled = [(cell, column) for cell, column in zip(row, self.columns, strict=False) if cell.text]
@@ -287,9 +280,12 @@ class _Rows:
         """What the cell says: text, a number with the unit of its column, or a list or mapping in brackets."""
         if column.is_text:
             return cell.text
-        text = self._plain(cell.text)
+        text = self.numbers.plain(cell.text)
         if text[0] not in "[{":
             return _in_unit(resolved(text), text, column.unit)
+        if slip := self.numbers.slip(cell):
+            self.fault(*slip)
+            return cell.text
         if text[-1] not in "]}":
             self.fault(cell, f"{shown(cell.text)} has no closing bracket", 'put the whole cell in quotes: "[0.9, 0.6]"')
             return cell.text

@@ -88,6 +88,11 @@ def _with_patterns(body: Any) -> Schema:
     return found
 
 
+def _or_null(body: Schema) -> Schema:
+    """Settings, or a key alone, which stands for those that it has by default."""
+    return {"anyOf": [body, {"type": "null"}]}
+
+
 def _or_table(body: Schema) -> Schema:
     """A list, or the file of a table whose rows are its entries."""
     return {"anyOf": [body, {"$ref": "#/$defs/table"}]}
@@ -123,15 +128,15 @@ def _examples(name: str) -> Schema:
 
 
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
-    rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: _rule(name, refs[name]) for name in RULES})]}
+    rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: _rule(name, _or_null(refs[name])) for name in RULES})]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     ends["description"] = "names of the two points that the link joins"
     link = _one_of({kind: _kind(kind, refs[kind]) for kind in LINKS}, more={"between": ends})
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
-    settings: Schema = {"fem": {"anyOf": [refs["fem"], {"type": "null"}], "description": fem}}
+    settings: Schema = {"fem": _or_null(refs["fem"]) | {"description": fem}}
     for name in settings_classes():
         words = {"description": ANALYSES[name].title, **_examples(name)}
-        settings[name] = {"anyOf": [refs[name], {"type": "null"}], **words}
+        settings[name] = _or_null(refs[name]) | words
         settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
     return {
         "document": refs["document"],

@@ -1,6 +1,5 @@
 """The picture on the cover: read, checked, and as a data URI, so that a page holds it."""
 
-import re
 import zlib
 from base64 import b64encode
 from dataclasses import replace
@@ -64,15 +63,13 @@ def _is_jpeg(content: bytes) -> bool:
 
 
 def _is_svg(content: bytes) -> bool:
-    """A document of XML without entities of its own, whose root is svg."""
-    if re.search(rb"<!ENTITY", content, re.IGNORECASE) or b"<" not in content:
-        return False
-    from xml.etree import ElementTree
+    """A document of XML whose root is svg; raises InputError where it needs another file."""
+    from torsion.schema.svg_logo import needs
 
-    try:
-        return ElementTree.fromstring(content).tag in ("svg", "{http://www.w3.org/2000/svg}svg")
-    except (ElementTree.ParseError, ValueError, LookupError):
-        return False
+    found = needs(content)
+    for line, message in found or ():
+        raise _refused(f"line {line}: {message}", "a logo is one file: embed its pictures, or save it as PNG")
+    return found is not None
 
 
 FORMS = (("png", PNG, _is_png), ("jpeg", b"\xff\xd8\xff", _is_jpeg), ("svg+xml", b"", _is_svg))  # how each begins

@@ -7,6 +7,7 @@ written the reader judges alone, so that no pattern refuses what the reader take
 from torsion import units
 
 _AND = "(?: ?[*·⋅×-] ?| )?"  # between two units of a product
+_SIGN = "(?: ?[*·⋅×-] ?| )"  # between a force and a time: `kgfs` is a force, `lbf ins` a torque: pint knows plurals
 _PER = " ?/ ?"
 _FORCE = "(?:[kMG]?N|kgf|kp|lbf)"
 _LENGTH = "(?:[mck]?m|in|ft)"
@@ -14,7 +15,7 @@ _ANGLE = "(?:m?rad|deg|°|turn|rev)"
 _MASS = "(?:kg|g|t|lb)"
 _TIME = "(?:ms|s)"
 _TORQUE = f"{_FORCE}{_AND}{_LENGTH}"
-_MOMENTUM = f"(?:[kMG]?Nm{_TIME}|{_TORQUE}(?: ?[*·⋅×-] ?| ){_TIME})"  # `lbf ins` is a torque: pint knows plurals
+_MOMENTUM = f"(?:[kMG]?Nm{_TIME}|{_TORQUE}{_SIGN}{_TIME})"
 _SPELLINGS = {  # SI unit: its usual spellings; those that stand for two quantities, as 1/min, stand nowhere
     "1": "(?:%|ppm)",
     "rad": _ANGLE,
@@ -36,7 +37,7 @@ _SPELLINGS = {  # SI unit: its usual spellings; those that stand for two quantit
     "kg/m**3": f"{_MASS}{_PER}{_LENGTH}(?:\\*\\*|\\^)?[3³]",
     "N": _FORCE,
     "N/m": f"{_FORCE}{_PER}{_LENGTH}",
-    "N*s/m": f"{_FORCE}{_AND}{_TIME}{_PER}{_LENGTH}",
+    "N*s/m": f"(?:[kMG]?Ns|{_FORCE}{_SIGN}{_TIME}){_PER}{_LENGTH}",
     "Pa": f"(?:[kMG]?Pa|bar|{_FORCE}{_PER}{_LENGTH}(?:\\*\\*|\\^)?[2²])",
     "N*m*s": _MOMENTUM,
 }

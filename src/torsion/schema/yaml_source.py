@@ -49,6 +49,10 @@ _SYNTAX = (  # what yaml says; in plain words; what to do; whether the fault sta
 )
 
 
+class Based(int):
+    """A whole number that is not written in decimal digits: 0x1F, 0o17."""
+
+
 def read_source(path: str | FilePath) -> Source:
     """The file as data with places; raises InputError."""
     name = str(path)
@@ -211,7 +215,7 @@ def resolved(text: str) -> str | int | float | bool | None:
         return _WORDS[text]
     if _WHOLE.fullmatch(text):  # one so long that no float is becomes infinite
         if text[:2] in {"0x", "0o"}:
-            return int(text, 0) if len(text) <= 250 else math.inf
+            return Based(text, 0) if len(text) <= 250 else math.inf
         return int(text) if len(text) <= 300 else float(text)
     if _DECIMAL.fullmatch(text):
         return float(text)
