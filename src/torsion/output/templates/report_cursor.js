@@ -51,7 +51,7 @@ const computed = (plot, value) => { // where a plot has values: each stands at a
 };
 const move = (source, value) => {
   for (const plot of linked(source)) {
-    plot.at = value === null ? null : computed(plot, value);
+    plot.at = value === null || plot.figure === source.figure ? value : computed(plot, value);
     const at = value === null ? -1 : place(plot, plot.at), [left, , wide] = plot.box, isOn = at > -1e-9 && at < 1 + 1e-9;
     plot.cursor.setAttribute("visibility", isOn ? "visible" : "hidden");
     if (isOn) plot.cursor.setAttribute("transform", `translate(${left + at * wide} 0)`);
