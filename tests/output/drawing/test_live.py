@@ -15,7 +15,7 @@ from torsion.output.drawing.live import LEFT_OUT, MOST_POINTS, THINNED, Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import plain
 from torsion.output.figure_csv import Cells, csv_of, pieces
-from torsion.output.figures import orders_over_speed
+from torsion.output.figures import curves_over_speed, mode_shape, orders_over_speed
 from torsion.output.figures.curves_over_time import over_time
 from torsion.output.figures.figure import Axis, Figure
 
@@ -123,6 +123,31 @@ def test_a_mode_names_its_stations_and_says_what_moves() -> None:
         "x": [0.0, 1.0, 2.0, 2.0], "row": [0.0, 0.0, 0.0, 1.0], "angle": [1.0, 0.0, -1.0, -0.5],
         "ends": [0.0, 1.0, 1.0, 2.0, 2.0, 3.0], "marked": [0.0, 1.0, 2.0, 3.0],
     }  # fmt: skip
+
+
+def test_a_mode_of_too_many_stations_says_that_it_has_neither_cursor_nor_motion() -> None:
+    count = MOST_POINTS + 1
+    x, link = np.arange(float(count)), np.ones(count - 1)
+    figure = mode_shape.mode(
+        "mode-1", "c", x=x, row=0 * x, ends=np.column_stack([np.arange(count - 1), np.arange(1, count)]),
+        marked=np.ones(count, dtype=bool), angle=np.linspace(1.0, -1.0, count), torque=link, ticks=[(0.0, "a")],
+        stations=[f"s{k}" for k in range(count)], spans=[f"e{k}" for k in range(count - 1)],
+    )  # fmt: skip
+    (data,), _, _ = read(figure)
+    assert "moving" not in data
+    assert data["said"] == "no cursor and no motion here: more than 1,200 stations or elements"
+    assert "said" not in read(KINDS["mode"])[0][0]
+
+
+def test_lines_over_one_coordinate_keep_the_same_points_in_all_plots_of_a_figure() -> None:
+    speed = np.linspace(300.0, 1800.0, 3001)
+    small = 1.0 / (1.0 + ((speed - 900.0) / 3.0) ** 2)
+    figure = curves_over_speed.stress(
+        "s", "c", speed=speed, synthesis=small, bad=speed < 0, continuous=np.full(3001, 50.0) + np.sin(speed)
+    )
+    (data,), _, _ = read(figure)
+    assert len(data["plots"]) == 2
+    assert len({line["x"] for plot in data["plots"] for line in plot["lines"]}) == 1
 
 
 def test_pictures_without_axes_have_no_data() -> None:

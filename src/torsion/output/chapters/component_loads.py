@@ -14,6 +14,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
@@ -68,7 +69,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
     for name, curve in curves.items():
         if name in drawn:
             position = findings.study.train.position(name)
-            yield curves_over_speed.stress(
+            yield of_torsion(findings, curves_over_speed.stress(
                 f"stress-{position}", f"Vibratory shear stress of {name}", speed=curve.speed * RPM,
                 synthesis=curve.stress, bad=unreliable(findings), continuous=curve.continuous,
                 lines=[
@@ -77,7 +78,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
                 ],
                 transient=curve.transient, rated=rated_rpm(findings),
                 barred=tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
-            )  # fmt: skip
+            ))  # fmt: skip
     if len(drawn) < len(curves):
         yield Paragraph(f"The {len(drawn)} most stressed of {len(curves)} shafts have a figure.")
 
@@ -198,12 +199,12 @@ def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArra
         for check in findings.need(Checks).lines
         if (check.where, check.rule, check.unit) == (mesh.name, "gear-hammer", "N m") and np.isfinite(check.limit)
     ]
-    return curves_over_speed.gear(
+    return of_torsion(findings, curves_over_speed.gear(
         f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}",
         speed=findings.need(Response).speed * RPM, vibratory=values * unit.factor,
         mean=None if mean is None else mean * unit.factor, bad=unreliable(findings), unit=unit.unit,
         limit=limits[0] * unit.factor if limits else None, rated=rated_rpm(findings), barred=barred_rpm(findings),
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def couplings(findings: Findings) -> Iterator[Block]:

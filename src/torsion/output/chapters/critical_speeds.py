@@ -7,6 +7,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import frequencies_over_speed
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
 
@@ -35,11 +36,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
         (c.speed * RPM, c.frequency, c.is_inside, _words(c, rated(findings)))
         for c in found if c.is_inside or c.order in shown
     ]  # fmt: skip
-    yield frequencies_over_speed.campbell(
+    yield of_torsion(findings, frequencies_over_speed.campbell(
         "campbell", "Campbell diagram", frequencies=findings.need(Modes).frequency.tolist(),
         orders=[(float(one), f"order {order(one)}") for one in shown], crossings=crossings,
         speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def _inside(inside: int, total: int) -> str:

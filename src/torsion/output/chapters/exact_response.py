@@ -15,6 +15,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, Scale, counted, distinct_texts, number, order, rpm, scale
 from torsion.output.reported_values import (
     amplitude,
@@ -185,13 +186,13 @@ def _figure(findings: Findings, element: Element) -> Figure:
         for n in sorted({n * order for order in joints for n in (1, 2)})[:MOST_ORDERS]
         if n in found.orders
     ]
-    return curves_over_speed.periodic(
+    return of_torsion(findings, curves_over_speed.periodic(
         f"periodic-{element.part}-{element.spans[0]}",
         f"Torque in {element.name} by both methods, orders of the joints", first_speed=response.speed * RPM,
         speed=found.speed * RPM, lines=pairs, unit=unit.unit, none=found.status == Found.NONE,
         coarse=found.status == Found.COARSE, grows=found.is_unstable, unstable=unstable_rpm(findings),
         rated=rated_rpm(findings),
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def exact_amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:

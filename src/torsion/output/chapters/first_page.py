@@ -19,6 +19,7 @@ from torsion.output.check_words import SIGNS, contributing, is_judged, use_of_jo
 from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use
 from torsion.output.figures.ranges import unanswered
 from torsion.output.figures.speed_range import speed_range
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, counted, rpm, symbols
 from torsion.output.reported_values import (
     band_words,
@@ -299,10 +300,10 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
         f"Speeds of {reference(findings)}: what is barred or unstable"
         + (f", and the {counted(len(critical), 'critical speed')} with the largest torque" if critical else "")
     )  # fmt: skip
-    yield speed_range(
+    yield of_torsion(findings, speed_range(
         "speeds", caption, speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings),
         barred=barred_rpm(findings), unstable=unstable_rpm(findings), unknown=unknown, critical=critical,
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def _strongest(findings: Findings) -> list[CriticalSpeed]:

@@ -14,6 +14,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import LESS, NONE, RPM, Scale, counted, degrees, exact, number, rpm, settled
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -233,13 +234,13 @@ def curves(findings: Findings, element: Element) -> Figure:
     limit = None if ratings is None else ratings.vibratory_torque
     unit = torques([parts])
     lines = [(harmonic_name(response, k, "order "), values * unit.factor) for k, values in enumerate(parts.T)]
-    return curves_over_speed.torque(
+    return of_torsion(findings, curves_over_speed.torque(
         f"torque-{element.part}-{element.spans[0]}", f"Vibratory torque in {element.name}, {element.kind}",
         speed=response.speed * RPM, lines=lines, bad=unreliable(findings), unit=unit.unit,
         synthesis=half * unit.factor if len(response.lines) > 1 and len(half) else None,
         limits=[] if limit is None else [("permissible vibratory torque (maker)", limit * unit.factor)],
         rated=rated_rpm(findings), barred=barred_rpm(findings), unstable=unstable_rpm(findings),
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def over_frequency(findings: Findings) -> Iterator[Block]:

@@ -9,6 +9,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures import curves_over_speed
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, number, rpm, scale
 from torsion.output.reported_values import rated, rated_rpm
 from torsion.output.selection import elements
@@ -42,10 +43,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
         ranked = sorted(range(len(together)), key=lambda k: -float(np.abs(together[k][1]).max()))[:MOST_LINES]
         lines = [together[k] for k in sorted(ranked)]
         rest = "" if len(together) <= MOST_LINES else f" (the {MOST_LINES} largest of {len(together)})"
-        yield curves_over_speed.steady(
+        yield of_torsion(findings, curves_over_speed.steady(
             "steady", f"Mean torque over the speed{rest}", speed=steady.speed * RPM, lines=lines, unit=unit.unit,
             rated=rated_rpm(findings),
-        )  # fmt: skip
+        ))  # fmt: skip
 
 
 def _together(found: list[tuple[str, FloatArray]]) -> list[tuple[str, FloatArray]]:

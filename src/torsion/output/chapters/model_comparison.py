@@ -8,6 +8,7 @@ from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, on_terminal, table
 from torsion.output.figures import error_curves
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, counted, given, number, order, rpm
 
 MOST_MODES = 40  # of which a table is printed
@@ -44,7 +45,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         left_out = f"{MOST_MODES + 1} to {len(found.exact.frequency)}"
         yield Paragraph(f"Modes {left_out} are left out of the table; see the JSON file.")
     yield Heading("Response torques", 2)
-    yield from _torques(found)
+    yield from _torques(findings, found)
 
 
 def conclusion(found: Compared) -> Paragraph:
@@ -135,7 +136,7 @@ def _modes(found: Compared) -> Table:
     )
 
 
-def _torques(found: Compared) -> Iterator[Block]:
+def _torques(findings: Findings, found: Compared) -> Iterator[Block]:
     if found.speed is None:
         yield Paragraph(f"No torques are compared: {found.no_torques}.", "note", brief=True)
         return
@@ -150,7 +151,8 @@ def _torques(found: Compared) -> Iterator[Block]:
         caption = "Relative error of the torques over the speed, the largest of all orders and components"
         yield Points(places, brief=True)
         speed = found.speed * RPM
-        yield error_curves.torques("check-torques", caption, speed=speed, lines=lines, tolerance=found.tolerance)
+        figure = error_curves.torques("check-torques", caption, speed=speed, lines=lines, tolerance=found.tolerance)
+        yield of_torsion(findings, figure)
     left_out = max(torques.left_out for _, torques in compared)
     if left_out:
         words = f"{counted(left_out, 'answer')} that cannot be trusted (exactly in resonance without damping)."

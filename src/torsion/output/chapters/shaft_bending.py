@@ -13,6 +13,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.figures import curves_over_speed, frequencies_over_speed
 from torsion.output.figures.figure import Figure
+from torsion.output.nearest_criticals import of_bending
 from torsion.output.numbers import NONE, RPM, number, rpm, scale
 from torsion.output.reported_values import rated_rpm, reference
 from torsion.output.selection import NO_VALUE, highest, largest
@@ -149,12 +150,12 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
              f"critical speed of bending {rpm(one.speed)} rpm: order {one.order} meets {number(one.frequency)} Hz")
             for one in _near(shaft, speeds)
         ]  # fmt: skip
-        yield frequencies_over_speed.whirl(
+        yield of_bending(shaft, frequencies_over_speed.whirl(
             f"whirl-{count}", f"Whirl of {shaft.name}: frequency over speed", speed=over.speed * RPM,
             frequency=over.frequency, direction=over.direction, unstable=unstable(over.log_decrement),
             orders=[(order * last, f"order {order}") for order in orders], crossings=crossings,
             rated=rated_rpm(findings),
-        )  # fmt: skip
+        ))  # fmt: skip
 
 
 def _whirl_rows(shaft: ShaftFound, over: Whirl) -> Iterator[tuple[str, ...]]:
@@ -235,7 +236,7 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
     moment = scale("N m", [highest(_sound(one, extent(one.moment))) for one in shaft.answers])
     force = scale("N", [highest(_sound(one, extent(one.force))) for one in shaft.answers])
     orders = {answer.order for answer in shaft.answers}
-    return curves_over_speed.bending(
+    return of_bending(shaft, curves_over_speed.bending(
         name, f"{shaft.name}: largest displacement, bending moment and force by the secondary couples, half ranges",
         speed=[one.speed * RPM for one in shaft.answers],
         orders=[f"order {one.order}" + ("" if one.order else ", at rest") for one in shaft.answers],
@@ -248,4 +249,4 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
         singular=[one.status == Status.SINGULAR for one in shaft.answers],
         crossings=[one.speed * RPM for one in shaft.critical if one.order in orders and _inside(one, speeds)],
         rated=rated_rpm(findings),
-    )  # fmt: skip
+    ))  # fmt: skip

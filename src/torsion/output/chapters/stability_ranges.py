@@ -12,6 +12,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
+from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, counted, distinct_texts, given_rpm, number, rpm
 from torsion.output.reported_values import rated_rpm, reference, tilted, widened
 from torsion.rules.verdict_line import Checks
@@ -57,11 +58,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
             yield _ranges(findings, found)
         if found.unsolved.size:
             yield _unsolved(found)
-        yield curves_over_speed.stability(
+        yield of_torsion(findings, curves_over_speed.stability(
             "stability-growth", "Growth rate of small deviations over the speed", speed=found.speed * RPM,
             growth=found.growth, rated=rated_rpm(findings),
             unstable=[(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
-        )  # fmt: skip
+        ))  # fmt: skip
     if mapped is not None:
         yield from _map(findings, mapped)
 

@@ -15,12 +15,13 @@ from torsion.output.drawing.frame import Frame
 from torsion.output.drawing.scales import Scale
 from torsion.output.drawing.text import plain
 from torsion.output.figure_csv import Piece, file_name, pieces
-from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
+from torsion.output.figures.figure import Axis, Cells, Criticals, Figure, Line, Panel, Stops
 
 MOST_POINTS = 1200  # of a line; of a longer one first, least, greatest and last of equal bins
 LEAST_BINS = 75  # of such lines over one coordinate
 MOST_CELLS = 20_000  # of a map whose numbers are in the page
 THINNED = "# long lines: of each of equal ranges the first, least, greatest and last value; --csv writes all\n"
+TOO_LONG = f"more than {MOST_POINTS:,} stations or elements"
 LEFT_OUT = "# a map of more numbers than a page should hold is left out; --csv writes all\n"
 
 
@@ -33,14 +34,17 @@ class Page:
 
     def figure(self, figure: Figure, frames: Sequence[Frame]) -> str:
         """JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""
-        light = replace(figure, panels=tuple(_light(one) if isinstance(one, Panel) else one for one in figure.panels))
+        light = _light(figure)
         found: dict[str, Any] = {
             "plots": [self._plot(frame, panel) for frame, panel in zip(frames, light.plots, strict=True)]
         }
         if light.plots:
             found["file"], found["csv"] = file_name(figure), [self._piece(one) for one in _pieces(figure, light)]
-        if figure.moving is not None and figure.moving.x.size <= MOST_POINTS:
-            moving = figure.moving
+        if figure.criticals is not None:
+            found["criticals"] = self._criticals(figure.criticals)
+        if lacks := _lacking(light):
+            found["said"] = f"{' and '.join(lacks)} here: {TOO_LONG}"
+        if (moving := figure.moving) is not None and moving.x.size <= MOST_POINTS:
             found["moving"] = {
                 "x": self.array(moving.x), "row": self.array(moving.row), "angle": self.array(moving.angle),
                 "ends": self.array(moving.ends.ravel()), "marked": self.array(np.flatnonzero(moving.marked)),
@@ -63,6 +67,13 @@ class Page:
         """The place of an array among those of the page."""
         return self._arrays.setdefault(np.asarray(values, dtype="<f8").tobytes(), len(self._arrays))
 
+    def _criticals(self, found: Criticals) -> dict[str, Any]:
+        arrays = {key: self.array(getattr(found, key)) for key in ("x", "frequency", "mode", "order")}
+        return {"of": found.of, "rated": found.rated, "orders": self._listed(found.orders), **arrays}
+
+    def _listed(self, names: tuple[str, ...]) -> int:
+        return self._names.setdefault(names, len(self._names))
+
     def _plot(self, frame: Frame, panel: Panel) -> dict[str, Any]:
         box = [round(one, 2) for one in (frame.left, frame.top, frame.wide, frame.high)]
         found: dict[str, Any] = {"box": box, "x": _axis(panel.x, frame.x), "y": _axis(panel.y, frame.y)}
@@ -76,9 +87,8 @@ class Page:
             for one in panel.marks
             if one.words
         ]
-        if panel.stops is not None and len(panel.stops.names) <= MOST_POINTS:
-            names = self._names.setdefault(panel.stops.names, len(self._names))
-            found["stops"] = {"x": self.array(panel.stops.x), "y": self.array(panel.stops.y), "names": names}
+        if (stops := panel.stops) is not None and _is_short(stops):
+            found["stops"] = {"x": self.array(stops.x), "y": self.array(stops.y), "names": self._listed(stops.names)}
         if not panel.lines and panel.cells is None and not panel.x.places:
             ranges = [(plain(one.label or one.name), one.low, one.high) for one in panel.bands if one.axis == "x"]
             found.update({"ranges": ranges} if ranges else {})
@@ -102,9 +112,23 @@ def _pieces(figure: Figure, light: Figure) -> list[Piece]:
     return [*notes, *(one for one in made if not any(one is other for other in large))]
 
 
-def _light(panel: Panel) -> Panel:
-    """A plot with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
-    return replace(panel, lines=tuple(_thinned(line, panel.lines) for line in panel.lines))
+def _is_short(stops: Stops) -> bool:
+    return len(stops.names) <= MOST_POINTS
+
+
+def _lacking(figure: Figure) -> list[str]:
+    """What the page does not do with a figure, as it has too many points."""
+    found = ["no cursor"] if any(one.stops and not _is_short(one.stops) for one in figure.plots) else []
+    return [*found, "no motion"] if figure.moving and figure.moving.x.size > MOST_POINTS else found
+
+
+def _light(figure: Figure) -> Figure:
+    """A figure with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
+    every = [line for panel in figure.plots for line in panel.lines]
+    return replace(figure, panels=tuple(
+        replace(one, lines=tuple(_thinned(line, every) for line in one.lines)) if isinstance(one, Panel) else one
+        for one in figure.panels
+    ))  # fmt: skip
 
 
 def _thinned(line: Line, every: Sequence[Line]) -> Line:

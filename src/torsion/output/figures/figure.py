@@ -239,6 +239,19 @@ class Moving:
 
 
 @dataclass(frozen=True)
+class Criticals:
+    """Critical speeds of what a figure shows, on its axis or beyond: the cursor of a page names the nearest."""
+
+    of: str  # critical speed, critical speed of bending of <shaft>
+    x: FloatArray  # (speeds,) rpm
+    frequency: FloatArray  # (speeds,) Hz
+    mode: IntArray  # (speeds,) counted from 1
+    order: IntArray  # (speeds,) its place among the orders
+    orders: tuple[str, ...]  # as lines are named: one that is switched off has no critical speeds
+    rated: float | None = None  # rpm
+
+
+@dataclass(frozen=True)
 class Figure:
     """Plots below each other under one caption."""
 
@@ -246,6 +259,7 @@ class Figure:
     caption: str
     panels: tuple[Panel | Sketch | Twisted | Shares, ...]
     moving: Moving | None = None
+    criticals: Criticals | None = None
 
     @property
     def plots(self) -> tuple[Panel, ...]:

@@ -9,17 +9,29 @@ const texts = (plot) => {
     .filter((line) => !plot.off.has(line.name))
     .map((line) => [line.name, valueAt(line, plot.at)])
     .filter(([, y]) => !Number.isNaN(y))
-    .map(([name, y]) => `${name} ${shown(y)}${unit(plot.y)}`);
+    .map(([name, y]) => `${name} ${y === null ? "–" : `${shown(y)}${unit(plot.y)}`}`);
   const away = Array.from(plot.stops.x, (x) => Math.abs(x - plot.at)), least = Math.min(...away);
   return plot.stops.names.flatMap((name, k) => away[k] - least > 1e-9 ? [] : [`${name} ${shown(plot.stops.y[k])}`]);
 };
-const critical = (plot) => { // the nearest of those that the diagram of the figure, or the one above it, names
-  const known = plot.figure.critical || [];
-  const near = known.reduce((best, one) => best && Math.abs(best.x - plot.at) <= Math.abs(one.x - plot.at) ? best : one, null);
-  if (!near) return "";
-  const by = 100 * (plot.at / near.x - 1);
-  const where = Math.abs(by) < 5e-4 ? "at it" : `${shown(Number(Math.abs(by).toPrecision(3)))} % ${by > 0 ? "above" : "below"} it`;
-  return `nearest ${near.words}; the cursor is ${where}`;
+const isOff = (plot, order) => { // all lines of an order of the figure are off: "order 2", or "order 2, exact"
+  const own = plot.figure.own.flatMap((one) => one.lines.map(({ name }) => name));
+  const lines = own.filter((name) => name === order || name.startsWith(`${order},`));
+  return plot.off.has("orders") || (lines.length > 0 && lines.every((name) => plot.off.has(name)));
+};
+const criticals = (plot) => { // the places of those whose order is not off
+  const known = plot.figure.criticals;
+  const off = known && known.orders.map((order) => isOff(plot, order));
+  return known ? [...known.x.keys()].filter((k) => !off[known.order[k]]) : [];
+};
+const critical = (plot) => { // the nearest of all that belong to the figure
+  const known = plot.figure.criticals, away = (k) => Math.abs(known.x[k] - plot.at);
+  const near = criticals(plot).reduce((best, k) => best !== null && away(best) <= away(k) ? best : k, null);
+  if (near === null) return "";
+  const x = known.x[near], by = 100 * (plot.at / x - 1), short = (value) => shown(Number(value.toPrecision(3)));
+  const margin = known.rated ? `, ${short(100 * (x / known.rated - 1))} % from rated` : "";
+  const where = Math.abs(by) < 5e-4 ? "at it" : `${short(Math.abs(by))} % ${by > 0 ? "above" : "below"} it`;
+  return `nearest ${known.of} ${shown(x)} rpm: ${known.orders[known.order[near]]} meets mode ${known.mode[near]} `
+    + `at ${shown(known.frequency[near])} Hz${margin}; the cursor is ${where}`;
 };
 const read = (figure) => { // what stands below a figure
   const own = figure.own.filter((plot) => plot.isRead), [first] = own;
@@ -33,10 +45,14 @@ const read = (figure) => { // what stands below a figure
     plot.area.setAttribute("aria-valuetext", [figure.values, figure.near].map((one) => one.textContent).filter(Boolean).join("; "));
   }
 };
+const computed = (plot, value) => { // where a plot has values: each stands at a point of its own
+  const { steps } = plot.figure.own.find((own) => own.steps && own.link === plot.link) || plot;
+  return !steps || plot.stops || value < steps[0] || value > steps.at(-1) ? value : steps[nearest(steps, value)];
+};
 const move = (source, value) => {
   for (const plot of linked(source)) {
-    plot.at = value;
-    const at = value === null ? -1 : place(plot, value), [left, , wide] = plot.box, isOn = at > -1e-9 && at < 1 + 1e-9;
+    plot.at = value === null || plot.figure === source.figure ? value : computed(plot, value);
+    const at = value === null ? -1 : place(plot, plot.at), [left, , wide] = plot.box, isOn = at > -1e-9 && at < 1 + 1e-9;
     plot.cursor.setAttribute("visibility", isOn ? "visible" : "hidden");
     if (isOn) plot.cursor.setAttribute("transform", `translate(${left + at * wide} 0)`);
   }
@@ -57,11 +73,16 @@ const stepped = (plot, key) => {
   if (!steps) return snapped(plot, now + jump * (high - low) / 200);
   return steps[clamp(nearest(steps, now) + (plot.at === null ? 0 : jump), 0, steps.length - 1)];
 };
-const peaks = (plot) => { // abscissas of the peaks of the line that matters most, of the points of a diagram, or critical speeds
+const peaks = (plot) => { // abscissas of the critical speeds that are marked, or of the peaks of the line that matters most
+  if (plot.ranges || plot.marks.length) {
+    const known = new Set(criticals(plot).map((k) => plot.figure.criticals.x[k]));
+    const marked = plot.marks.filter((marks) => !plot.off.has(marks.name)).flatMap((marks) => [...marks.x]);
+    const points = plot.ranges ? [...known] : marked.filter((x) => known.has(x));
+    return points.filter((x) => x === clamp(x, ...plot.x.ends)).sort((one, other) => one - other);
+  }
   const shownLines = plot.lines.filter((line) => !plot.off.has(line.name) && line.x.length > 2);
   const main = shownLines.find((line) => line.name.includes("synthesis")) || shownLines[0];
-  const points = plot.ranges ? (plot.figure.critical || []).map((one) => one.x) : plot.marks.flatMap((marks) => [...marks.x]);
-  if (!main) return points.filter((x) => x === clamp(x, ...plot.x.ends)).sort((one, other) => one - other);
+  if (!main) return [];
   const { x, y } = main;
   return [...x].filter((_, k) => k > 0 && k < x.length - 1 && y[k] > y[k - 1] && y[k] >= y[k + 1]);
 };

@@ -32,9 +32,12 @@ const nearest = (x, value) => { // the place of an ascending list
   const k = below(x, value);
   return k + 1 < x.length && x[k + 1] - value < value - x[k] ? k + 1 : k;
 };
-const valueAt = ({ x, y }, value) => {
-  const k = below(x, value), last = x.length - 1;
-  if (value < x[0] || value > x[last]) return NaN;
+const same = (one, other) => Math.abs(one - other) <= 1e-9 * Math.abs(other);
+const isStraight = ({ x }) => x.length === 2;
+const valueAt = (line, value) => { // NaN where the line has none, null where none of its points is there
+  const { x, y } = line, last = x.length - 1, k = isStraight(line) ? below(x, value) : nearest(x, value);
+  if ((value < x[0] || value > x[last]) && !same(x[k], value)) return NaN;
+  if (!isStraight(line)) return same(x[k], value) ? y[k] : null;
   return x[k] === value || k === last ? y[k] : y[k] + (y[k + 1] - y[k]) * (value - x[k]) / (x[k + 1] - x[k]);
 };
 const ticks = (low, high, most) => {

@@ -1,7 +1,7 @@
 // The page as a whole: its buttons, dark screen, list of keys, print, and the start.
 const KEYS = [
   ["← → ↑ ↓", "cursor to the next value that was computed, or the next station"], ["Page ↑, Page ↓", "ten values on"],
-  ["Home, End", "first, last value"], ["P, Shift P", "next peak, peak before; in a Campbell diagram or over ranges of speed the next critical speed"],
+  ["Home, End", "first, last value"], ["P, Shift P", "next peak, peak before; in a diagram of frequencies or over ranges of speed the next critical speed"],
   ["+ −", "zoom about the cursor"], ["[ ]", "left, right by a quarter"], ["0", "the whole axis"],
   ["Esc", "reset: the whole axis, no cursor, every line"], ["Space", "in the plots of a mode: move, stop; in the key: line off, on"],
   ["Tab", "to the next plot, name in the key or point; arrows go from point to point"],
@@ -36,21 +36,24 @@ const dark = (tools) => {
   wanted.addEventListener("change", name);
   name();
 };
+const listed = (found) => { // critical speeds of a figure
+  if (!found) return null;
+  const arrays = ["x", "frequency", "mode", "order"].map((key) => [key, numbers(found[key])]);
+  return { ...found, ...Object.fromEntries(arrays), orders: STORE.names[found.orders] };
+};
 const began = (script) => { // one figure
   const figure = script.parentElement, svg = figure.querySelector("svg"), data = JSON.parse(script.textContent);
   const tools = element("p", { class: "tools" }, "", figure), label = figure.querySelector("figcaption b").textContent;
   figure.own = [];
+  figure.criticals = listed(data.criticals);
   moving(figure, data.moving, tools);
   if (data.csv) button("CSV", tools, () => save(data.file, figureCsv(data)), { "aria-label": `CSV of ${label}` });
+  if (data.said) element("span", { class: "said" }, data.said, tools);
   if (!data.plots.length) { if (!tools.children.length) tools.remove(); return; }
   svg.setAttribute("role", "group");
   figure.own = data.plots.map((plot) => opened(figure, svg, plot));
   keyed(figure, svg);
   if (!figure.own.some((plot) => plot.isRead)) return;
-  for (const plot of figure.own) for (const marks of plot.marks) marks.x.forEach((x, k) => {
-    if (marks.words[k].startsWith("critical speed")) (figure.critical ||= []).push({ x, words: marks.words[k] });
-  });
-  figure.isDiagram = Boolean(figure.critical);
   element("span", { class: "hint" }, "← → P + − 0 Esc; ? lists all keys", tools);
   const out = element("p", { class: "values" }, "", figure);
   figure.values = element("span", {}, "", out);
@@ -65,13 +68,6 @@ const start = () => {
   dark(tools);
   button("keys ?", tools, () => dialog.showModal());
   document.querySelectorAll("figure > script[type='application/json']").forEach(began);
-  const above = new Map(); // of each axis: the critical speeds of the diagram above a figure, or of the first one
-  const diagrams = PLOTS.filter((plot) => plot.figure.critical).map((plot) => [plot.link, plot.figure.critical]);
-  diagrams.reverse().forEach(([link, known]) => above.set(link, known));
-  for (const plot of PLOTS) {
-    if (plot.figure.isDiagram) above.set(plot.link, plot.figure.critical);
-    else plot.figure.critical ||= above.get(plot.link);
-  }
   for (const table of document.querySelectorAll(".table > table")) {
     const number = table.querySelector("caption b")?.textContent;
     if (number) button("CSV", table.caption, () => save(`${number.toLowerCase().replace(" ", "-")}.csv`, tableCsv(table)),

@@ -84,6 +84,8 @@ const pan = (plot, by) => { // by a share of the axis
   zoom(plot, low, low + b - a);
 };
 
+const ascending = (values) => // each once
+  [...values].sort((one, other) => one - other).filter((x, k, all) => !k || !same(x, all[k - 1]));
 const opened = (figure, svg, plot) => { // a plot of the data with what of the drawing belongs to it
   const [left, top, wide, high] = plot.box;
   for (const line of plot.lines) {
@@ -93,12 +95,12 @@ const opened = (figure, svg, plot) => { // a plot of the data with what of the d
   }
   for (const marks of plot.marks) marks.x = numbers(marks.x);
   const stops = plot.stops && { x: numbers(plot.stops.x), y: numbers(plot.stops.y), names: STORE.names[plot.stops.names] };
-  const solved = plot.lines.find((line) => line.x.length > 2), at = (one) => Number(one.getAttribute("y"));
+  const solved = new Map(plot.lines.filter((line) => !isStraight(line)).map((line) => [line.key, line.x])), at = (one) => Number(one.getAttribute("y"));
   const stands = (one) => Math.abs(one.getAttribute("x") - left) < 0.1 && Math.abs(at(one) - top) < 0.1;
   Object.assign(plot, {
     figure, svg, stops, at: null, view: [0, 1], off: new Set(), isRead: plot.lines.length > 0 || Boolean(stops || plot.ranges),
     link: plot.x.title || JSON.stringify(plot.x.ends),
-    steps: stops ? [...new Set(stops.x)].sort((one, other) => one - other) : solved ? solved.x : null,
+    steps: stops || solved.size ? ascending(stops ? stops.x : [...solved.values()].flatMap((x) => [...x])) : null,
     inner: [...svg.querySelectorAll("svg.plot")].filter(stands),
     front: [...svg.querySelectorAll(".front")].find((one) => {
       const { e, f } = one.transform.baseVal[0].matrix;
