@@ -76,14 +76,20 @@ ANALYSES: dict[str, Analysis] = {
         results={"modes": "torsion.analyses.undamped_modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
     ),
     "damped": Analysis(
-        "damped modes", "torsion.analyses.damped_modes", needs=("modes",), results={"damped_modes": "DampedModes"},
-        wanted=always, chapters=("natural_frequencies",), place=("analyses", "modes", "damped"),
+        "damped modes", "torsion.analyses.damped_modes", needs=("couplings by table",),
+        results={"damped_modes": "DampedModes"}, wanted=always, chapters=("natural_frequencies",),
+        place=("analyses", "modes", "damped"),
     ),
     "dampers": Analysis(
         "optimum of the dampers", "torsion.analyses.damper_optimum", needs=("modes",), results={"dampers": "Dampers"},
         chapters=("dampers",),
         wanted=lambda study: any(part.kind == "damper" for part in study.train.parts),
         place=("train",),
+    ),
+    "couplings by table": Analysis(
+        "couplings by table", "torsion.analyses.coupling_tables", needs=("modes",),
+        results={"coupling_tables": "CouplingTables"}, chapters=("coupling_tables",), place=("train",),
+        wanted=lambda study: study.train.has_tables,
     ),
     "segment groups": Analysis(
         "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,

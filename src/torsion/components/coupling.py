@@ -8,10 +8,11 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.losses import MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
+from torsion.components.coupling_table import CouplingTable
+from torsion.components.losses import DAMPINGS, MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
 from torsion.components.lowering import CouplingRatings, Lowering, NonlinearRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.primitives import Spring
+from torsion.primitives import Spring, tabled_spring
 
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
 
@@ -21,6 +22,8 @@ Torque = Annotated[float, Quantity("N*m", above=0)]
 BESIDE_NO_CAPACITY = (
     "clearance", "hysteresis_torque", "stages", "viscous", "loss_factor", "psi", "magnifier"
 )  # fmt: skip
+BESIDE_NO_TABLE = (*DAMPINGS, "clearance", "hysteresis_torque", "stages", "capacity")
+STIFFNESSES = ("stiffness", "flexibility", "table")
 STIFF = 100.0  # times the stiffness beside it: that of a friction whose own stiffness the file does not give
 
 
@@ -56,11 +59,12 @@ Clearance = Annotated[Play, _plain("angle", Play)]
 Frictions = Annotated[tuple[Annotated[DryFriction, _plain("torque", DryFriction)], ...], OneOrMany]
 
 
-class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
+class Coupling(Component, keyword="coupling", sort="link"):
     """An elastic or rigid coupling, or any other massless spring of the train."""
 
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
+    table: CouplingTable | None = given("stiffness and damping over frequency or mean torque, in place of `stiffness`")
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
     loss_factor: fields.LossFactor | None = given("loss factor eta: k (1 + i eta)")
@@ -89,9 +93,16 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
     capacity: Torque | None = given("torque at which it slips; the coupling is then a clutch")
 
     def refuse_clashes(self) -> None:
-        if (self.stiffness is None) == (self.flexibility is None):
-            what = "`stiffness` or `flexibility` is missing" if self.stiffness is None else "both are given"
-            raise refuse(what, "give one of `stiffness` and `flexibility` (0 = rigid)")
+        named = [key for key in STIFFNESSES if getattr(self, key) is not None]
+        if len(named) != 1:
+            what = f"{' and '.join(f'`{key}`' for key in named)} exclude each other"
+            what = what if named else "`stiffness` or `flexibility` is missing"
+            raise refuse(what, "give one of `stiffness`, `flexibility` (0 = rigid) and `table`", *named[1:2])
+        if self.table is not None:
+            beside = [key for key in BESIDE_NO_TABLE if getattr(self, key) not in (None, ())]
+            if beside:
+                hint = "the table gives the damping" if beside[0] in DAMPINGS else "give a `stiffness` in its place"
+                raise refuse(f"`table` and `{beside[0]}` exclude each other", hint, beside[0])
         if (found := given_damping(self)) and self.flexibility == 0:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
         if self.max_torque_rare is not None and self.max_torque is None:
@@ -111,6 +122,9 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
+        if self.table is not None:
+            build.add(tabled_spring(build.name, build.part, (driving, driven), self.table.lowered(scale)))
+            return
         flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
         if self.clearance is not None and self.clearance.stiffness is not None:
             flexibility = 1.0 / build.own(self.clearance.stiffness)

@@ -12,8 +12,11 @@ PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi
 MAGNIFIER = "dynamic magnifier M; eta = 1/M"
 
 
-def given_damping(component: Any, keys: tuple[str, ...] = DAMPINGS) -> tuple[str, float] | None:
-    """Key and value of the damping that a component gives; None without one. Raises where it gives several."""
+def given_damping(component: Any, keys: tuple[str, ...] = DAMPINGS) -> tuple[str, Any] | None:
+    """Key and value of the damping that a component gives; None without one. Raises where it gives several.
+
+    Of a table the value is one at each of its points.
+    """
     found = [(key, value) for key in keys if (value := getattr(component, key)) is not None]
     if len(found) > 1:
         both = " and ".join(key for key, _ in found)

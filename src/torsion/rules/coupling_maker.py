@@ -9,6 +9,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import elastic
 from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
 from torsion.fields import Declared, given
@@ -77,8 +78,7 @@ def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
-        stiffness = 1.0 / system.flexibility[span]
-        loss = stiffness * system.loss_factor[span] + omega * system.viscous[span]
+        stiffness, loss = elastic(system, span, omega, response.mean[:, span, None])
         if span in added:
             one = added[span]
             loss = one.share[:, None] * loss + one.extra.imag[:, None]

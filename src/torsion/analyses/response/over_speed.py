@@ -39,6 +39,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
@@ -180,13 +181,15 @@ def _solved(
         if system.train.has_nonlinear_couplings:
             from torsion.analyses.response.balanced_couplings import balanced
 
-            if one_block := balanced(system, each_w, mean[part].T, partial(_answers, system, each_w, forces, ground)):
+            solve = partial(_answers, system, each_w, forces, ground, mean[part].T)
+            if one_block := balanced(system, each_w, mean[part].T, solve):
                 balance.append(one_block)
         added = balance[-1].added if balance else {}
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
-            answered = answer(system, w, forces[k], ground, added)
+            stiffness = complex_stiffness(system, w, mean[part].T)
+            answered = answer(system, w, forces[k], ground, added, stiffness=stiffness)
             frequency[part, k] = w / (2.0 * math.pi)
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
@@ -201,11 +204,14 @@ def _solved(
 
 
 def _answers(
-    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
+    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray, mean: FloatArray,
     added: "Mapping[int, Secant]",
 ) -> list[Answer]:  # fmt: skip
-    """Of every harmonic component, with a stiffness added to some spans."""
-    return [answer(system, own, force, ground, added) for own, force in zip(w, forces, strict=True)]
+    """Of every harmonic component, with a stiffness added to some spans; mean: (spans, speeds) N m."""
+    return [
+        answer(system, own, force, ground, added, stiffness=complex_stiffness(system, own, mean))
+        for own, force in zip(w, forces, strict=True)
+    ]
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
