@@ -84,6 +84,10 @@ class Train:
         """The stiffness of a coupling follows a table."""
         return any(spring.table is not None for spring in self.springs)
 
+    def has_tables_over(self, over: str) -> bool:
+        """The stiffness of a coupling follows a table over that."""
+        return any(spring.table is not None and spring.table.over == over for spring in self.springs)
+
     @property
     def has_nonlinear_couplings(self) -> bool:
         """A coupling has play, friction, stages or a capacity."""

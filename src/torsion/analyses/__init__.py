@@ -91,6 +91,11 @@ ANALYSES: dict[str, Analysis] = {
         results={"coupling_tables": "CouplingTables"}, chapters=("coupling_tables",), place=("train",),
         wanted=lambda study: study.train.has_tables,
     ),
+    "frequencies over speed": Analysis(
+        "frequencies over the speed", "torsion.analyses.frequencies_by_torque", needs=("couplings by table",),
+        results={"frequencies_over_speed": "FrequenciesOverSpeed"}, chapters=("frequencies_by_torque",),
+        wanted=lambda study: study.train.has_tables_over("mean torque"), place=("train",),
+    ),
     "segment groups": Analysis(
         "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
     ),
@@ -139,7 +144,7 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("forced_response:over_frequency",), place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(
-        "critical speeds", "torsion.analyses.critical", needs=("modes",),
+        "critical speeds", "torsion.analyses.critical", needs=("modes", "frequencies over speed"),
         results={"critical_speeds": "CriticalSpeeds"}, wanted=always, chapters=("critical_speeds",),
     ),
     "joints": Analysis(

@@ -98,6 +98,9 @@ def run_assembly(work: Work) -> None:
             why = f"{what} the coupling as linear: {part.nonlinear.words}"
             why += "" if part.is_clutch else "; the response takes it by harmonic balance"
             work.log.without(f"what is nonlinear in '{part.name}'", why)
+    if work.study.train.has_tables_over("mean torque") and "transient" in work.study.analyses:
+        what = "the stiffness over mean torque in motion over time"
+        work.log.without(what, "the coupling has there the stiffness of the rated, else of the highest speed")
     work.put(system=system)
     if system.bars is not None and system.bars.degree:
         work.log.libraries["scikit-fem"] = None

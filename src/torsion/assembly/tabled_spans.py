@@ -27,22 +27,31 @@ def reach(system: System) -> tuple[float, float]:
 
 
 def taken_at(system: System, w: float) -> System:
-    """The system with the stiffness and damping that its tables over frequency have at w (rad/s), and no such table.
+    """The system with the stiffness and damping that its tables over frequency have at w (rad/s), and no such table."""
+    return _taken(system, dict.fromkeys(tables_over(system, "frequency"), w))
+
+
+def taken_under(system: System, mean: FloatArray) -> System:
+    """The same with that of its tables over mean torque under mean torques (spans,) N m."""
+    return _taken(system, {span: abs(float(mean[span])) for span in tables_over(system, "mean torque")})
+
+
+def _taken(system: System, at: dict[int, float]) -> System:
+    """The system with the values of some tables at one point each, and without those tables.
 
     The tree keeps its layout; values at the nearest end stand for those beyond a table.
     """
-    tables = tables_over(system, "frequency")
-    if not tables:
+    if not at:
         return system
-    spans = list(tables)
+    spans = list(at)
     flexibility, viscous, loss = (one.copy() for one in (system.flexibility, system.viscous, system.loss_factor))
-    for span, table in tables.items():
-        k, loss[span], viscous[span] = table.values(np.asarray(w))
+    for span, x in at.items():
+        k, loss[span], viscous[span] = system.tables[span].values(np.asarray(x))
         flexibility[span] = 1.0 / k
-    rest = {span: table for span, table in system.tables.items() if span not in tables}
+    rest = {span: table for span, table in system.tables.items() if span not in at}
     found = replace(system, flexibility=flexibility, viscous=viscous, loss_factor=loss, tables=rest)
     if system.uncondensed is not None:
-        vars(found)["uncondensed"] = taken_at(system.uncondensed, w)
+        vars(found)["uncondensed"] = _taken(system.uncondensed, at)
     known, node, ratio2 = system.condensed, system.condensed.span[spans], system.span_ratio[spans] ** 2
     of_tree = (known.tree.flexibility.copy(), known.viscous.copy(), known.loss_factor.copy())
     referred = (flexibility[spans] / ratio2, viscous[spans] * ratio2, loss[spans])

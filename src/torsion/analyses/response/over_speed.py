@@ -13,6 +13,7 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
+from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import (
     Balanced,
@@ -251,6 +252,11 @@ def _found(work: Work) -> Response:
     study, log, ruled = work.study, work.log, "response" in work.ruled
     with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
         also = work.rules.judged_speeds(study) if ruled else np.empty(0)
+        if (by_torque := work.get(FrequenciesOverSpeed)) is not None:
+            met = [
+                speed for line in lines(work.system) if line.order for _, speed, _ in by_torque.crossings(line.order)
+            ]
+            also = np.union1d(also, met)
         found = response(
             study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
             progress=work.progress,
