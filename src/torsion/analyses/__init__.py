@@ -113,6 +113,11 @@ ANALYSES: dict[str, Analysis] = {
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
         chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
     ),
+    "coupling temperatures": Analysis(
+        "temperatures of couplings", "torsion.analyses.coupling_temperatures", needs=("response",),
+        results={"coupling_temperatures": "CouplingTemperatures"}, chapters=("coupling_temperatures",),
+        wanted=lambda study: any(part.warming is not None for part in study.train.parts), place=("train",),
+    ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
         results={"periodic": "torsion.analyses.motion.periodic_orbits:PeriodicResponse"},

@@ -1,6 +1,7 @@
 """A coupling: an elastic (or rigid) link with its damping, its limits, and what makes it nonlinear."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated
 
@@ -9,6 +10,7 @@ from pydantic import BeforeValidator, Field
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.coupling_table import CouplingTable
+from torsion.components.coupling_warming import CouplingWarming
 from torsion.components.losses import DAMPINGS, MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
 from torsion.components.lowering import CouplingRatings, Lowering, NonlinearRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
@@ -65,6 +67,7 @@ class Coupling(Component, keyword="coupling", sort="link"):
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
     table: CouplingTable | None = given("stiffness and damping over frequency or mean torque, in place of `stiffness`")
+    temperature: CouplingWarming | None = given("what its own heat takes of its stiffness, and how far it may warm")
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
     loss_factor: fields.LossFactor | None = given("loss factor eta: k (1 + i eta)")
@@ -98,6 +101,8 @@ class Coupling(Component, keyword="coupling", sort="link"):
             what = f"{' and '.join(f'`{key}`' for key in named)} exclude each other"
             what = what if named else "`stiffness` or `flexibility` is missing"
             raise refuse(what, "give one of `stiffness`, `flexibility` (0 = rigid) and `table`", *named[1:2])
+        if self.temperature is not None:
+            _refuse_beside_temperature(self)
         if self.table is not None:
             beside = [key for key in BESIDE_NO_TABLE if getattr(self, key) not in (None, ())]
             if beside:
@@ -117,22 +122,44 @@ class Coupling(Component, keyword="coupling", sort="link"):
         ratings = CouplingRatings(
             self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance,
             self.max_torque_rare, self.max_torque_range,
+            None if self.temperature is None else self.temperature.to - self.temperature.now,
         )  # fmt: skip
         damping = given_damping(self)
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
+        warming, factor, lost = (None, 1.0, None) if self.temperature is None else self.temperature.lowered()
+        if warming is not None:
+            build.record(warming=warming, damping=damping if lost is None else ("loss_factor", lost))
         if self.table is not None:
-            build.add(tabled_spring(build.name, build.part, (driving, driven), self.table.lowered(scale)))
+            table = self.table.lowered(scale)
+            table = replace(table, stiffness=tuple(one * factor for one in table.stiffness))
+            build.add(tabled_spring(build.name, build.part, (driving, driven), table))
             return
         flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
+        flexibility /= factor
         if self.clearance is not None and self.clearance.stiffness is not None:
             flexibility = 1.0 / build.own(self.clearance.stiffness)
         stiffness = 1.0 / flexibility if flexibility else math.inf
         nonlinear = _nonlinear_record(self, stiffness, scale)
         build.record(nonlinear=nonlinear)
         viscous = build.own(self.viscous or 0.0) if nonlinear is None or not nonlinear.play else nonlinear.viscous
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss_factor(damping)))
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, lost or loss_factor(damping)))
+
+
+def _refuse_beside_temperature(coupling: Coupling) -> None:
+    """Refuse what does not go together with the temperature of a coupling."""
+    warming, rigid = coupling.temperature, coupling.flexibility == 0
+    beside = [key for key in BESIDE_NO_TABLE[len(DAMPINGS) :] if getattr(coupling, key) not in (None, ())]
+    if rigid or beside:
+        key = beside[0] if beside else "flexibility"
+        what = "a rigid coupling makes no heat" if rigid else f"`temperature` and `{key}` exclude each other"
+        raise refuse(what, "leave `temperature` out", key)
+    lost = [key for key in DAMPINGS[1:] if warming is not None and getattr(warming, key) is not None]
+    own = [key for key in (*DAMPINGS[1:], "table") if getattr(coupling, key) is not None]
+    if lost and own:
+        hint = f"`temperature` gives it as `{lost[0]}`"
+        raise refuse(f"`{own[0]}` and `temperature` both say what the coupling loses", hint, own[0])
 
 
 def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
