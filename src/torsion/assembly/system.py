@@ -5,8 +5,8 @@ rigid gear a rigid span: products only, so nothing is lost. The softest spans th
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Row, Runs, SegmentGroups, Span
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
+from torsion.kernels.stiffness_table import StiffnessTable
 from torsion.kernels.tree import Tree
 from torsion.primitives import Damper, Station
 from torsion.train import Train, fixed_point_faults
@@ -70,6 +71,7 @@ class System:
     resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
     groups: SegmentGroups | None = None  # of a condensed system: the segments that its spans stand for
     uncondensed: "System | None" = None  # of a condensed system: that of all segments
+    tables: Mapping[int, StiffnessTable] = field(default_factory=dict)  # of spans that follow one; see `tabled_spans`
 
     @property
     def whole(self) -> "System":
@@ -167,8 +169,8 @@ class System:
     @cached_property
     def damps(self) -> bool:
         """Anything in the train takes energy out."""
-        by_mode = any(self.train.modal_damping)
-        return by_mode or bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+        given = any(self.train.modal_damping) or any(table.damps for table in self.tables.values())
+        return given or bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
 
     def modal_ratios(self, modes: int) -> FloatArray:
         """(modes,) damping ratios given by mode, the last of them for all above; 0 where none is given."""

@@ -5,16 +5,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from torsion.analyses.coupling_temperatures import CouplingTemperatures
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import elastic
 from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
 from torsion.rules import judgement
-from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, Curve, RuleOverSpeed, curve_of
 from torsion.study import Study
 
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
@@ -65,6 +67,19 @@ class CouplingMaker(RuleOverSpeed):
                 yield Clause("T_KN", part.name, "mean torque", "maker", mean, np.ones(len(mean.speed), dtype=bool))
             if ratings.limit_vibration:
                 yield from _vibration(evidence, part, ratings, spans, settings)
+            yield from _warm(evidence, part, settings)
+
+
+def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator[Clause]:
+    """The highest temperature of equilibrium; a coupling that runs away is beyond every limit."""
+    known = evidence.get(CouplingTemperatures)
+    for one in known.each if known is not None else ():
+        if one.coupling == part.name:
+            limit = one.permissible - one.surroundings
+            curve = Curve(one.speed, one.rise, np.full(one.speed.shape, limit), np.zeros(one.speed.shape, dtype=int))
+            use, in_use = judgement.within(settings.continuous, one.speed), judgement.in_use(settings.continuous)
+            what = "rise of its temperature by its own heat, highest equilibrium"
+            yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (in_use, MOSTLY))
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
@@ -77,8 +92,7 @@ def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
-        stiffness = 1.0 / system.flexibility[span]
-        loss = stiffness * system.loss_factor[span] + omega * system.viscous[span]
+        stiffness, loss = elastic(system, span, omega, response.mean[:, span, None])
         if span in added:
             one = added[span]
             loss = one.share[:, None] * loss + one.extra.imag[:, None]

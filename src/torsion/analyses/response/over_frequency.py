@@ -17,6 +17,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.kernels.tree_response import Status
@@ -55,8 +56,10 @@ def frequency_response(
         columns = (1, len(hertz))
         force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
         carried = np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
-        balance = balanced(system, [w], carried, lambda added: [answer(system, w, force, tiled, added)])
-        found = answer(system, w, force, tiled, {} if balance is None else balance.added)
+        stiffness = complex_stiffness(system, w, carried)
+        solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
+        balance = balanced(system, [w], carried, lambda added: [solve(added)])
+        found = solve({} if balance is None else balance.added)
         status = found.status if balance is None else np.where(balance.settled, found.status, Status.SINGULAR)
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources

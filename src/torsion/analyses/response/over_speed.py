@@ -13,6 +13,7 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
+from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import (
     Balanced,
@@ -39,6 +40,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
@@ -181,13 +183,17 @@ def _solved(
         if system.train.has_nonlinear_couplings:
             from torsion.analyses.response.balanced_couplings import balanced
 
-            if one_block := balanced(system, each_w, mean[part].T, partial(_answers, system, each_w, forces, ground)):
+            solve = partial(_answers, system, each_w, forces, ground, mean[part].T)
+            if one_block := balanced(system, each_w, mean[part].T, solve):
                 balance.append(one_block)
         added = balance[-1].added if balance else {}
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
-            answered = by_magnitude([answer(system, w, force, ground, added) for force in apart[k]])
+            stiffness = complex_stiffness(system, w, mean[part].T)
+            answered = by_magnitude(
+                [answer(system, w, force, ground, added, stiffness=stiffness) for force in apart[k]]
+            )
             frequency[part, k] = w / (2.0 * math.pi)
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
@@ -203,11 +209,14 @@ def _solved(
 
 
 def _answers(
-    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
+    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray, mean: FloatArray,
     added: "Mapping[int, Secant]",
 ) -> list[Answer]:  # fmt: skip
-    """Of every harmonic component, with a stiffness added to some spans."""
-    return [answer(system, own, force, ground, added) for own, force in zip(w, forces, strict=True)]
+    """Of every harmonic component, with a stiffness added to some spans; mean: (spans, speeds) N m."""
+    return [
+        answer(system, own, force, ground, added, stiffness=complex_stiffness(system, own, mean))
+        for own, force in zip(w, forces, strict=True)
+    ]
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
@@ -247,6 +256,11 @@ def _found(work: Work) -> Response:
     study, log, ruled = work.study, work.log, "response" in work.ruled
     with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
         also = work.rules.judged_speeds(study) if ruled else np.empty(0)
+        if (by_torque := work.get(FrequenciesOverSpeed)) is not None:
+            met = [
+                speed for line in lines(work.system) if line.order for _, speed, _ in by_torque.crossings(line.order)
+            ]
+            also = np.union1d(also, met)
         found = response(
             study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
             progress=work.progress,
