@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.errors import Path
-from torsion.kernels.stiffness_table import StiffnessTable
 
 if TYPE_CHECKING:
     from torsion.kernels.engine.gas_law import CylinderOrder
+    from torsion.kernels.stiffness_table import StiffnessTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Spring:
     flexibility: float  # rad/(N m)
     viscous: float = 0.0  # N m s/rad
     loss_factor: float = 0.0  # 1
-    table: StiffnessTable | None = None  # what the three follow; they are then those at one point of it
+    table: "StiffnessTable | None" = None  # what the three follow; they are then those at one point of it
 
     @property
     def damps(self) -> bool:
@@ -56,7 +56,7 @@ class Spring:
 
 
 def tabled_spring(
-    name: str, part: int, ends: tuple[int, int], table: StiffnessTable, at: float | None = None
+    name: str, part: int, ends: tuple[int, int], table: "StiffnessTable", at: float | None = None
 ) -> Spring:
     """The spring of a table with its values at one point (rad/s, or N m), by default its first."""
     k, eta, c = (float(one) for one in table.values(np.array(table.at[0] if at is None else at)))

@@ -106,6 +106,26 @@ def test_coupling_that_warms_little_passes_and_one_that_makes_no_heat_stays_cold
     assert still.highest == pytest.approx(30.0, abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("rest", "why"),
+    [
+        ("damping: {modal: 2 %}", "damping by mode"),
+        ("links: [{between: [a, b], coupling: {name: d, stiffness: 30e3}}]", "closes a loop"),
+        ("links: [{between: [a, b], coupling: {name: d, stiffness: 30e3, clearance: 0.1 deg}}]", "not balanced anew"),
+    ],
+)
+def test_coupling_whose_temperature_has_no_answer_does_not_pass(rest: str, why: str) -> None:
+    coupling = f"stiffness: 20e3, {WARM}"
+    if "modal" in rest:
+        coupling = coupling.replace("magnifier: [[30, 8], [100, 10.67], [130, 10.67]], ", "")
+    found = solved(50.0, coupling, f"rules: [coupling-maker]\n{rest}")
+    assert found.get(CouplingTemperatures) is None
+    assert [why in one.why for one in found.plan.unanswered] == [True]
+    (check,) = [one for one in found.need(Checks).lines if one.rule == "coupling-maker"]
+    assert (check.clause, check.verdict, check.value, check.limit) == ("ΔT", "fail", math.inf, 100.0)
+    assert "have no answer" in check.note
+
+
 def test_other_results_are_of_a_coupling_as_cold_as_its_surroundings() -> None:
     """Now 65 degC: factor 0.8 on the stiffness, and the loss factor of psi = 0.5."""
     warm = "temperature: {now: 65, stiffness: [[30, 1], [100, 0.6]], psi: [[30, 0.6], [100, 0.4]], rise: 1, at: 1e3, "

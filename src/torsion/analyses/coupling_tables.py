@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import WORDS, elastic, table_path
+from torsion.assembly.tabled_spans import WORDS, table_path
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.results import reported, result
@@ -63,7 +63,7 @@ def loss_factors(system: System, span: int, w: FloatArray) -> FloatArray:
     """(modes,) eta + w c/k of a span at circular frequencies w (rad/s); 0 of a rigid one."""
     if not 0.0 < system.flexibility[span] < math.inf:
         return np.zeros(len(w))
-    k, loss = elastic(system, span, w)
+    k, loss = system.elastic(span, w)
     return np.asarray(loss / k)
 
 
@@ -79,7 +79,7 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
         name, size = system.spans[span].name, WORDS[table.over][1]
         at, stiffness, eta, viscous = map(np.array, (table.at, table.stiffness, table.loss_factor, table.viscous))
         tables.append(Table(name, table.over, at / size, stiffness, eta, viscous, table.holds, table.steepest))
-        k, lost = np.broadcast_to(elastic(system, span, w)[0], w.shape), loss_factors(system, span, w)
+        k, lost = np.broadcast_to(system.elastic(span, w)[0], w.shape), loss_factors(system, span, w)
         each = zip(modes.frequency.tolist(), k.tolist(), lost.tolist(), modes.elastic[span].tolist(), strict=True)
         rows += [AtMode(name, mode, *values) for mode, values in enumerate(each, 1)]
     by_torque = any(table.over == "mean torque" for table in system.tables.values())

@@ -14,6 +14,7 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.components.lowering import Part
+from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.kernels.warming import Warming, equilibria
 from torsion.results import reported, result
@@ -97,10 +98,14 @@ class _Heat:
 
 
 def coupling_temperature(study: Study, response: Response, part: Part, warming: Warming) -> CouplingTemperature:
-    """Of one coupling at the speeds of the response, under all harmonic components that it has."""
+    """Of one coupling at the speeds of the response, under all harmonic components that it has.
+
+    Raises SolveError where the train has what a warming coupling does not go with.
+    """
     system, speed = response.system, response.speed
     number = next(k for k, one in enumerate(study.train.parts) if one is part or one.name == part.name)
     span = next(k for k, one in enumerate(system.own_spans) if one.part == number)
+    _refuse(study, system, span, part)
     known = steady_if_known(study, system, speed)
     kept = [line.order for line in response.lines if line.order is not None]
     found = excitations(system, kept)
@@ -129,6 +134,20 @@ def coupling_temperature(study: Study, response: Response, part: Part, warming: 
         values = float(speed[case[place]]), float(temperature[place]), made, warm.real, warm.imag / warm.real
         rows.append(Equilibrium(*values, bool(order[place] % 2 == 0)))
     return CouplingTemperature(part.name, warming.now, warming.highest, speed, count, lowest, highest, tuple(rows))
+
+
+def _refuse(study: Study, system: System, span: int, part: Part) -> None:
+    """Raise SolveError where the response to a coupling of another stiffness is not that of `answer`."""
+    why = ""
+    if study.train.modal_damping:
+        why = "damping by mode does not follow the stiffness of a coupling that warms"
+    elif study.train.has_nonlinear_couplings:
+        why = "play, friction or stages of a coupling beside it are not balanced anew as it warms"
+    elif system.condensed.span[span] < 0:
+        why = "it closes a loop"
+    if why:
+        hint = "leave `temperature` out, and compute a cold and a warm coupling as two `cases`"
+        raise SolveError(f"temperatures of '{part.name}': {why}", hint, (*part.path, "temperature"))
 
 
 def _several(count: IntArray) -> IntArray:

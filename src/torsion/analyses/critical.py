@@ -2,14 +2,17 @@
 
 import math
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response.harmonic_components import Line, lines
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Operation
+
+if TYPE_CHECKING:
+    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 
 
 @reported
@@ -59,7 +62,7 @@ def critical_speeds(
 
 
 def critical_by_torque(
-    found: FrequenciesOverSpeed, lines: tuple[Line, ...], operation: Operation
+    found: "FrequenciesOverSpeed", lines: tuple[Line, ...], operation: Operation
 ) -> tuple[CriticalSpeed, ...]:
     """The same within the speed range, of modes whose frequencies follow the mean torque of each speed."""
     met = [
@@ -86,6 +89,8 @@ def run(work: Work) -> None:
     if modes is None or not any(line.order is not None for line in harmonics):
         work.log.without("critical speeds", "no modes" if modes is None else "no order excites")
     elif work.study.train.has_tables_over("mean torque"):
+        from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+
         over_speed = work.get(FrequenciesOverSpeed)
         work.log.without("critical speeds outside the speed range", "the stiffness follows the mean torque of a speed")
         if over_speed is not None:

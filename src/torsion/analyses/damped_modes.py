@@ -11,7 +11,6 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised, modes_s
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import tables_over
 from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.results import reported, result
@@ -98,7 +97,7 @@ def run(work: Work) -> None:
     why = ""
     if settings.damped is False or not system.damps:
         why = "`damped: false`" if settings.damped is False else "nothing in the train damps"
-    elif tables_over(system, "frequency"):
+    elif system.tables_over("frequency"):
         why = "a table gives stiffness and damping at real frequencies alone; the modal loss factors stand for them"
     elif system.bars is not None:
         why = f"they are built for `model: lumped`; the response of {system.model} is damped"

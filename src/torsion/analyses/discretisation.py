@@ -4,14 +4,12 @@ import math
 
 import numpy as np
 
-from torsion.analyses.coupling_tables import refuse_loops
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.undamped_modes import Modes, Ruled, condensed_modes, modes, modes_settings
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
 from torsion.assembly.system import MOST_GROUPS, System, condensed
-from torsion.assembly.tabled_spans import reach, tables_over
 from torsion.findings import Work
 from torsion.results import listed
 from torsion.study import Study
@@ -89,7 +87,10 @@ def run_assembly(work: Work) -> None:
             step.method += f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
-    refuse_loops(system)
+    if system.tables:
+        from torsion.analyses.coupling_tables import refuse_loops
+
+        refuse_loops(system)
     for part in work.study.train.parts:
         if part.ratings is not None and part.ratings.tolerance and not work.study.varies_tolerances:
             why = f"its {100 * part.ratings.tolerance:.3g} % are not varied; every result is at the nominal stiffness"
@@ -121,9 +122,11 @@ def run_modes(work: Work) -> None:
         found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
         system = found.system
         step.method = "tree elimination in mixed form, certified by Sturm counts"
-        if tables := tables_over(system, "frequency"):
+        if tables := system.tables_over("frequency"):
             steepest = max(table.steepest for table in tables.values())
             step.method += f"; by table one root a mode, as d ln k/d ln ω = {steepest:.3g} < 2"
+            from torsion.assembly.tabled_spans import reach
+
             if not all(table.holds for table in tables.values()):
                 end = reach(system)[1] / (2.0 * math.pi)
                 work.log.without(f"modes above {end:.6g} Hz", "the table of a coupling ends there; `beyond: hold`")

@@ -14,7 +14,7 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import refuse_beyond, tables_over, taken_under
+from torsion.assembly.tabled_spans import refuse_beyond, taken_under
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.primitives import tabled_spring
@@ -85,7 +85,7 @@ def _roots(distance: Callable[[float], float], points: list[float]) -> Iterator[
 
 def frequencies_over_speed(study: Study, system: System, count: int) -> FrequenciesOverSpeed:
     """Over the speed range of the operation, of `count` modes; raises InputError where a table does not cover it."""
-    speeds, tables = study.operation.speeds, tables_over(system, "mean torque")
+    speeds, tables = study.operation.speeds, system.tables_over("mean torque")
     if speeds is None:
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
         raise InputError([Fault(("operation", "speeds"), "frequencies over the speed need the speeds", hint)])
@@ -110,7 +110,7 @@ def _corners(study: Study, system: System, fine: FloatArray) -> FloatArray:
     """Speeds (rad/s) near which the mean torque of a coupling passes a point of its table: there curves bend."""
     mean = np.abs(steady(study.train, system, study.operation, fine).torque)
     found = [fine[:0]]
-    for span, table in tables_over(system, "mean torque").items():
+    for span, table in system.tables_over("mean torque").items():
         piece = np.searchsorted(table.at, mean[span], side="right")
         found.append(fine[1:][np.diff(piece) != 0])
     return np.concatenate(found)
@@ -126,7 +126,7 @@ def at_operating_point(study: Study) -> Study:
     system = assemble(study.train)
     mean = steady(study.train, system, study.operation, np.array([study.operation.speed or 0.0])).torque[:, 0]
     springs = list(study.train.springs)
-    for span, table in tables_over(system, "mean torque").items():
+    for span, table in system.tables_over("mean torque").items():
         refuse_beyond(system, span, np.abs(mean[span]))
         one = springs[span]
         springs[span] = tabled_spring(one.name, one.part, (one.driving, one.driven), table, abs(float(mean[span])))

@@ -16,7 +16,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import reach, table_path, tables_over, taken_at
+from torsion.assembly.tabled_spans import reach, table_path, taken_at
 from torsion.errors import SolveError
 from torsion.kernels.stiffness_table import STEEPEST
 
@@ -80,7 +80,7 @@ def tabled_modes(system: System, count: int | None, solve: Solve[Modes]) -> Mode
 
 def _holds(system: System) -> bool:
     """Beyond the reach the stiffness stays as it is."""
-    return all(table.holds for table in tables_over(system, "frequency").values())
+    return all(table.holds for table in system.tables_over("frequency").values())
 
 
 def _is_above(found: Modes, mode: int, w: float) -> bool:
@@ -89,7 +89,7 @@ def _is_above(found: Modes, mode: int, w: float) -> bool:
 
 
 def _refuse_steep(system: System) -> None:
-    for span, table in tables_over(system, "frequency").items():
+    for span, table in system.tables_over("frequency").items():
         if table.steepest >= STEEPEST:
             piece = int(np.argmax(table.slopes.max(axis=0)))
             ends = " to ".join(f"{w / (2.0 * math.pi):.6g}" for w in table.at[piece : piece + 2])
@@ -99,7 +99,7 @@ def _refuse_steep(system: System) -> None:
 
 
 def _refuse_below(system: System, mode: int, hertz: float, low: float) -> None:
-    span = next(s for s, table in tables_over(system, "frequency").items() if not table.holds and table.at[0] == low)
+    span = next(s for s, table in system.tables_over("frequency").items() if not table.holds and table.at[0] == low)
     name, begins = system.spans[span].name, low / (2.0 * math.pi)
     message = f"mode {mode + 1} lies below {begins:.6g} Hz, where the table of '{name}' begins"
     hint = f"extend the table (at its first stiffness the mode is at {hertz:.6g} Hz), or `beyond: hold`"
@@ -111,7 +111,7 @@ class _Search(Generic[Modes]):
 
     def __init__(self, system: System, count: int | None, solve: Solve[Modes]) -> None:
         self.system, self.count, self.solve = system, count, solve
-        self.tables = tables_over(system, "frequency")
+        self.tables = system.tables_over("frequency")
         self.at = lru_cache(maxsize=4)(self._at)
 
     def _at(self, w: float) -> Modes:

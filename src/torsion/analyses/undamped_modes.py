@@ -13,7 +13,6 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import reach, tables_over
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
@@ -121,8 +120,10 @@ def modes(
     """
     if count is not None and not 1 <= count <= MOST_MODES:
         raise InputError([Fault(("count",), f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}")])
-    ends = any(not table.holds for table in tables_over(system, "frequency").values())
+    ends = any(not table.holds for table in system.tables_over("frequency").values())
     if ends:  # no mode above the end of a table is sought
+        from torsion.assembly.tabled_spans import reach
+
         system = resolving(system, reach(system)[1] / (2.0 * math.pi), refine=refine)
     if ends or not refine or (system.bars is None and math.isinf(system.resolved_to)):
         found = modes_as_discretised(system, count, progress=progress)
@@ -192,7 +193,7 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
 
 def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
-    if tables_over(system, "frequency"):
+    if system.tables_over("frequency"):
         from torsion.analyses.tabled_modes import tabled_modes
 
         return tabled_modes(system, count, modes_as_discretised)

@@ -7,7 +7,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import table_path, tables_over
+from torsion.assembly.tabled_spans import table_path
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import connected
 
@@ -38,7 +38,7 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     if system.bars is not None and system.bars.degree == 0:
         message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
-    if tables := tables_over(system, "frequency"):
+    if tables := system.tables_over("frequency"):
         message = "a stiffness that follows the frequency has no constant matrices"
         hint = "give the coupling a `stiffness` for the matrices"
         raise InputError([Fault(table_path(system, min(tables)), message, hint)])

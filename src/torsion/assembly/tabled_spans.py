@@ -7,19 +7,13 @@ import numpy as np
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
-from torsion.kernels.stiffness_table import StiffnessTable
 
 WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0)}
 
 
-def tables_over(system: System, over: str) -> dict[int, StiffnessTable]:
-    """The tables over frequency, or mean torque, by span."""
-    return {span: table for span, table in system.tables.items() if table.over == over}
-
-
 def reach(system: System) -> tuple[float, float]:
     """rad/s between which every table that refuses to go further says something; where all hold, beyond all of them."""
-    tables = tables_over(system, "frequency").values()
+    tables = system.tables_over("frequency").values()
     refusing = [table for table in tables if not table.holds]
     if refusing:
         return max(table.at[0] for table in refusing), min(table.at[-1] for table in refusing)
@@ -28,12 +22,12 @@ def reach(system: System) -> tuple[float, float]:
 
 def taken_at(system: System, w: float) -> System:
     """The system with the stiffness and damping that its tables over frequency have at w (rad/s), and no such table."""
-    return _taken(system, dict.fromkeys(tables_over(system, "frequency"), w))
+    return _taken(system, dict.fromkeys(system.tables_over("frequency"), w))
 
 
 def taken_under(system: System, mean: FloatArray) -> System:
     """The same with that of its tables over mean torque under mean torques (spans,) N m."""
-    return _taken(system, {span: abs(float(mean[span])) for span in tables_over(system, "mean torque")})
+    return _taken(system, {span: abs(float(mean[span])) for span in system.tables_over("mean torque")})
 
 
 def _taken(system: System, at: dict[int, float]) -> System:
@@ -76,22 +70,6 @@ def complex_stiffness(system: System, w: FloatArray, mean: FloatArray | None = N
         refuse_beyond(system, span, x)
         found[span] = table.complex_stiffness(x, w)
     return found
-
-
-def elastic(
-    system: System, span: int, w: FloatArray, mean: FloatArray | None = None
-) -> tuple[FloatArray | float, FloatArray | float]:
-    """Stiffness (N m/rad) and loss modulus k eta + w c of one span at w (rad/s), any shape; by its table if it has one.
-
-    mean: N m of that span, of a shape that goes with w.
-    """
-    table = system.tables.get(span)
-    if table is None or (table.over == "mean torque" and mean is None):
-        k = 1.0 / float(system.flexibility[span])
-        return k, k * system.loss_factor[span] + w * system.viscous[span]
-    x = w if table.over == "frequency" or mean is None else np.broadcast_to(np.abs(mean), w.shape)
-    found = table.complex_stiffness(x, w)
-    return found.real, found.imag
 
 
 def refuse_beyond(system: System, span: int, x: FloatArray) -> None:

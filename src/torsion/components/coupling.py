@@ -9,9 +9,17 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.coupling_table import CouplingTable
-from torsion.components.coupling_warming import CouplingWarming
-from torsion.components.losses import DAMPINGS, MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
+from torsion.components.elastic_element import (
+    DAMPINGS,
+    MAGNIFIER,
+    PSI,
+    CouplingTable,
+    CouplingWarming,
+    Magnifier,
+    Psi,
+    given_damping,
+    loss_factor,
+)
 from torsion.components.lowering import CouplingRatings, Lowering, NonlinearRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Spring, tabled_spring

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from torsion.components.material import Material
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.kernels.warming import Warming
 from torsion.primitives import Inertia, Primitive, Spring, Station
 
 if TYPE_CHECKING:
     from torsion.components.engine.record import EngineRecord
+    from torsion.kernels.warming import Warming
 
 Role = Literal["intermediate", "thrust", "propeller", "crank", "generator"]
 ROLES: tuple[Role, ...] = get_args(Role)
@@ -169,7 +169,7 @@ class Part:
     propeller: PropellerRecord | None = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
     engine: "EngineRecord | None" = None
-    warming: Warming | None = None  # of a coupling whose temperature is computed
+    warming: "Warming | None" = None  # of a coupling whose temperature is computed
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""

@@ -5,12 +5,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.coupling_temperatures import CouplingTemperatures
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import elastic
 from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
 from torsion.fields import Declared, given
@@ -71,15 +69,21 @@ class CouplingMaker(RuleOverSpeed):
 
 
 def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator[Clause]:
-    """The highest temperature of equilibrium; a coupling that runs away is beyond every limit."""
-    known = evidence.get(CouplingTemperatures)
+    """The highest temperature of equilibrium; one that runs away, or has no answer, never passes."""
+    if part.warming is None:
+        return
+    from torsion.analyses.coupling_temperatures import CouplingTemperatures
+
+    known, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
+    rise, why = np.full(speed.shape, np.inf), "its temperatures have no answer, which is never a pass"
     for one in known.each if known is not None else ():
         if one.coupling == part.name:
-            limit = one.permissible - one.surroundings
-            curve = Curve(one.speed, one.rise, np.full(one.speed.shape, limit), np.zeros(one.speed.shape, dtype=int))
-            use, in_use = judgement.within(settings.continuous, one.speed), judgement.in_use(settings.continuous)
-            what = "rise of its temperature by its own heat, highest equilibrium"
-            yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (in_use, MOSTLY))
+            speed, rise, why = one.speed, one.rise, ""
+    limit = np.full(speed.shape, part.warming.highest - part.warming.now)
+    curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
+    use, in_use = judgement.within(settings.continuous, speed), judgement.in_use(settings.continuous)
+    what = "rise of its temperature by its own heat, highest equilibrium"
+    yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY))
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
@@ -92,7 +96,7 @@ def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
-        stiffness, loss = elastic(system, span, omega, response.mean[:, span, None])
+        stiffness, loss = system.elastic(span, omega, response.mean[:, span, None])
         if span in added:
             one = added[span]
             loss = one.share[:, None] * loss + one.extra.imag[:, None]

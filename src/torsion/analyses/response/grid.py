@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -13,10 +13,11 @@ from torsion.analyses.steady import SAME_SPEED
 from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import tables_over, taken_at
-from torsion.kernels.stiffness_table import STEEPEST, StiffnessTable
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree_response import Status
+
+if TYPE_CHECKING:
+    from torsion.kernels.stiffness_table import StiffnessTable
 
 Answered = TypeVar("Answered", bound=Response | FrequencyResponse)
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
@@ -69,7 +70,7 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     found = known if known is not None and known.system is system else None
     if found is not None and found.frequency.size and 2.0 * math.pi * found.frequency[-1] > highest:
         return found
-    if tables := tables_over(system, "frequency"):
+    if tables := system.tables_over("frequency"):
         return _modes_by_table(system, tables, highest)
     if system.groups is not None:
         return condensed_modes(_modes_up_to(system.whole, highest, None), system)
@@ -84,11 +85,14 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     return modes_as_discretised(system, max(below, 1))
 
 
-def _modes_by_table(system: System, tables: Mapping[int, StiffnessTable], highest: float) -> Modes:
+def _modes_by_table(system: System, tables: "Mapping[int, StiffnessTable]", highest: float) -> Modes:
     """The same of a train with tables over frequency; they only place points, so that the ends of tables hold.
 
     Where a table is too steep for one frequency a mode, at the stiffness of the highest.
     """
+    from torsion.assembly.tabled_spans import taken_at
+    from torsion.kernels.stiffness_table import STEEPEST
+
     still = taken_at(system, highest)
     found = _modes_up_to(still, highest, None)
     if any(table.steepest >= STEEPEST for table in tables.values()) or not found.frequency.size:
@@ -101,7 +105,7 @@ def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArr
     """(modes,) loss in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2, generalised inertia 1."""
     twist = system.twist(found.shape / system.speed_ratio[:, None])
     by_mode = system.modal_ratios(len(w))
-    by_frequency = tables_over(system, "frequency")
+    by_frequency = system.tables_over("frequency")
     viscous, loss = (_without(own, by_frequency) for own in (system.viscous, system.loss_factor))
     lost = viscous @ twist**2 / w + loss @ found.elastic
     for span, table in by_frequency.items():

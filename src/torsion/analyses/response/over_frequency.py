@@ -11,13 +11,12 @@ from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, refuse_too_large, with_balance
 from torsion.analyses.response.balanced_couplings import balanced
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
-from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.kernels.tree_response import Status
@@ -56,7 +55,7 @@ def frequency_response(
         columns = (1, len(hertz))
         force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
         carried = np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
-        stiffness = complex_stiffness(system, w, carried)
+        stiffness = tabled_stiffness(system, w, carried)
         solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
         balance = balanced(system, [w], carried, lambda added: [solve(added)])
         found = solve({} if balance is None else balance.added)

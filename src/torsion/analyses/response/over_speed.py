@@ -13,7 +13,6 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.discretisation import no_response
-from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import (
     Balanced,
@@ -33,14 +32,13 @@ from torsion.analyses.response.harmonic_components import (
     lines,
     sources,
 )
-from torsion.analyses.response.solver import Answer, answer, by_magnitude, ground_damping
+from torsion.analyses.response.solver import Answer, answer, by_magnitude, ground_damping, tabled_stiffness
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
@@ -190,7 +188,7 @@ def _solved(
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
-            stiffness = complex_stiffness(system, w, mean[part].T)
+            stiffness = tabled_stiffness(system, w, mean[part].T)
             answered = by_magnitude(
                 [answer(system, w, force, ground, added, stiffness=stiffness) for force in apart[k]]
             )
@@ -214,7 +212,7 @@ def _answers(
 ) -> list[Answer]:  # fmt: skip
     """Of every harmonic component, with a stiffness added to some spans; mean: (spans, speeds) N m."""
     return [
-        answer(system, own, force, ground, added, stiffness=complex_stiffness(system, own, mean))
+        answer(system, own, force, ground, added, stiffness=tabled_stiffness(system, own, mean))
         for own, force in zip(w, forces, strict=True)
     ]
 
@@ -251,16 +249,22 @@ def run(work: Work) -> None:
     work.put(response=found, synthesis=total)
 
 
+def _met_by_torque(work: Work) -> list[float]:
+    """rad/s at which an order meets a mode whose frequency follows the mean torque."""
+    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+
+    if (known := work.get(FrequenciesOverSpeed)) is None:
+        return []
+    return [speed for line in lines(work.system) if line.order for _, speed, _ in known.crossings(line.order)]
+
+
 def _found(work: Work) -> Response:
     """The response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
     study, log, ruled = work.study, work.log, "response" in work.ruled
     with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
         also = work.rules.judged_speeds(study) if ruled else np.empty(0)
-        if (by_torque := work.get(FrequenciesOverSpeed)) is not None:
-            met = [
-                speed for line in lines(work.system) if line.order for _, speed, _ in by_torque.crossings(line.order)
-            ]
-            also = np.union1d(also, met)
+        if study.train.has_tables_over("mean torque"):
+            also = np.union1d(also, _met_by_torque(work))
         found = response(
             study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
             progress=work.progress,

@@ -12,7 +12,6 @@ from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
@@ -101,7 +100,7 @@ def swept(
     ground = np.zeros((tree.size, len(w)))
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
-    stiffness = complex_stiffness(system, w) if stiffness is None and system.tables else stiffness
+    stiffness = tabled_stiffness(system, w) if stiffness is None else stiffness
     if stiffness:
         compliance = _spread(compliance, len(w))
         for span, own in stiffness.items():
@@ -124,6 +123,17 @@ def swept(
         torque = span_torques(system, found.torque, chords, found.chord_torque)
     angle = found.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
+
+
+def tabled_stiffness(
+    system: System, w: FloatArray, mean: FloatArray | None = None
+) -> Mapping[int, ComplexArray] | None:
+    """As `complex_stiffness` of spans with a table; None where there is none."""
+    if not system.tables:
+        return None
+    from torsion.assembly.tabled_spans import complex_stiffness
+
+    return complex_stiffness(system, w, mean)
 
 
 def _with_added(
