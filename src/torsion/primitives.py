@@ -5,10 +5,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from torsion.errors import Path
 
 if TYPE_CHECKING:
     from torsion.kernels.engine.gas_law import CylinderOrder
+    from torsion.kernels.stiffness_table import StiffnessTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +47,20 @@ class Spring:
     flexibility: float  # rad/(N m)
     viscous: float = 0.0  # N m s/rad
     loss_factor: float = 0.0  # 1
+    table: "StiffnessTable | None" = None  # what the three follow; they are then those at one point of it
+
+    @property
+    def damps(self) -> bool:
+        """It takes energy out of a vibration."""
+        return self.viscous > 0 or self.loss_factor > 0 or (self.table is not None and self.table.damps)
+
+
+def tabled_spring(
+    name: str, part: int, ends: tuple[int, int], table: "StiffnessTable", at: float | None = None
+) -> Spring:
+    """The spring of a table with its values at one point (rad/s, or N m), by default its first."""
+    k, eta, c = (float(one) for one in table.values(np.array(table.at[0] if at is None else at)))
+    return Spring(name, part, *ends, 1.0 / k, c, eta, table)
 
 
 @dataclass(frozen=True, slots=True)

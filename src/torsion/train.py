@@ -69,7 +69,7 @@ class Train:
     @property
     def damping_of_components(self) -> str:
         """The name of one that has damping of its own; empty where none has."""
-        named = [spring.name for spring in self.springs if spring.viscous > 0 or spring.loss_factor > 0]
+        named = [spring.name for spring in self.springs if spring.damps]
         named += [bar.name for bar in self.bars if bar.loss_factor > 0]
         named += [self.parts[self.stations[damper.station].part].name for damper in self.dampers]
         return next(iter(named), "")
@@ -83,6 +83,15 @@ class Train:
     def has_loops(self) -> bool:
         """A component of `links` closes a loop."""
         return any(part.path[:1] == ("links",) for part in self.parts)
+
+    @property
+    def has_tables(self) -> bool:
+        """The stiffness of a coupling follows a table."""
+        return any(spring.table is not None for spring in self.springs)
+
+    def has_tables_over(self, over: str) -> bool:
+        """The stiffness of a coupling follows a table over that."""
+        return any(spring.table is not None and spring.table.over == over for spring in self.springs)
 
     @property
     def has_nonlinear_couplings(self) -> bool:

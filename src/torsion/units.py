@@ -29,6 +29,7 @@ _KINDS = {  # SI unit: what it measures, an example to follow
     "rad/s": ("a speed", "1500 rpm"),
     "Hz": ("a frequency", "35 Hz"),
     "s": ("a time", "5 s"),
+    "K": ("a difference of temperature", "70 K"),
     "degC": ("a temperature", "40 degC"),
     "N*m/rad": ("a stiffness", "20 kN*m/rad"),
     "rad/(N*m)": ("a flexibility", "5.1e-7 rad/(N*m)"),

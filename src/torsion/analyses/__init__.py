@@ -76,14 +76,25 @@ ANALYSES: dict[str, Analysis] = {
         results={"modes": "torsion.analyses.undamped_modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
     ),
     "damped": Analysis(
-        "damped modes", "torsion.analyses.damped_modes", needs=("modes",), results={"damped_modes": "DampedModes"},
-        wanted=always, chapters=("natural_frequencies",), place=("analyses", "modes", "damped"),
+        "damped modes", "torsion.analyses.damped_modes", needs=("couplings by table",),
+        results={"damped_modes": "DampedModes"}, wanted=always, chapters=("natural_frequencies",),
+        place=("analyses", "modes", "damped"),
     ),
     "dampers": Analysis(
         "optimum of the dampers", "torsion.analyses.damper_optimum", needs=("modes",), results={"dampers": "Dampers"},
         chapters=("dampers",),
         wanted=lambda study: any(part.kind == "damper" for part in study.train.parts),
         place=("train",),
+    ),
+    "couplings by table": Analysis(
+        "couplings by table", "torsion.analyses.coupling_tables", needs=("modes",),
+        results={"coupling_tables": "CouplingTables"}, chapters=("coupling_tables",), place=("train",),
+        wanted=lambda study: study.train.has_tables,
+    ),
+    "frequencies over speed": Analysis(
+        "frequencies over the speed", "torsion.analyses.frequencies_by_torque", needs=("couplings by table",),
+        results={"frequencies_over_speed": "FrequenciesOverSpeed"}, chapters=("frequencies_by_torque",),
+        wanted=lambda study: study.train.has_tables_over("mean torque"), place=("train",),
     ),
     "segment groups": Analysis(
         "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
@@ -101,6 +112,11 @@ ANALYSES: dict[str, Analysis] = {
         "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
         chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
+    ),
+    "coupling temperatures": Analysis(
+        "temperatures of couplings", "torsion.analyses.coupling_temperatures", needs=("response",),
+        results={"coupling_temperatures": "CouplingTemperatures"}, chapters=("coupling_temperatures",),
+        wanted=lambda study: any(part.warming is not None for part in study.train.parts), place=("train",),
     ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
@@ -133,7 +149,7 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("forced_response:over_frequency",), place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(
-        "critical speeds", "torsion.analyses.critical", needs=("modes",),
+        "critical speeds", "torsion.analyses.critical", needs=("modes", "frequencies over speed"),
         results={"critical_speeds": "CriticalSpeeds"}, wanted=always, chapters=("critical_speeds",),
     ),
     "joints": Analysis(

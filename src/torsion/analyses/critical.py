@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.harmonic_components import Line, lines
@@ -9,6 +10,9 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Operation
+
+if TYPE_CHECKING:
+    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 
 
 @reported
@@ -57,6 +61,17 @@ def critical_speeds(
     return tuple(sorted(found, key=lambda crossing: (crossing.speed, crossing.mode)))
 
 
+def critical_by_torque(
+    found: "FrequenciesOverSpeed", lines: tuple[Line, ...], operation: Operation
+) -> tuple[CriticalSpeed, ...]:
+    """The same within the speed range, of modes whose frequencies follow the mean torque of each speed."""
+    met = [
+        CriticalSpeed(mode, line.order, line.sources, hertz, speed, True, _margin(speed, operation), line.own_orders)
+        for line in lines if line.order is not None for mode, speed, hertz in found.crossings(line.order)
+    ]  # fmt: skip
+    return tuple(sorted(met, key=lambda crossing: (crossing.speed, crossing.mode)))
+
+
 def _margin(speed: float, operation: Operation) -> float | None:
     """Relative distance from the rated speed, else from the nearest end of the range."""
     if operation.rated is not None:
@@ -73,6 +88,13 @@ def run(work: Work) -> None:
     found: tuple[CriticalSpeed, ...] = ()
     if modes is None or not any(line.order is not None for line in harmonics):
         work.log.without("critical speeds", "no modes" if modes is None else "no order excites")
+    elif work.study.train.has_tables_over("mean torque"):
+        from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+
+        over_speed = work.get(FrequenciesOverSpeed)
+        work.log.without("critical speeds outside the speed range", "the stiffness follows the mean torque of a speed")
+        if over_speed is not None:
+            found = critical_by_torque(over_speed, harmonics, work.study.operation)
     else:
         found = critical_speeds(modes, harmonics, work.study.operation)
     work.put(critical_speeds=CriticalSpeeds(found))

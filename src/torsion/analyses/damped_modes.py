@@ -97,6 +97,8 @@ def run(work: Work) -> None:
     why = ""
     if settings.damped is False or not system.damps:
         why = "`damped: false`" if settings.damped is False else "nothing in the train damps"
+    elif system.tables_over("frequency"):
+        why = "a table gives stiffness and damping at real frequencies alone; the modal loss factors stand for them"
     elif system.bars is not None:
         why = f"they are built for `model: lumped`; the response of {system.model} is damped"
     elif system.condensed.extra.size:

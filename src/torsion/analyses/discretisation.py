@@ -87,6 +87,10 @@ def run_assembly(work: Work) -> None:
             step.method += f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
+    if system.tables:
+        from torsion.analyses.coupling_tables import refuse_loops
+
+        refuse_loops(system)
     for part in work.study.train.parts:
         if part.ratings is not None and part.ratings.tolerance and not work.study.varies_tolerances:
             why = f"its {100 * part.ratings.tolerance:.3g} % are not varied; every result is at the nominal stiffness"
@@ -97,6 +101,9 @@ def run_assembly(work: Work) -> None:
             why = f"{what} the coupling as linear: {part.nonlinear.words}"
             why += "" if part.is_clutch else "; the response takes it by harmonic balance"
             work.log.without(f"what is nonlinear in '{part.name}'", why)
+    if work.study.train.has_tables_over("mean torque") and "transient" in work.study.analyses:
+        what = "the stiffness over mean torque in motion over time"
+        work.log.without(what, "the coupling has there the stiffness of the rated, else of the highest speed")
     work.put(system=system)
     if system.bars is not None and system.bars.degree:
         work.log.libraries["scikit-fem"] = None
@@ -115,6 +122,14 @@ def run_modes(work: Work) -> None:
         found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
         system = found.system
         step.method = "tree elimination in mixed form, certified by Sturm counts"
+        if tables := system.tables_over("frequency"):
+            steepest = max(table.steepest for table in tables.values())
+            step.method += f"; by table one root a mode, as d ln k/d ln ω = {steepest:.3g} < 2"
+            from torsion.assembly.tabled_spans import reach
+
+            if not all(table.holds for table in tables.values()):
+                end = reach(system)[1] / (2.0 * math.pi)
+                work.log.without(f"modes above {end:.6g} Hz", "the table of a coupling ends there; `beyond: hold`")
         if system.bars is not None and not found.certified:
             step.method = "dense problem of all unknowns, not certified: the elements are too few for counts"
         step.size = f"{found.frequency.size} of {_size(system)}; {discretisation_words(system)}"

@@ -19,6 +19,7 @@ from torsion.analyses.mode_nodes import TINY
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import taken_at
 
 MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first: then the largest of a table is 1
 
@@ -79,6 +80,7 @@ class HolzerTable:
 
 def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     """The table of one mode (counted from 0)."""
+    system = taken_at(system, 2.0 * math.pi * float(modes.frequency[mode]))
     rows = list(_rows(system))
     station = np.array([row[0] for row in rows], dtype=np.int64)
     before = np.array([row[1] for row in rows], dtype=np.int64)

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from torsion.analyses.mode_nodes import nodes
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly import demand_resolution, is_as_fine, rediscretised
+from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
@@ -120,13 +120,18 @@ def modes(
     """
     if count is not None and not 1 <= count <= MOST_MODES:
         raise InputError([Fault(("count",), f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}")])
-    if not refine or (system.bars is None and math.isinf(system.resolved_to)):
+    ends = any(not table.holds for table in system.tables_over("frequency").values())
+    if ends:  # no mode above the end of a table is sought
+        from torsion.assembly.tabled_spans import reach
+
+        system = resolving(system, reach(system)[1] / (2.0 * math.pi), refine=refine)
+    if ends or not refine or (system.bars is None and math.isinf(system.resolved_to)):
         found = modes_as_discretised(system, count, progress=progress)
     else:
         if count is None:
             count = modes_as_discretised(system, None).frequency.size
         found = _refined(system, count, progress)
-    if count is not None and found.frequency.size < count:
+    if count is not None and found.frequency.size < count and not ends:
         demand_resolution(found.system, math.inf)
     demand_resolution(found.system, float(found.frequency.max(initial=0.0)))
     return found
@@ -188,6 +193,10 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
 
 def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
+    if system.tables_over("frequency"):
+        from torsion.analyses.tabled_modes import tabled_modes
+
+        return tabled_modes(system, count, modes_as_discretised)
     if system.groups is not None:
         return condensed_modes(modes_as_discretised(system.whole, count, progress=progress), system)
     tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)

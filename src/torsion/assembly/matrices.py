@@ -7,6 +7,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import table_path
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import connected
 
@@ -37,6 +38,10 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     if system.bars is not None and system.bars.degree == 0:
         message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
+    if tables := system.tables_over("frequency"):
+        message = "a stiffness that follows the frequency has no constant matrices"
+        hint = "give the coupling a `stiffness` for the matrices"
+        raise InputError([Fault(table_path(system, min(tables)), message, hint)])
     if system.train.modal_damping:
         message = "damping by mode has no matrix beside those of the components"
         raise InputError([Fault(("damping",), message, "leave it out for the matrices, or give the components theirs")])

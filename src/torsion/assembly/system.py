@@ -5,8 +5,8 @@ rigid gear a rigid span: products only, so nothing is lost. The softest spans th
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from torsion.assembly.distributed_spans import BarSpans
     from torsion.kernels.distributed.segment_chains import SegmentChains
     from torsion.kernels.distributed.span_laws import Shafts
+    from torsion.kernels.stiffness_table import StiffnessTable
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ class System:
     resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
     groups: SegmentGroups | None = None  # of a condensed system: the segments that its spans stand for
     uncondensed: "System | None" = None  # of a condensed system: that of all segments
+    tables: "Mapping[int, StiffnessTable]" = field(default_factory=dict)  # of spans that follow one: `tabled_spans`
 
     @property
     def whole(self) -> "System":
@@ -167,8 +169,27 @@ class System:
     @cached_property
     def damps(self) -> bool:
         """Anything in the train takes energy out."""
-        by_mode = any(self.train.modal_damping)
-        return by_mode or bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+        given = any(self.train.modal_damping) or any(table.damps for table in self.tables.values())
+        return given or bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+
+    def tables_over(self, over: str) -> "dict[int, StiffnessTable]":
+        """The tables over frequency, or mean torque, by span."""
+        return {span: table for span, table in self.tables.items() if table.over == over}
+
+    def elastic(
+        self, span: int, w: FloatArray, mean: FloatArray | None = None
+    ) -> tuple[FloatArray | float, FloatArray | float]:
+        """Stiffness (N m/rad) and loss modulus k eta + w c of a span at w (rad/s), any shape; by its table if any.
+
+        mean: N m of that span, of a shape that goes with w.
+        """
+        table = self.tables.get(span)
+        if table is None or (table.over == "mean torque" and mean is None):
+            k = 1.0 / float(self.flexibility[span])
+            return k, k * self.loss_factor[span] + w * self.viscous[span]
+        x = w if table.over == "frequency" or mean is None else np.broadcast_to(np.abs(mean), w.shape)
+        found = table.complex_stiffness(x, w)
+        return found.real, found.imag
 
     def modal_ratios(self, modes: int) -> FloatArray:
         """(modes,) damping ratios given by mode, the last of them for all above; 0 where none is given."""

@@ -84,6 +84,7 @@ class Collected:
             np.concatenate([flexibility, *self.row_flexibility]),
             np.concatenate([viscous, *map(np.zeros_like, loss)]), np.concatenate([loss_factor, *loss]),
             self.train.dampers, segments, bars, tuple(rows), requested, resolved_to,
+            tables={span: spring.table for span, spring in enumerate(self.train.springs) if spring.table is not None},
         )  # fmt: skip
         if bars is not None and system.condensed.extra.size:
             why = "no closed loops, and no train that rigid spans hold at several points"

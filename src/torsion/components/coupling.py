@@ -1,22 +1,29 @@
 """A coupling: an elastic (or rigid) link with its damping, its limits, and what makes it nonlinear."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
+from torsion.components.elastic_element import (
+    DAMPINGS,
+    MAGNIFIER,
+    PSI,
+    CouplingTable,
+    CouplingWarming,
+    Magnifier,
+    Psi,
+    given_damping,
+    loss_factor,
+)
 from torsion.components.lowering import CouplingRatings, Lowering, NonlinearRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.primitives import Spring
+from torsion.primitives import Spring, tabled_spring
 
-DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
-Psi = Annotated[float, Quantity("1", at_least=0, usual=(None, 4.0 * math.pi), slip=("%",))]
-Magnifier = Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken="a loss factor")]
-PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
-MAGNIFIER = "dynamic magnifier M; eta = 1/M"
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
 
 
@@ -25,6 +32,8 @@ Torque = Annotated[float, Quantity("N*m", above=0)]
 BESIDE_NO_CAPACITY = (
     "clearance", "hysteresis_torque", "stages", "viscous", "loss_factor", "psi", "magnifier"
 )  # fmt: skip
+BESIDE_NO_TABLE = (*DAMPINGS, "clearance", "hysteresis_torque", "stages", "capacity")
+STIFFNESSES = ("stiffness", "flexibility", "table")
 STIFF = 100.0  # times the stiffness beside it: that of a friction whose own stiffness the file does not give
 
 
@@ -60,11 +69,13 @@ Clearance = Annotated[Play, _plain("angle", Play)]
 Frictions = Annotated[tuple[Annotated[DryFriction, _plain("torque", DryFriction)], ...], OneOrMany]
 
 
-class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
+class Coupling(Component, keyword="coupling", sort="link"):
     """An elastic or rigid coupling, or any other massless spring of the train."""
 
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
+    table: CouplingTable | None = given("stiffness and damping over frequency or mean torque, in place of `stiffness`")
+    temperature: CouplingWarming | None = given("what its own heat takes of its stiffness, and how far it may warm")
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
     loss_factor: fields.LossFactor | None = given("loss factor eta: k (1 + i eta)")
@@ -93,9 +104,18 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
     capacity: Torque | None = given("torque at which it slips; the coupling is then a clutch")
 
     def refuse_clashes(self) -> None:
-        if (self.stiffness is None) == (self.flexibility is None):
-            what = "`stiffness` or `flexibility` is missing" if self.stiffness is None else "both are given"
-            raise refuse(what, "give one of `stiffness` and `flexibility` (0 = rigid)")
+        named = [key for key in STIFFNESSES if getattr(self, key) is not None]
+        if len(named) != 1:
+            what = f"{' and '.join(f'`{key}`' for key in named)} exclude each other"
+            what = what if named else "`stiffness` or `flexibility` is missing"
+            raise refuse(what, "give one of `stiffness`, `flexibility` (0 = rigid) and `table`", *named[1:2])
+        if self.temperature is not None:
+            _refuse_beside_temperature(self)
+        if self.table is not None:
+            beside = [key for key in BESIDE_NO_TABLE if getattr(self, key) not in (None, ())]
+            if beside:
+                hint = "the table gives the damping" if beside[0] in DAMPINGS else "give a `stiffness` in its place"
+                raise refuse(f"`table` and `{beside[0]}` exclude each other", hint, beside[0])
         if (found := given_damping(self)) and self.flexibility == 0:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
         if self.max_torque_rare is not None and self.max_torque is None:
@@ -110,34 +130,44 @@ class Coupling(Component, keyword="coupling", sort="link", unbuilt=("table",)):
         ratings = CouplingRatings(
             self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance,
             self.max_torque_rare, self.max_torque_range,
+            None if self.temperature is None else self.temperature.to - self.temperature.now,
         )  # fmt: skip
         damping = given_damping(self)
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
+        warming, factor, lost = (None, 1.0, None) if self.temperature is None else self.temperature.lowered()
+        if warming is not None:
+            build.record(warming=warming, damping=damping if lost is None else ("loss_factor", lost))
+        if self.table is not None:
+            table = self.table.lowered(scale)
+            table = replace(table, stiffness=tuple(one * factor for one in table.stiffness))
+            build.add(tabled_spring(build.name, build.part, (driving, driven), table))
+            return
         flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
+        flexibility /= factor
         if self.clearance is not None and self.clearance.stiffness is not None:
             flexibility = 1.0 / build.own(self.clearance.stiffness)
         stiffness = 1.0 / flexibility if flexibility else math.inf
         nonlinear = _nonlinear_record(self, stiffness, scale)
         build.record(nonlinear=nonlinear)
         viscous = build.own(self.viscous or 0.0) if nonlinear is None or not nonlinear.play else nonlinear.viscous
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, loss_factor(damping)))
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, lost or loss_factor(damping)))
 
 
-def given_damping(component: Any, keys: tuple[str, ...] = DAMPINGS) -> tuple[str, float] | None:
-    """Key and value of the damping that a component gives; None without one. Raises where it gives several."""
-    found = [(key, value) for key in keys if (value := getattr(component, key)) is not None]
-    if len(found) > 1:
-        both = " and ".join(key for key, _ in found)
-        raise refuse(f"{both} exclude each other", "give one kind of damping", found[1][0])
-    return found[0] if found else None
-
-
-def loss_factor(damping: tuple[str, float] | None) -> float:
-    """The loss factor eta of a damping by its key and value; 0 where it is viscous or there is none."""
-    key, value = damping or ("", 0.0)
-    return {"loss_factor": value, "psi": value / (2.0 * math.pi), "magnifier": 1.0 / (value or 1.0)}.get(key, 0.0)
+def _refuse_beside_temperature(coupling: Coupling) -> None:
+    """Refuse what does not go together with the temperature of a coupling."""
+    warming, rigid = coupling.temperature, coupling.flexibility == 0
+    beside = [key for key in BESIDE_NO_TABLE[len(DAMPINGS) :] if getattr(coupling, key) not in (None, ())]
+    if rigid or beside:
+        key = beside[0] if beside else "flexibility"
+        what = "a rigid coupling makes no heat" if rigid else f"`temperature` and `{key}` exclude each other"
+        raise refuse(what, "leave `temperature` out", key)
+    lost = [key for key in DAMPINGS[1:] if warming is not None and getattr(warming, key) is not None]
+    own = [key for key in (*DAMPINGS[1:], "table") if getattr(coupling, key) is not None]
+    if lost and own:
+        hint = f"`temperature` gives it as `{lost[0]}`"
+        raise refuse(f"`{own[0]}` and `temperature` both say what the coupling loses", hint, own[0])
 
 
 def _refuse_nonlinear_clashes(coupling: Coupling) -> None:

@@ -4,7 +4,7 @@ import math
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.coupling import MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
+from torsion.components.elastic_element import MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
 from torsion.components.lowering import CouplingRatings, Lowering
 from torsion.fields import given, refuse, required
 from torsion.primitives import Spring

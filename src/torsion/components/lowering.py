@@ -13,6 +13,7 @@ from torsion.primitives import Inertia, Primitive, Spring, Station
 
 if TYPE_CHECKING:
     from torsion.components.engine.record import EngineRecord
+    from torsion.kernels.warming import Warming
 
 Role = Literal["intermediate", "thrust", "propeller", "crank", "generator"]
 ROLES: tuple[Role, ...] = get_args(Role)
@@ -60,11 +61,15 @@ class CouplingRatings:
     tolerance: float | None  # of the stiffness
     max_torque_rare: float | None = None  # N m, T_Kmax2
     max_torque_range: float | None = None  # N m, dT_max
+    temperature_rise: float | None = None  # K, from the surroundings to the highest permissible temperature
 
     @property
     def limit_vibration(self) -> bool:
-        """There is a limit of the vibratory or the greatest torque, or of the heat."""
-        return any(limit is not None for limit in (self.vibratory_torque, self.max_torque, self.heat_limit))
+        """There is a limit of the vibratory or the greatest torque, of the heat, or of the temperature."""
+        return any(
+            limit is not None
+            for limit in (self.vibratory_torque, self.max_torque, self.heat_limit, self.temperature_rise)
+        )
 
     @property
     def limit_anything(self) -> bool:
@@ -164,6 +169,7 @@ class Part:
     propeller: PropellerRecord | None = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
     engine: "EngineRecord | None" = None
+    warming: "Warming | None" = None  # of a coupling whose temperature is computed
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""

@@ -103,7 +103,7 @@ def head(titles: str) -> tuple[Column, ...]:
     Behind '->' is the title on the terminal, by itself the same in small letters.
 
     >>> head("< Shaft | Critical speed [rpm] -> rpm")[1]
-    Column(title='Critical speed', unit='rpm', align='right', short='rpm')
+    Column(title='Critical speed', unit='rpm', align='right', short='rpm', is_files=False)
     """
     found = []
     for words in titles.split("|"):

@@ -59,7 +59,9 @@ class SpanRow:
     driving_station: int = result("", (), "position in `stations`")
     driven_station: int = result("", (), "position in `stations`")
     ratio: Fraction = result("", (), "speed of the driven / speed of the driving station, exact")
-    flexibility: float = result("rad/(N*m)", (), "0 is rigid, null is damping without stiffness")
+    flexibility: float = result(
+        "rad/(N*m)", (), "0 is rigid, null is damping without stiffness; of a table over frequency at its first point"
+    )
     loss_factor: float = result("1", (), "eta of k (1 + i eta)")
     viscous: float = result("N*m*s/rad", (), "viscous damping")
     error: tuple[Harmonic, ...] = result("", (), "imposed on the driven angle, over the driving station's angle")

@@ -62,6 +62,8 @@ def by_part(part: IntArray) -> dict[int, IntArray]:
 def damps(system: System, element: Element) -> bool:
     """Its internal damping takes energy out of a vibration."""
     first = element.spans[0]
+    if first in system.tables:
+        return system.tables[first].damps
     return bool(system.loss_factor[first] > 0 or system.viscous[first] > 0)
 
 

@@ -14,7 +14,7 @@ from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
 from torsion.rules import judgement
-from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, Curve, RuleOverSpeed, curve_of
 from torsion.study import Study
 
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
@@ -65,6 +65,25 @@ class CouplingMaker(RuleOverSpeed):
                 yield Clause("T_KN", part.name, "mean torque", "maker", mean, np.ones(len(mean.speed), dtype=bool))
             if ratings.limit_vibration:
                 yield from _vibration(evidence, part, ratings, spans, settings)
+            yield from _warm(evidence, part, settings)
+
+
+def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator[Clause]:
+    """The highest temperature of equilibrium; one that runs away, or has no answer, never passes."""
+    if part.warming is None:
+        return
+    from torsion.analyses.coupling_temperatures import CouplingTemperatures
+
+    known, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
+    rise, why = np.full(speed.shape, np.inf), "its temperatures have no answer, which is never a pass"
+    for one in known.each if known is not None else ():
+        if one.coupling == part.name:
+            speed, rise, why = one.speed, one.rise, ""
+    limit = np.full(speed.shape, part.warming.highest - part.warming.now)
+    curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
+    use, in_use = judgement.within(settings.continuous, speed), judgement.in_use(settings.continuous)
+    what = "rise of its temperature by its own heat, highest equilibrium"
+    yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY))
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
@@ -77,8 +96,7 @@ def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
-        stiffness = 1.0 / system.flexibility[span]
-        loss = stiffness * system.loss_factor[span] + omega * system.viscous[span]
+        stiffness, loss = system.elastic(span, omega, response.mean[:, span, None])
         if span in added:
             one = added[span]
             loss = one.share[:, None] * loss + one.extra.imag[:, None]

@@ -109,6 +109,13 @@ def _study(source: Source) -> Study:
         faults += study_faults(study, _faulty(faults))
     if faults or study is None:
         raise input_error(faults, source)
+    if study.train.has_tables_over("mean torque"):
+        from torsion.analyses.frequencies_by_torque import at_operating_point
+
+        try:
+            study = at_operating_point(study)
+        except InputError as error:
+            raise input_error(list(error.faults), source) from None
     return study
 
 

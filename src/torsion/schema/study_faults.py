@@ -144,6 +144,7 @@ _lateral_faults = _of_analysis(
     "lateral.shaft_bending:lateral_faults", lambda study: "lateral" in study.analyses or study.has_supports,
     lambda study: (study.train, study.analyses.get("lateral")),
 )  # fmt: skip
+_table_faults = _of_analysis("coupling_tables:table_faults", lambda study: study.train.has_tables)
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),
@@ -154,6 +155,7 @@ _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that
     (_power_faults, ("train", "operation")),
     (_joint_faults, ("train", "analyses")),
     (_motion_faults, ("train", "links", "operation", "analyses")),
+    (_table_faults, ("train", "links", "operation", "analyses", "damping")),
     (_growth_faults, ("train", "links", "operation", "analyses")),
     (_engine_faults, ("train", "operation")),
     (_transient_faults, ("train", "operation", "analyses")),

@@ -112,6 +112,9 @@ def run_periodic(work: Work) -> None:
     """The exact periodic response beside the first-order one, where the file or the size of the angles calls for it."""
     system, log, first_order = work.system, work.log, work.get(Response)
     method = work.study.setting("analyses", "response", "method")
+    if system.tables:
+        log.without(PERIODIC, "a coupling follows a table, which has no motion over time; the first order stands")
+        return
     joints, requested = exciting_joints(system), method == "harmonic-balance"
     if not joints:
         if requested:

@@ -1,9 +1,9 @@
 """Speeds and frequencies at which a response is computed: those requested, and more around every resonance."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree_response import Status
+
+if TYPE_CHECKING:
+    from torsion.kernels.stiffness_table import StiffnessTable
 
 Answered = TypeVar("Answered", bound=Response | FrequencyResponse)
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
@@ -67,6 +70,8 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     found = known if known is not None and known.system is system else None
     if found is not None and found.frequency.size and 2.0 * math.pi * found.frequency[-1] > highest:
         return found
+    if tables := system.tables_over("frequency"):
+        return _modes_by_table(system, tables, highest)
     if system.groups is not None:
         return condensed_modes(_modes_up_to(system.whole, highest, None), system)
     condensed = system.condensed
@@ -80,11 +85,42 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     return modes_as_discretised(system, max(below, 1))
 
 
+def _modes_by_table(system: System, tables: "Mapping[int, StiffnessTable]", highest: float) -> Modes:
+    """The same of a train with tables over frequency; they only place points, so that the ends of tables hold.
+
+    Where a table is too steep for one frequency a mode, at the stiffness of the highest.
+    """
+    from torsion.assembly.tabled_spans import taken_at
+    from torsion.kernels.stiffness_table import STEEPEST
+
+    still = taken_at(system, highest)
+    found = _modes_up_to(still, highest, None)
+    if any(table.steepest >= STEEPEST for table in tables.values()) or not found.frequency.size:
+        return found
+    held = replace(system, tables={**system.tables, **{s: replace(t, holds=True) for s, t in tables.items()}})
+    return modes_as_discretised(held, found.frequency.size)
+
+
 def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArray:
     """(modes,) loss in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2, generalised inertia 1."""
     twist = system.twist(found.shape / system.speed_ratio[:, None])
     by_mode = system.modal_ratios(len(w))
-    return np.asarray((system.viscous @ twist**2 / w + system.loss_factor @ found.elastic) / 2.0 + by_mode)
+    by_frequency = system.tables_over("frequency")
+    viscous, loss = (_without(own, by_frequency) for own in (system.viscous, system.loss_factor))
+    lost = viscous @ twist**2 / w + loss @ found.elastic
+    for span, table in by_frequency.items():
+        stiffness = table.complex_stiffness(w, w)
+        lost += stiffness.imag / stiffness.real * found.elastic[span]
+    return np.asarray(lost / 2.0 + by_mode)
+
+
+def _without(own: FloatArray, spans: Mapping[int, object]) -> FloatArray:
+    """The same with 0 in place of some spans."""
+    if not spans:
+        return own
+    rest = own.copy()
+    rest[list(spans)] = 0.0
+    return rest
 
 
 def places(

@@ -11,7 +11,7 @@ from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import FrequencyResponse, refuse_too_large, with_balance
 from torsion.analyses.response.balanced_couplings import balanced
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
-from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
@@ -55,8 +55,10 @@ def frequency_response(
         columns = (1, len(hertz))
         force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
         carried = np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
-        balance = balanced(system, [w], carried, lambda added: [answer(system, w, force, tiled, added)])
-        found = answer(system, w, force, tiled, {} if balance is None else balance.added)
+        stiffness = tabled_stiffness(system, w, carried)
+        solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
+        balance = balanced(system, [w], carried, lambda added: [solve(added)])
+        found = solve({} if balance is None else balance.added)
         status = found.status if balance is None else np.where(balance.settled, found.status, Status.SINGULAR)
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources

@@ -32,7 +32,7 @@ from torsion.analyses.response.harmonic_components import (
     lines,
     sources,
 )
-from torsion.analyses.response.solver import Answer, answer, by_magnitude, ground_damping
+from torsion.analyses.response.solver import Answer, answer, by_magnitude, ground_damping, tabled_stiffness
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -181,13 +181,17 @@ def _solved(
         if system.train.has_nonlinear_couplings:
             from torsion.analyses.response.balanced_couplings import balanced
 
-            if one_block := balanced(system, each_w, mean[part].T, partial(_answers, system, each_w, forces, ground)):
+            solve = partial(_answers, system, each_w, forces, ground, mean[part].T)
+            if one_block := balanced(system, each_w, mean[part].T, solve):
                 balance.append(one_block)
         added = balance[-1].added if balance else {}
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
-            answered = by_magnitude([answer(system, w, force, ground, added) for force in apart[k]])
+            stiffness = tabled_stiffness(system, w, mean[part].T)
+            answered = by_magnitude(
+                [answer(system, w, force, ground, added, stiffness=stiffness) for force in apart[k]]
+            )
             frequency[part, k] = w / (2.0 * math.pi)
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
@@ -203,11 +207,14 @@ def _solved(
 
 
 def _answers(
-    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
+    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray, mean: FloatArray,
     added: "Mapping[int, Secant]",
 ) -> list[Answer]:  # fmt: skip
-    """Of every harmonic component, with a stiffness added to some spans."""
-    return [answer(system, own, force, ground, added) for own, force in zip(w, forces, strict=True)]
+    """Of every harmonic component, with a stiffness added to some spans; mean: (spans, speeds) N m."""
+    return [
+        answer(system, own, force, ground, added, stiffness=tabled_stiffness(system, own, mean))
+        for own, force in zip(w, forces, strict=True)
+    ]
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
@@ -242,11 +249,22 @@ def run(work: Work) -> None:
     work.put(response=found, synthesis=total)
 
 
+def _met_by_torque(work: Work) -> list[float]:
+    """rad/s at which an order meets a mode whose frequency follows the mean torque."""
+    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+
+    if (known := work.get(FrequenciesOverSpeed)) is None:
+        return []
+    return [speed for line in lines(work.system) if line.order for _, speed, _ in known.crossings(line.order)]
+
+
 def _found(work: Work) -> Response:
     """The response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
     study, log, ruled = work.study, work.log, "response" in work.ruled
     with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
         also = work.rules.judged_speeds(study) if ruled else np.empty(0)
+        if study.train.has_tables_over("mean torque"):
+            also = np.union1d(also, _met_by_torque(work))
         found = response(
             study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
             progress=work.progress,

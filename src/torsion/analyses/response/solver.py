@@ -34,15 +34,16 @@ class Answer:
 
 
 def answer(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING
-) -> Answer:
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING,
+    *, stiffness: Mapping[int, ComplexArray] | None = None,
+) -> Answer:  # fmt: skip
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
-    damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode. added: as of
-    `swept`; raises SolveError where the train is damped by mode.
+    damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode. added,
+    stiffness: as of `swept`; raises SolveError where the train is damped by mode.
     """
     if not system.train.modal_damping:
-        return swept(system, w, sources, damping, added)
+        return swept(system, w, sources, damping, added, stiffness=stiffness)
     if any(not one.is_linear for one in added.values()):
         message = "friction in the response changes the modes, and the train is damped by mode"
         raise SolveError(message, "give the damping of the components", ("damping",))
@@ -80,15 +81,17 @@ def undamped(system: System) -> System:
 
 
 def swept(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING
-) -> Answer:
+    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING,
+    *, stiffness: Mapping[int, ComplexArray] | None = None,
+) -> Answer:  # fmt: skip
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
     The train is damped by its components.
 
     damping: (stations, frequencies) N m s/rad to ground at own speed. added: of some spans what is left of their own
-    spring and damper, and a stiffness beside them, at the driving station's speed. Raises ValueError where such a span
-    closes a loop.
+    spring and damper, and a stiffness beside them, at the driving station's speed. stiffness: (frequencies,) N m/rad
+    complex, of spans at the driving station's speed, in place of their own; by default what their tables over frequency
+    say. Raises ValueError where such a span closes a loop.
     """
     condensed = system.condensed
     tree = condensed.tree.cut(np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0))
@@ -97,6 +100,11 @@ def swept(
     ground = np.zeros((tree.size, len(w)))
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
+    stiffness = tabled_stiffness(system, w) if stiffness is None else stiffness
+    if stiffness:
+        compliance = _spread(compliance, len(w))
+        for span, own in stiffness.items():
+            compliance[_node(system, span)] = 1.0 / (own * system.span_ratio[span] ** 2)
     changed = {span: one for span, one in added.items() if not one.is_linear}
     if changed:
         compliance = _with_added(system, compliance, changed, len(w))
@@ -117,18 +125,41 @@ def swept(
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
 
 
+def tabled_stiffness(
+    system: System, w: FloatArray, mean: FloatArray | None = None
+) -> Mapping[int, ComplexArray] | None:
+    """As `complex_stiffness` of spans with a table; None where there is none."""
+    if not system.tables:
+        return None
+    from torsion.assembly.tabled_spans import complex_stiffness
+
+    return complex_stiffness(system, w, mean)
+
+
 def _with_added(
     system: System, compliance: NDArray[Any], added: "Mapping[int, Secant]", frequencies: int
 ) -> ComplexArray:
     """(tree stations, frequencies) rad/(N m)."""
-    whole = np.empty((len(compliance), frequencies), dtype=complex)
-    whole[:] = compliance.reshape(len(compliance), -1)
+    whole = _spread(compliance, frequencies)
     for span, one in added.items():
-        node = int(system.condensed.span[span])
-        if node < 0:
-            raise ValueError(f"'{system.spans[span].name}' closes a loop")
+        node = _node(system, span)
         whole[node] = whole[node] / (one.share + whole[node] * one.extra * system.span_ratio[span] ** 2)
     return whole
+
+
+def _spread(compliance: NDArray[Any], frequencies: int) -> ComplexArray:
+    """(tree stations, frequencies) rad/(N m), a copy."""
+    whole = np.empty((len(compliance), frequencies), dtype=complex)
+    whole[:] = compliance.reshape(len(compliance), -1)
+    return whole
+
+
+def _node(system: System, span: int) -> int:
+    """The tree station below a span; raises ValueError where it closes a loop."""
+    node = int(system.condensed.span[span])
+    if node < 0:
+        raise ValueError(f"'{system.spans[span].name}' closes a loop")
+    return node
 
 
 def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> FloatArray:

@@ -10,7 +10,7 @@ from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import NONE, given, given_rpm, number
+from torsion.output.numbers import BY_TABLE, NONE, given, given_rpm, number
 from torsion.output.reported_values import NOT_STATED, rated
 from torsion.output.selection import damps, elements
 from torsion.results import listed
@@ -58,9 +58,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 
 def _elements(findings: Findings) -> Table:
-    system, rows = findings.system, []
+    system = findings.system
+    rows: list[tuple[float | str, ...]] = []
     for element in elements(system):
-        if damps(system, element):
+        if element.spans[0] in system.tables:
+            rows.append((element.name, *[BY_TABLE] * 5))
+        elif damps(system, element):
             eta, viscous = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
             losses = (eta, 2 * math.pi * eta, 1 / eta) if eta else [NONE] * 3
             rows.append((element.name, _as_given(findings, element.part), *losses, viscous or NONE))

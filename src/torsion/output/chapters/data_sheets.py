@@ -9,7 +9,7 @@ from torsion.analyses.tooth_forces import ToothForces
 from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
+from torsion.output.numbers import BY_TABLE, NONE, exact, given, given_rpm, number, scale
 from torsion.output.reported_values import mean_torque_at_rated, rated, source
 
 MOST_DIGITS = 8  # significant digits of a figure of the file
@@ -74,16 +74,19 @@ def _couplings(findings: Findings) -> Table | None:
     for k, part in _parts(findings, "coupling"):
         limits, spring = part.ratings, springs[k]
         stiffness = "rigid" if spring.flexibility == 0 else given(1.0 / spring.flexibility, MOST_DIGITS)
+        if spring.table is not None:
+            stiffness = BY_TABLE
         torques: tuple[float | None, ...] = (None,) * 3
         if limits is not None:
             torques = (limits.rated_torque, limits.vibratory_torque, limits.max_torque)
         heat, tolerance = (None, None) if limits is None else (limits.heat_limit, limits.tolerance)
         lost = 2.0 * np.pi * spring.loss_factor
-        if not (any(torques) or heat or tolerance or lost or spring.viscous):
+        if not (any(torques) or heat or tolerance or lost or spring.viscous or spring.table):
             continue  # a spring, which the mass-elastic system has
+        losses = number(lost) if lost else NONE, _figure(spring.viscous or None)
         rows.append((
             part.name, *map(_figure, torques), _figure(heat), stiffness, _figure(tolerance, 100.0),
-            number(lost) if lost else NONE, _figure(spring.viscous or None), source(findings, k),
+            *(losses if spring.table is None else (BY_TABLE, BY_TABLE)), source(findings, k),
         ))  # fmt: skip
     return _sheet(
         "< Coupling | T_{KN} [N m] | T_{KW} [N m] | T_{Kmax} [N m] | P_{KW} [W] | k own [N m/rad] | "

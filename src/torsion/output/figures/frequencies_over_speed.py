@@ -20,8 +20,12 @@ AHEAD = 1.6  # times the highest frequency that an order reaches: so far up a mo
 def campbell(
     name: str, caption: str, *, frequencies: Sequence[float], orders: Sequence[tuple[float, str]],
     crossings: Sequence[Crossing], speeds: tuple[float, float], rated: float | None, barred: Bands = (),
+    curves: tuple[FloatArray, FloatArray] | None = None,
 ) -> Figure:  # fmt: skip
-    """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm."""
+    """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm.
+
+    curves: speeds (points,) rpm and frequencies (modes, points) Hz, of modes that move over the speed.
+    """
     inside = max((f for _, f, is_inside, _ in crossings if is_inside), default=0.0)
     reached = max((order for order, _ in orders), default=1.0) * speeds[1] / 60.0
     wanted = min((f for f in frequencies if f > inside), default=inside or reached)  # one mode above what matters
@@ -30,6 +34,10 @@ def campbell(
     shown = [f for f in frequencies if f <= top][:MOST_LINES]
     modes = tuple(Level("", f, "plain", label=f"mode {k}: {number(f)} Hz") for k, f in enumerate(shown, start=1))
     lines = []
+    if curves is not None:
+        modes = ()
+        for k, mode in enumerate(curves[1][:MOST_LINES], start=1):
+            lines.append(Line("", curves[0], np.where(mode <= top, mode, np.nan), "plain", f"mode {k}", label_at="end"))
     for pen, (order, words) in enumerate(orders[:MOST_LINES]):
         end = min(right, 60.0 * top / order)
         ends = np.array([0.0, end]), np.array([0.0, order * end / 60.0])

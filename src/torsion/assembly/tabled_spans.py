@@ -1,0 +1,92 @@
+"""Spans whose stiffness and damping follow a table: the system at one frequency, and complex stiffness over many."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path
+
+WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0)}
+
+
+def reach(system: System) -> tuple[float, float]:
+    """rad/s between which every table that refuses to go further says something; where all hold, beyond all of them."""
+    tables = system.tables_over("frequency").values()
+    refusing = [table for table in tables if not table.holds]
+    if refusing:
+        return max(table.at[0] for table in refusing), min(table.at[-1] for table in refusing)
+    return min(table.at[0] for table in tables), max(table.at[-1] for table in tables)
+
+
+def taken_at(system: System, w: float) -> System:
+    """The system with the stiffness and damping that its tables over frequency have at w (rad/s), and no such table."""
+    return _taken(system, dict.fromkeys(system.tables_over("frequency"), w))
+
+
+def taken_under(system: System, mean: FloatArray) -> System:
+    """The same with that of its tables over mean torque under mean torques (spans,) N m."""
+    return _taken(system, {span: abs(float(mean[span])) for span in system.tables_over("mean torque")})
+
+
+def _taken(system: System, at: dict[int, float]) -> System:
+    """The system with the values of some tables at one point each, and without those tables.
+
+    The tree keeps its layout; values at the nearest end stand for those beyond a table.
+    """
+    if not at:
+        return system
+    spans = list(at)
+    flexibility, viscous, loss = (one.copy() for one in (system.flexibility, system.viscous, system.loss_factor))
+    for span, x in at.items():
+        k, loss[span], viscous[span] = system.tables[span].values(np.asarray(x))
+        flexibility[span] = 1.0 / k
+    rest = {span: table for span, table in system.tables.items() if span not in at}
+    found = replace(system, flexibility=flexibility, viscous=viscous, loss_factor=loss, tables=rest)
+    if system.uncondensed is not None:
+        vars(found)["uncondensed"] = _taken(system.uncondensed, at)
+    known, node, ratio2 = system.condensed, system.condensed.span[spans], system.span_ratio[spans] ** 2
+    of_tree = (known.tree.flexibility.copy(), known.viscous.copy(), known.loss_factor.copy())
+    referred = (flexibility[spans] / ratio2, viscous[spans] * ratio2, loss[spans])
+    for each, values in zip(of_tree, referred, strict=True):
+        each[node] = values
+    tree = replace(known.tree, flexibility=of_tree[0])
+    vars(found)["condensed"] = replace(known, tree=tree, viscous=of_tree[1], loss_factor=of_tree[2])
+    return found
+
+
+def complex_stiffness(system: System, w: FloatArray, mean: FloatArray | None = None) -> dict[int, ComplexArray]:
+    """(frequencies,) N m/rad of every span with a table, at circular frequencies w (frequencies,) rad/s.
+
+    mean: (spans, frequencies) N m mean torque; without it the tables over mean torque are left out. Raises InputError
+    where a table does not cover them.
+    """
+    found: dict[int, ComplexArray] = {}
+    for span, table in system.tables.items():
+        if table.over == "mean torque" and mean is None:
+            continue
+        x = w if table.over == "frequency" or mean is None else np.abs(mean[span])
+        refuse_beyond(system, span, x)
+        found[span] = table.complex_stiffness(x, w)
+    return found
+
+
+def refuse_beyond(system: System, span: int, x: FloatArray) -> None:
+    """Raise InputError where the table of a span says nothing of x (rad/s, or N m)."""
+    table = system.tables[span]
+    outside = table.uncovered(np.ravel(x))
+    if not outside.size:
+        return
+    unit, size = WORDS[table.over]
+    worst = outside[np.argmax(np.abs(outside - 0.5 * (table.at[0] + table.at[-1])))]
+    low, high = (f"{end / size:.6g}" for end in (table.at[0], table.at[-1]))
+    covers = f"the table of '{system.spans[span].name}' covers {low} to {high} {unit}"
+    message = f"{covers}; {worst / size:.6g} {unit} is needed"
+    hint = "extend the table, narrow the speeds or orders, or `beyond: hold` to keep the values at its ends"
+    raise InputError([Fault(table_path(system, span), message, hint)])
+
+
+def table_path(system: System, span: int) -> Path:
+    """The place of the table in the file."""
+    return (*system.train.parts[system.spans[span].part].path, "table")

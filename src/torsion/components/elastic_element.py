@@ -1,0 +1,146 @@
+"""What makers say of an elastic element: its damping, its tables over frequency or mean torque, and how it warms."""
+
+import math
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, ValidationInfo, field_validator
+
+from torsion import fields
+from torsion.fields import Declared, LossFactor, Power, Quantity, given, refuse, required
+
+if TYPE_CHECKING:
+    from torsion.kernels.stiffness_table import StiffnessTable
+    from torsion.kernels.warming import Warming
+
+DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
+Psi = Annotated[float, Quantity("1", at_least=0, usual=(None, 4.0 * math.pi), slip=("%",))]
+Magnifier = Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken="a loss factor")]
+PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
+MAGNIFIER = "dynamic magnifier M; eta = 1/M"
+
+OVER = {"frequency": Quantity("Hz", above=0), "mean torque": Quantity("N*m", at_least=0)}
+POINTS = "at: [5 Hz, 10 Hz, 20 Hz], stiffness: [20e3, 24e3, 30e3], loss_factor: [0.12, 0.14, 0.16]"
+
+
+def given_damping(component: Any, keys: tuple[str, ...] = DAMPINGS) -> tuple[str, Any] | None:
+    """Key and value of the damping that a component gives; None without one. Raises where it gives several.
+
+    Of a table the value is one at each of its points.
+    """
+    found = [(key, value) for key in keys if (value := getattr(component, key)) is not None]
+    if len(found) > 1:
+        both = " and ".join(key for key, _ in found)
+        raise refuse(f"{both} exclude each other", "give one kind of damping", found[1][0])
+    return found[0] if found else None
+
+
+def loss_factor(damping: tuple[str, float] | None) -> float:
+    """The loss factor eta of a damping by its key and value; 0 where it is viscous or there is none."""
+    key, value = damping or ("", 0.0)
+    return {"loss_factor": value, "psi": value / (2.0 * math.pi), "magnifier": 1.0 / (value or 1.0)}.get(key, 0.0)
+
+
+class CouplingTable(Declared):
+    """Dynamic stiffness and damping by a table; stiffness and loss factor are linear between its points."""
+
+    over: Literal["frequency", "mean torque"] = required("what the table is over")
+    at: tuple[Any, ...] = required("rising frequencies, or mean torques of the coupling (their size)")
+    stiffness: tuple[fields.Stiffness, ...] = required(
+        "dynamic stiffness at each; over mean torque the tangent of the static curve"
+    )
+    loss_factor: tuple[LossFactor, ...] | None = given("loss factor eta at each")
+    psi: tuple[Psi, ...] | None = given("relative damping at each; eta = psi/(2 pi)")
+    magnifier: tuple[Magnifier, ...] | None = given("dynamic magnifier at each; eta = 1/M")
+    viscous: tuple[fields.Damping, ...] | None = given("viscous damping at each")
+    beyond: Literal["refuse", "hold"] = given(
+        "what holds beyond the ends of the table: nothing is computed there, or their values hold", "refuse"
+    )
+
+    @field_validator("at", mode="plain", json_schema_input_type=tuple[float | str, ...])
+    @classmethod
+    def _points(cls, value: Any, info: ValidationInfo) -> tuple[float, ...]:
+        """Hz or N m, by what the table is over."""
+        quantity = OVER.get(info.data.get("over", ""), OVER["frequency"])
+        if not isinstance(value, list | tuple):
+            raise refuse("`at` is a list of the points of the table", POINTS)
+        points = tuple(quantity.read(one) for one in value)
+        if len(points) < 2 or any(before >= after for before, after in pairwise(points)):
+            raise refuse("`at` needs two points or more, rising", POINTS)
+        return points
+
+    def refuse_clashes(self) -> None:
+        lost = given_damping(self)
+        for key, values in (("stiffness", self.stiffness), lost or ("stiffness", self.stiffness)):
+            if len(values) != len(self.at):
+                message = f"`{key}` has {len(values)} values, `at` has {len(self.at)} points"
+                raise refuse(message, "one value for each point", key)
+
+    def lowered(self, scale: float) -> "StiffnessTable":
+        """In SI at the coupling's own speed; scale: as of `Arrival`, by which stiffness and damping are divided."""
+        from torsion.kernels.stiffness_table import StiffnessTable
+
+        key, values = given_damping(self) or ("", (0.0,) * len(self.at))
+        eta = tuple(loss_factor((key, value)) for value in values)
+        viscous = tuple(value / scale if key == "viscous" else 0.0 for value in values)
+        own = 2.0 * math.pi if self.over == "frequency" else 1.0 / math.sqrt(scale)
+        stiffness = tuple(value / scale for value in self.stiffness)
+        points = tuple(point * own for point in self.at)
+        return StiffnessTable(self.over, points, stiffness, eta, viscous, self.beyond == "hold")
+
+
+Temperature = Annotated[float, Quantity("degC", usual=(-60.0, 250.0))]
+Rise = Annotated[float, Quantity("K", above=0, usual=(None, 200.0), mistaken="a temperature")]
+Factor = Annotated[float, Quantity("1", above=0, usual=(0.05, 3.0), slip=("%",))]
+ROW = "rows are [temperature, value], the temperatures rising: [[30 degC, 1], [100 degC, 0.6]]"
+
+
+def _rows(value: Any) -> Any:
+    if not isinstance(value, list | tuple) or not all(isinstance(row, list | tuple) and len(row) == 2 for row in value):
+        raise refuse("this is no table over temperature", ROW)
+    return tuple(tuple(row) for row in value)
+
+
+Factors = Annotated[tuple[tuple[Temperature, Factor], ...], BeforeValidator(_rows)]
+LossFactors = Annotated[tuple[tuple[Temperature, LossFactor], ...], BeforeValidator(_rows)]
+Psis = Annotated[tuple[tuple[Temperature, Psi], ...], BeforeValidator(_rows)]
+Magnifiers = Annotated[tuple[tuple[Temperature, Magnifier], ...], BeforeValidator(_rows)]
+
+
+class CouplingWarming(Declared):
+    """Stiffness and damping over temperature, and the rise of temperature by the heat of the vibration."""
+
+    now: Temperature = required("temperature of the surroundings; all other results are of a coupling as cold as that")
+    stiffness: Factors = required("rows [temperature, factor on the stiffness]")
+    loss_factor: LossFactors | None = given("rows [temperature, loss factor], in place of the coupling's own")
+    psi: Psis | None = given("rows [temperature, relative damping], in place of the coupling's own")
+    magnifier: Magnifiers | None = given("rows [temperature, dynamic magnifier], in place of the coupling's own")
+    rise: Rise = required("rise of temperature by the heat `at`, in proportion")
+    at: Power = required("heat that warms it by `rise`")
+    to: Temperature = required("highest permissible temperature")
+
+    def refuse_clashes(self) -> None:
+        if self.to <= self.now:
+            raise refuse(f"{self.to:g} degC is not above the {self.now:g} degC of `now`", "it warms", "to")
+        lost = given_damping(self, ("loss_factor", "psi", "magnifier"))
+        for key, rows in (("stiffness", self.stiffness), lost or ("stiffness", self.stiffness)):
+            if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
+                raise refuse("a table over temperature needs two rows or more, rising", ROW, key)
+            if rows[0][0] > self.now or rows[-1][0] < self.to:
+                message = f"the rows run from {rows[0][0]:g} to {rows[-1][0]:g} degC"
+                raise refuse(message, f"they must cover {self.now:g} to {self.to:g} degC, `now` to `to`", key)
+
+    def lowered(self) -> "tuple[Warming, float, float | None]":
+        """The record, the factor on the stiffness now, and the loss factor now (None: the coupling's own)."""
+        from torsion.kernels.warming import Warming
+
+        key, values = given_damping(self, ("loss_factor", "psi", "magnifier")) or ("", ())
+        of_psi = 2.0 * math.pi if key == "psi" else 1.0
+        rows = tuple((t, value / of_psi) for t, value in values)
+        now = np.array(self.now)
+        points, factors = np.array(self.stiffness).T
+        first = float(np.interp(now, points, factors))
+        factor = tuple((t, value / first) for t, value in self.stiffness)
+        found = Warming(self.now, self.to, self.rise / self.at, factor, rows, key == "magnifier")
+        return found, first, float(found.loss_factor(now)) if rows else None

@@ -1,0 +1,96 @@
+"""Chapter: couplings whose stiffness and damping follow a table, as given and at the modes."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsion.analyses.coupling_tables import CouplingTables, Table
+from torsion.findings import Findings
+from torsion.output import blocks
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.figures.coupling_table import coupling_table
+from torsion.output.figures.figure import Axis, Figure
+from torsion.output.numbers import NONE, given, number, rpm, scale
+
+GIVEN = 8  # significant digits of a figure of the file
+LINEAR = "Stiffness k and loss factor η are linear between the points of a table, each by itself, as makers print them."
+BEYOND = {True: "the values at its ends hold beyond them", False: "nothing is computed beyond its ends"}
+BY_FREQUENCY = (
+    "Every harmonic component of the response has k and η of its own frequency. A mode has the k of its own natural "
+    "frequency, and one Holzer table each: modes are not orthogonal, and no motion over time is a sum of them. On "
+    "every piece of the table d ln k/d ln ω is at most {}; below 2 each mode has exactly one frequency, which Sturm "
+    "counts on both sides of it and this slope enclose."
+)
+BY_TORQUE = (
+    "Over mean torque k is the tangent of the static curve. Every speed of the response has the k of its own mean "
+    "torque; modes, and all that does not name a speed, have that of {} rpm."
+)
+LOSS = (
+    "The modal loss factor is the sum over all elements of their share of the elastic energy times their loss factor; "
+    "half of it is about the damping ratio. A table gives k and η at real frequencies alone, so that there are no "
+    "complex modes."
+)
+UNITS = {"frequency": Axis("frequency", "Hz"), "mean torque": Axis("mean torque of the coupling", "N m")}
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """Tables as given, their figures, and the modes."""
+    found = findings.need(CouplingTables)
+    yield Heading("Couplings by table")
+    yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in found.tables)}.")
+    steepest = [one.steepest for one in found.tables if one.over == "frequency"]
+    if steepest:
+        yield Paragraph(BY_FREQUENCY.format(number(max(steepest), 3)))
+    if found.speed is not None:
+        yield Paragraph(BY_TORQUE.format(rpm(found.speed)))
+    yield _as_given(found)
+    for place, one in enumerate(found.tables, 1):
+        yield _figure(found, one, f"coupling-table-{place}")
+    if found.at_modes:
+        yield Paragraph(LOSS)
+        yield _at_modes(found)
+
+
+def _as_given(found: CouplingTables) -> blocks.Table:
+    rows = [
+        (
+            one.coupling, one.over, f"{given(at, GIVEN)} {UNITS[one.over].unit}", given(k, GIVEN),
+            given(eta, GIVEN) if eta else NONE, given(c, GIVEN) if c else NONE,
+        )
+        for one in found.tables
+        for at, k, eta, c in zip(
+            *(values.tolist() for values in (one.at, one.stiffness, one.loss_factor, one.viscous)), strict=True
+        )
+    ]  # fmt: skip
+    titles = "< Coupling -> | < Over -> | At -> | k own [N m/rad] -> k | Loss factor η -> η | Viscous c [N m s/rad]"
+    return table(titles, rows, "Couplings by table, as given")
+
+
+def _at_modes(found: CouplingTables) -> blocks.Table:
+    lost = found.modal_loss_factor.tolist()
+    rows = [
+        (
+            one.mode, number(one.frequency, 7), one.coupling, number(one.stiffness, 7), number(one.loss_factor),
+            number(100.0 * one.share, 4), number(lost[one.mode - 1]),
+        )
+        for one in sorted(found.at_modes, key=lambda one: one.mode)
+    ]  # fmt: skip
+    titles = (
+        "Mode -> | Frequency [Hz] -> Hz | < Coupling -> | k own [N m/rad] -> k | Loss factor η -> η | "
+        "Share of the elastic energy [%] -> share, % | Modal loss factor of the train -> modal η"
+    )
+    return table(titles, rows, "Couplings by table at the modes")
+
+
+def _figure(found: CouplingTables, one: Table, name: str) -> Figure:
+    unit = scale("N m/rad", one.stiffness.tolist())
+    modes = [
+        (mode.frequency, mode.stiffness * unit.factor, f"mode {mode.mode}: {number(mode.frequency)} Hz")
+        for mode in found.at_modes
+        if mode.coupling == one.coupling and one.over == "frequency" and one.at[0] <= mode.frequency <= one.at[-1]
+    ]
+    return coupling_table(
+        name, f"{one.coupling}: stiffness and loss factor over {UNITS[one.over].quantity}", over=UNITS[one.over],
+        at=np.asarray(one.at), stiffness=one.stiffness * unit.factor, unit=unit.unit, loss_factor=one.loss_factor,
+        modes=modes,
+    )  # fmt: skip

@@ -1,0 +1,43 @@
+"""Chapter: natural frequencies over the speed, where the stiffness of a coupling follows its mean torque."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.numbers import number, rpm, scale
+
+MOST_ROWS, MOST_MODES = 13, 8
+TEXT = (
+    "At every speed each coupling by mean torque has the tangent stiffness of the mean torque that it carries, so "
+    "that a natural frequency is a curve over the speed; an order may meet it nowhere, once or several times. Critical "
+    "speeds are sought within the speed range alone."
+)
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """Speeds evenly through the range."""
+    found = findings.need(FrequenciesOverSpeed)
+    chosen = np.unique(np.linspace(0, len(found.speed) - 1, MOST_ROWS).round().astype(int)).tolist()
+    unit = scale("N m", [float(one.torque.max()) for one in found.couplings])
+    yield Heading("Frequencies over the speed")
+    yield Paragraph(TEXT)
+    titles = "Speed [rpm] -> rpm"
+    for one in found.couplings:
+        titles += f" | Mean torque of {one.coupling} [{unit.unit}] | k of {one.coupling} [N m/rad]"
+    shown = range(min(len(found.frequency), MOST_MODES))
+    titles += "".join(f" | Mode {mode + 1} [Hz]" for mode in shown)
+    rows = [
+        (
+            rpm(float(found.speed[k])),
+            *(
+                text for one in found.couplings
+                for text in (unit.text(float(one.torque[k])), number(float(one.stiffness[k]), 7))
+            ),
+            *(number(float(found.frequency[mode, k]), 7) for mode in shown),
+        )
+        for k in chosen
+    ]  # fmt: skip
+    yield table(titles, rows, "Natural frequencies over the speed")

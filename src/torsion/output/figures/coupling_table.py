@@ -1,0 +1,24 @@
+"""Stiffness and loss factor of a coupling over what its table is over."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
+
+
+def coupling_table(
+    name: str, caption: str, *, over: Axis, at: FloatArray, stiffness: FloatArray, unit: str, loss_factor: FloatArray,
+    modes: Sequence[tuple[float, float, str]] = (),
+) -> Figure:  # fmt: skip
+    """at, stiffness (in `unit`), loss_factor: (points,); modes: place, stiffness and words of each mode within them."""
+    x = Axis(over.quantity, over.unit, float(at[0]), float(at[-1]))
+    places, values = np.array([one[:2] for one in modes]).reshape(-1, 2).T
+    marks = Marks("modes", places, values, "disc", "natural", words=tuple(one[2] for one in modes))
+    curve = Line("stiffness", at, stiffness, symbol="box")
+    panels = [Panel(x, Axis("stiffness", unit, low=0.0), (curve,), marks=(marks,) if modes else ())]
+    if loss_factor.any():
+        lines = (Line("loss factor", at, loss_factor, 1, symbol="box"),)
+        panels.append(Panel(x, Axis("loss factor", "", low=0.0), lines, height=120.0))
+    return Figure(name, caption, tuple(panels))
