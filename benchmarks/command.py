@@ -1,8 +1,8 @@
 """What the whole command costs: `python -m benchmarks.command [--quick]`.
 
 `torsion solve` of scenes beside `torsion solve --json` of the same, which draws and writes nothing, in turn; where the
-time of each goes; long trains; and `--json` beside the bare imports. Every run is a fresh process. Writes
-reports/command.md; `--quick` takes half a minute, fewer runs and no long trains, and prints without writing.
+time of each goes; and `--json` beside the bare imports. Every run is a fresh process. Writes reports/command.md;
+`--quick` takes half a minute, fewer runs, and prints without writing. Long trains are on scale.md.
 """
 
 import json
@@ -25,10 +25,7 @@ SPECS = Path(__file__).parents[1] / "shafting_specs"
 SCENES = ("haixun_06402", "usv", "cardan_bearings", "pump_1200kw", "six_cylinder")
 LIMITED = SCENES[:2]  # scenes with a target
 MOST, HEAVIEST = 1.6, 450.0  # of solve / --json, and kB of the first scene's page
-BESIDE, LARGE = 5.0, 2000.0  # s more than --json, and kB of the page, of long trains
 IMPORTS, BARE = "import numpy, scipy.linalg, pydantic, yaml, pint", 1.5  # and the ratio of --json to them
-LONG = (1_000, 10_000)  # stations
-ORDERS = (1, 2)
 
 HOW = """\
 Times are of whole processes, from start to end, in s: the least of the runs, which take turns (`solve`, `--json`,
@@ -41,27 +38,21 @@ the analyses which the scene needs; `blocks` are tables and figures as data, `pa
 
 def main() -> None:
     """Measures, and writes the page."""
-    report = Report(__doc__, "command", "three runs each, no long trains", runs=7)
-    quick, runs = report.chosen.quick, 3 if report.chosen.quick else report.chosen.runs
+    report = Report(__doc__, "command", "three runs each", runs=7)
+    runs = 3 if report.chosen.quick else report.chosen.runs
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         pairs = [_pair(SPECS / f"{one}.yaml", folder, runs) for one in SCENES]
         parts = [_median_parts(SPECS / f"{one}.yaml", runs) for one in SCENES]
-        long = [] if quick else [_pair(file, folder, 2) for file in _long(folder)]
         bare = _beside_imports(folder, runs)
     sections = [
         HOW, table(HEAD, map(_row, pairs)), _scene_verdicts(pairs),
         "## Where it goes", PARTS, table(("scene", *parts[0]), _part_rows(parts)),
     ]  # fmt: skip
-    if long:
-        sections += ["## Long trains", LONG_TRAINS, table(HEAD, map(_row, long)), _long_verdicts(long)]
     report.publish("The command", [*sections, "## Beside the bare imports", bare])
 
 
 HEAD = ("scene", "solve", "--json", "ratio", "solve - json", "page kB", "results kB")
-LONG_TRAINS = f"""\
-Chains of equal discs and couplings with 1 % loss, by number of stations: modes alone, and with the response to
-orders {" and ".join(map(str, ORDERS))} at 301 speeds. Two runs in turn."""
 
 
 def _pair(file: Path, folder: Path, runs: int) -> dict[str, Any]:
@@ -100,34 +91,6 @@ def _scene_verdicts(pairs: Sequence[dict[str, Any]]) -> str:
         f"- largest ratio of {' and '.join(LIMITED)}: {worst:.2f}, meant <= {MOST}: {verdict(worst <= MOST)}\n"
         f"- page of {SCENES[0]}: {heaviest:.0f} kB, meant <= {HEAVIEST:.0f}: {verdict(heaviest <= HEAVIEST)}"
     )
-
-
-def _long_verdicts(pairs: Sequence[dict[str, Any]]) -> str:
-    more = max(pair["solve"][0] - pair["json"][0] for pair in pairs)
-    heaviest = max(pair["report.html"] for pair in pairs)
-    return (
-        f"- most beyond `--json`: {more:.1f} s, meant <= {BESIDE}: {verdict(more <= BESIDE)}\n"
-        f"- heaviest page: {heaviest:.0f} kB, meant <= {LARGE:.0f}: {verdict(heaviest <= LARGE)}"
-    )
-
-
-def _long(folder: Path) -> list[Path]:
-    """Scenes of long chains: modes alone, and with a response."""
-    found = []
-    for size in LONG:
-        plain = json.loads(scene(cases.undamped(cases.chain(size, stiff=False)), folder).read_text())
-        for part in plain["train"]:
-            if "coupling" in part:
-                part["coupling"]["loss_factor"] = 0.01
-        excited = {
-            **plain,
-            "operation": {"speeds": {"from": "600 rpm", "to": "1800 rpm", "steps": 301}},
-            "excitations": [{"at": "disc-1", "order": order, "torque": 10.0} for order in ORDERS],
-        }
-        for name, data in ((f"{size} modes", plain), (f"{size} response", excited)):
-            found.append(folder / f"{name}.yaml")
-            found[-1].write_text(json.dumps({**data, "name": name}))
-    return found
 
 
 def _median_parts(file: Path, runs: int) -> dict[str, float]:

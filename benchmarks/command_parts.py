@@ -40,7 +40,8 @@ def main(file: str, folder: str) -> dict[str, float]:
     from torsion.output.renderers import OUTPUTS
 
     for name, title in (("html", "page"), ("json", "results.json"), ("csv", "results.csv"), ("terminal", "terminal")):
-        content = OUTPUTS[name](made)
+        output = OUTPUTS[name]
+        content = output(made, findings) if output.of_findings else output(made)
         if callable(content):
             content(Path(folder) / title)
         mark(title)

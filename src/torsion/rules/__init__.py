@@ -75,7 +75,11 @@ def lacking(study: "Study") -> list["Fault"]:
 
 def not_judged(study: "Study") -> tuple[tuple[str, str], ...]:
     """What the study's rules do not judge, and why."""
-    return tuple(line for one, given in of_study(study) for line in one.left_out(study, given))
+    found = tuple(line for one, given in of_study(study) for line in one.left_out(study, given))
+    limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.limit_anything]
+    if study.rules and limited and "coupling-maker" not in dict(study.rules):
+        found += (("limits of " + ", ".join(limited), "the file does not name the rule `coupling-maker`"),)
+    return found
 
 
 def verdicts(evidence: "Results") -> tuple["Check", ...]:

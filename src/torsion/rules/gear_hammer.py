@@ -89,6 +89,7 @@ def meshes(evidence: Results) -> Iterator[Mesh]:
     every = judgement.rated_torque(evidence)
     if every is None:
         raise ValueError("the torque at the rated speed is not known")
+    every = every * judgement.share_of_rated(evidence.study.operation)
     for number, part in evidence.study.train.of_kind("gear"):
         for span in judgement.spans_of(evidence.system, number):
             rated = float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0  # nothing but rounding

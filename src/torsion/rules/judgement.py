@@ -20,7 +20,7 @@ from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.rules import of_study
 from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
-from torsion.study import Range, Study
+from torsion.study import Operation, Range, Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
@@ -251,6 +251,15 @@ def rated_torque(evidence: Results) -> FloatArray | None:
     power = 2 if evidence.study.operation.load == "propeller" else 1
     rows = [np.interp(rated.speed**power, steady.speed**power, torque) for torque in steady.torque]
     return np.asarray(np.abs(np.array(rows)))
+
+
+def share_of_rated(operation: Operation) -> float:
+    """Rated torque over what a table of load gives at the rated speed, at most 1: a larger load is no better rating."""
+    rated, load = operation.rated, operation.load
+    if isinstance(load, str) or rated is None or rated.power is None:
+        return 1.0
+    there = abs(float(np.interp(rated.speed, [row[0] for row in load], [row[1] for row in load])))
+    return min(1.0, rated.power / rated.speed / there) if there else 1.0
 
 
 def knows_rated_torque(study: Study) -> bool:

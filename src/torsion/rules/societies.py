@@ -130,7 +130,7 @@ class SocietyRule(M68):
         if cranks:
             words = "one calculation has one state of the engine: compute a misfire as a case of its own"
             found.append((f"{self.name}: misfire", words))
-        if self.society.has_majors and isinstance(settings, CrankSettings) and cranks and settings.cylinders is None:
+        if self.society.has_majors and isinstance(settings, CrankSettings) and settings.cylinders is None:
             found.append((f"{self.name}: major critical speeds", "`cylinders` of the engine is not given"))
         return tuple(found)
 
@@ -164,13 +164,13 @@ class SocietyRule(M68):
     def _majors(self, evidence: Results, settings: M68Settings) -> Iterator[Check]:
         """Of every mode with one node, the order of the number of cylinders, and half of it of four strokes.
 
-        Where the strokes are not given both orders are judged.
+        Where the strokes are not given both orders are judged; without a crankshaft those of the reference's speed.
         """
         if not isinstance(settings, CrankSettings) or settings.cylinders is None:
             return
         first, rated = MAJORS_FROM[settings.duty], rated_speed(evidence.study)
         modes = evidence.need(Modes)
-        cranks = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")}
+        cranks = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")} or {Fraction(1)}
         parts = (1,) if settings.strokes == 2 else (1, 2)
         orders = {Fraction(settings.cylinders, part) * ratio for ratio in cranks for part in parts}
         for mode in np.flatnonzero(modes.nodes == 1).tolist():

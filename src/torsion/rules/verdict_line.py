@@ -95,9 +95,11 @@ class Check:
         """The limit is exceeded, whatever its standing, or no value is known that keeps it."""
         return self.verdict in ("fail", "not kept")
 
-    @derived("1", (), "value / limit, of a least value limit / value; null where one of them is 0, negative or unknown")
+    @derived("1", (), "value / limit, of a least value limit / value; null where the limit is 0, negative or unknown")
     def utilisation(self) -> float | None:
         """The share of the limit that is used; infinite where no value is known that keeps it."""
+        if self.at_least and self.value == 0.0 < self.limit:
+            return math.inf
         used, whole = (self.limit, self.value) if self.at_least else (self.value, self.limit)
         return used / whole if used >= 0 and whole > 0 and self.limit > 0 else None
 

@@ -153,7 +153,7 @@ def _conclusion(cases: Cases) -> str:
         return f"No rule judges any of {number_of}: the report gives results without a verdict."
     if all(one == "pass" for one in judged.values()):
         restricted = ", with the restrictions of speed below" if any(map(_restricts, cases.values())) else ""
-        return f"Every check of every case passed ({number_of} judged){restricted}.{doubt}"
+        return f"Every check of every case that is judged passed ({number_of}){restricted}.{doubt}"
     unjudged = ", ".join(name for name, one in judged.items() if not one)
     more = f"; nothing judges {unjudged}" if unjudged else ""
     return f"No check of {number_of} judged failed, but not all are within the range of a rule{more}.{doubt}"
