@@ -167,6 +167,7 @@ def test_every_kind_has_words_and_an_example_that_can_be_read(unit: str) -> None
         ("3 m**0.5", "m", "cannot be read", ""),
         ("3 m**123", "m", "cannot be read", ""),
         ("3 ((km**99)**99)**99", "m", "has a power that no quantity has", ""),
+        ("20 °C", "K", "'20 °C' is a temperature, a difference of temperature in K is expected", "70 K"),
         ("3 degC*m", "K*m", "mixes a temperature scale with other units", "write K"),
         ("3 kdegC", "degC", "'kdegC' is not a known unit", ""),
         ("3 " + "(" * 90 + "m", "m", "cannot be read", ""),

@@ -232,6 +232,8 @@ def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction
         kinds = (words for kind, (words, _) in _KINDS.items() if dimension(_container(kind)) == dimension(found))
         said = f"is {next(kinds, f'in {written}')}"
         raise UnitFault(f"{_quoted(text)} {said}, {_expected(unit)} is expected", _remedy(text, found, unit))
+    if unit == "K" and found in (_container("degC"), _container("degF")):
+        raise UnitFault(f"{_quoted(text)} is a temperature, {_expected(unit)} is expected", _remedy(text, found, unit))
     try:
         return Fraction(_registry().convert(amount, found, expected))
     except PintError:

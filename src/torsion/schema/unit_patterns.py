@@ -22,7 +22,8 @@ _SPELLINGS = {  # SI unit: its usual spellings; those that stand for two quantit
     "rad/s": f"(?:rpm|RPM|{_ANGLE}{_PER}(?:s|min))",
     "Hz": "(?:[kM]?Hz|1/s)",
     "s": f"(?:{_TIME}|min|h|hour)",
-    "degC": "(?:°C|degC|K)",
+    "degC": "(?:°C|degC)",
+    "K": "K",
     "N*m/rad": f"{_TORQUE}{_PER}{_ANGLE}",
     "rad/(N*m)": f"{_ANGLE}{_PER}(?:{_FORCE}{_LENGTH}|\\({_TORQUE}\\))",
     "N*m*s/rad": f"{_MOMENTUM}{_PER}{_ANGLE}",
@@ -41,6 +42,7 @@ _SPELLINGS = {  # SI unit: its usual spellings; those that stand for two quantit
     "Pa": f"(?:[kMG]?Pa|bar|{_FORCE}{_PER}{_LENGTH}(?:\\*\\*|\\^)?[2²])",
     "N*m*s": _MOMENTUM,
 }
+_ALSO = {"degC": "K"}  # SI unit: another, in which the reader takes it too
 _NUMBER = "[+−-]?(?:[0-9][0-9_]*\\.?[0-9_]*|\\.[0-9][0-9_]*)(?:[eE][+-]?[0-9]+)?"
 
 
@@ -56,7 +58,8 @@ def pattern(*expected: str) -> str:
     >>> [bool(re.search(pattern("N*m/rad"), text)) for text in ("20 kN*m/rad", "3 lbf-in/deg", "20 kN/m", "soft")]
     [True, True, False, False]
     """
-    others = "|".join(spelling for unit, spelling in _SPELLINGS.items() if unit not in expected)
+    taken = {*expected, *(_ALSO.get(unit, unit) for unit in expected)}
+    others = "|".join(spelling for unit, spelling in _SPELLINGS.items() if unit not in taken)
     bare = "?" if all(map(units.needs_unit, expected)) else ""
     return f"^(?!\\s*{_NUMBER}\\s*(?:{others}){bare}\\s*$)\\s*[+−-]?\\.?[0-9]"
 
