@@ -104,5 +104,7 @@ def test_a_logo_that_a_pdf_cannot_show_is_said_at_its_place(tmp_path: Path) -> N
     (tmp_path / "logo").write_bytes(b"\xff\xd8\xff\xe0abc\xff\xd9")
     file = tmp_path / "scene.yaml"
     file.write_text(BARE.replace("train:", "document: {logo: logo}\ntrain:"), encoding="utf-8")
-    with pytest.raises(torsion.InputError, match=r"scene.yaml:2:18: this picture cannot be set in a PDF"):
+    with pytest.raises(
+        torsion.InputError, match=r"scene.yaml:2:18: the pdf cannot be made: this picture cannot be set in a PDF"
+    ):
         torsion.solve(file, tmp_path / "out", pdf=True)

@@ -21,9 +21,9 @@ def pdf(document: Document) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         try:
             return _set(source(document, Path(folder)), Path(folder))
-        except RuntimeError:
+        except RuntimeError as error:
             _try_logo(Path(folder))
-            raise
+            raise InputError([Fault((), f"Typst cannot set it: {error}")]) from None
 
 
 def _set(source: str, folder: Path) -> bytes:

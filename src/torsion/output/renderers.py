@@ -68,11 +68,10 @@ def files(
         if is_made and not (output.of_findings and findings is None):
             try:
                 content = output(document, *([findings] if output.of_findings and findings else []))
-            except (InputError, RuntimeError) as error:
+            except InputError as error:
                 if faults is None or not output.on_request:
                     raise
-                noted = error.faults if isinstance(error, InputError) else [Fault((), str(error))]
-                faults += [replace(one, message=f"the {name} cannot be made: {one.message}") for one in noted]
+                faults += [replace(one, message=f"the {name} cannot be made: {one.message}") for one in error.faults]
                 continue
             if content is not None:
                 found[document.report.files.get(name, document.report.stem + output.suffix)] = content

@@ -50,7 +50,7 @@ def test_the_unstable_range_of_the_results_is_read_there(opens: Callable[..., Op
     page = opens("six_stations")
     (unstable,) = [one for one in plot(page).bands if one.kind == "unstable"]
     page.hover(NAME, across(page, (unstable.low + unstable.high) / 2))
-    assert read(page)[1] == {"speeds of the operation", f"unstable {unstable.low:.0f} to {unstable.high:.0f}"}
+    assert read(page)[1] == {"speeds of the operation", f"unstable {unstable.low:.1f} to {unstable.high:.1f}"}
 
 
 def test_the_nearest_critical_speed_is_named_as_in_the_diagram(usv: Opened) -> None:
