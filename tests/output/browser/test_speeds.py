@@ -1,5 +1,6 @@
 """The speeds of the first page under the cursor: the ranges that one lies in, and the nearest critical speed."""
 
+import math
 from collections.abc import Callable
 
 import pytest
@@ -50,7 +51,10 @@ def test_the_unstable_range_of_the_results_is_read_there(opens: Callable[..., Op
     page = opens("six_stations")
     (unstable,) = [one for one in plot(page).bands if one.kind == "unstable"]
     page.hover(NAME, across(page, (unstable.low + unstable.high) / 2))
-    assert read(page)[1] == {"speeds of the operation", f"unstable {unstable.low:.1f} to {unstable.high:.1f}"}
+    assert read(page)[1] == {
+        "speeds of the operation",
+        f"unstable {math.floor(10 * unstable.low) / 10:.1f} to {math.ceil(10 * unstable.high) / 10:.1f}",
+    }
 
 
 def test_the_nearest_critical_speed_is_named_as_in_the_diagram(usv: Opened) -> None:

@@ -113,7 +113,7 @@ def test_a_case_for_information_is_no_part_of_the_verdict(ferry: Findings, block
     (box,) = [one for one in over_all(ferry) if isinstance(one, Box)]
     assert (box.sign, box.text, box.kind) == ("✓", "PASS in all 6 cases judged", "pass")
     lines = dict(box.lines)
-    assert lines["Conclusion"].startswith("Every check of every case passed (6 cases judged).")
+    assert lines["Conclusion"].startswith("Every check of every case that is judged passed (6 cases).")
     assert lines["For information"] == "damper seized: no part of this verdict"
 
 
