@@ -5,10 +5,9 @@ from itertools import zip_longest
 from xml.etree import ElementTree
 
 import pytest
-from tests.contracts.frozen import FILE, PAGES, SCENES, of_scene, of_trains
+from tests.contracts.frozen import FILE, PAGES, SCENES, of_scene, of_trains, solved
 from tests.contracts.frozen_pages import of_pages
 
-import torsion
 from torsion.findings import Findings
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
@@ -30,7 +29,7 @@ def _equal(found: dict, known: dict) -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_digits_and_pages_of_a_scene_are_the_frozen_ones(scene: str) -> None:
-    found = torsion.run(torsion.read(SCENES[scene]))
+    found = solved(scene)
     _equal(of_scene(found), KNOWN[scene])
     pages, known = of_pages(found), KNOWN_PAGES[scene]
     assert list(pages) == list(known)
