@@ -238,6 +238,12 @@ class Study:
         return any(one.case is not None and one.case.is_corner for one in (self, *self.cases.values()))
 
     @property
+    def has_tolerances(self) -> bool:
+        """A coupling has a tolerance, and is not at an end of it."""
+        at_its_end = self.case is not None and self.case.is_corner
+        return not at_its_end and any(part.ratings is not None and part.ratings.tolerance for part in self.train.parts)
+
+    @property
     def has_joints(self) -> bool:
         """A universal joint stands in the train."""
         return any(part.joint for part in self.train.parts)

@@ -187,6 +187,26 @@ def balance(found: Found, row: Row) -> Iterator[float]:
     return (engine[name] * size for engine in found["engines"] for name in names if engine[name] is not None)
 
 
+def modes_counted(found: Found, row: Row) -> Iterator[float]:
+    return (mode + 1.0 for mode in range(len(found["modes"]["frequency_Hz"])))
+
+
+def spreads(end: str) -> Values:
+    """How far the tolerances move each mode to one side."""
+
+    def values(found: Found, row: Row) -> Iterator[float]:
+        made = found["tolerances"]
+        return (moved / f - 1.0 for f, moved in zip(made["frequency_Hz"], made[end], strict=True))
+
+    return values
+
+
+def moved(found: Found, row: Row) -> Iterator[float]:
+    for one in found["tolerances"]["couplings"]:
+        for f, low, high in zip(found["modes"]["frequency_Hz"], one["lower_Hz"], one["upper_Hz"], strict=True):
+            yield (high - low) / f
+
+
 RPM, HZ = "speed_rad_per_s", "frequency_Hz"
 COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the figures that may stand there
     ("Checks against", "Value / limit"): of_check("value", "limit"),
@@ -225,6 +245,30 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Critical speeds in", "Order"): key("critical_speeds[].order"),
     ("Critical speeds in", "Frequency"): key("critical_speeds[].frequency_Hz"),
     ("Critical speeds in", "Distance"): distances,
+    ("Natural frequencies within", "Mode"): modes_counted,
+    ("Natural frequencies within", "Frequency"): key("tolerances.frequency_Hz"),
+    ("Natural frequencies within", "Least"): key("tolerances.lower_Hz"),
+    ("Natural frequencies within", "Greatest"): key("tolerances.upper_Hz"),
+    ("Natural frequencies within", "Down"): spreads("lower_Hz"),
+    ("Natural frequencies within", "Up"): spreads("upper_Hz"),
+    ("Critical speeds that the tolerances", "Least"): key("tolerances.critical_lower_rad_per_s"),
+    ("Critical speeds that the tolerances", "Critical speed"): key(f"critical_speeds[].{RPM}"),
+    ("Critical speeds that the tolerances", "Greatest"): key("tolerances.critical_upper_rad_per_s"),
+    ("Critical speeds that the tolerances", "Order"): key("critical_speeds[].order"),
+    ("Critical speeds that the tolerances", "Mode"): key("critical_speeds[].mode"),
+    ("What each coupling alone", "Mode"): modes_counted,
+    ("What each coupling alone", "Tolerance"): key("tolerances.couplings[].tolerance"),
+    ("What each coupling alone", "Soft"): key("tolerances.couplings[].lower_Hz"),
+    ("What each coupling alone", "Stiff"): key("tolerances.couplings[].upper_Hz"),
+    ("What each coupling alone", "Moved"): moved,
+    ("What each coupling alone", "Without it"): key("tolerances.couplings[].softest_Hz"),
+    ("What each coupling alone", "Rigid"): key("tolerances.couplings[].stiffest_Hz"),
+    ("Stiffness with which", "Mode"): key("tolerances.aims[].mode"),
+    ("Stiffness with which", "Where it"): key("tolerances.aims[].frequency_Hz"),
+    ("Stiffness with which", "Stiffness for it"): key("tolerances.aims[].stiffness_Nm_per_rad"),
+    ("Stiffness with which", "Stiffness /"): key("tolerances.aims[].factor"),
+    ("Stiffness with which", "Without it"): key("tolerances.aims[].softest_Hz"),
+    ("Stiffness with which", "Rigid"): key("tolerances.aims[].stiffest_Hz"),
     ("Harmonic components", "Order"): key("response.lines[].order"),
     ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
     ("Mean torque at", "Largest"): lambda found, row: (abs(one) for one in at(found, "mean.torque_Nm")),

@@ -54,8 +54,8 @@ def replaced(text: str, *pairs: tuple[str, str]) -> str:
 
 
 BY_HAND = {  # of the scene: what a hand would change in the file
-    "soft": [("stiffness: 90 kN*m/rad", "stiffness: 76.5 kN*m/rad")],
-    "stiff": [("stiffness: 90 kN*m/rad", "stiffness: 103.5 kN*m/rad")],
+    "soft": [("stiffness: 90 kN*m/rad", "stiffness: 76.5 kN*m/rad"), ("      tolerance: 15 %\n", "")],
+    "stiff": [("stiffness: 90 kN*m/rad", "stiffness: 103.5 kN*m/rad"), ("      tolerance: 15 %\n", "")],
     "warm": [("stiffness: 90 kN*m/rad", "stiffness: 72 kN*m/rad"), ("psi: 1.0", "psi: 0.8")],
     "zero pitch": [
         ("power: 750 kW}\n", "power: 750 kW}\n  load: [[400 rpm, 250 N*m], [1260 rpm, 1500 N*m]]\n"),

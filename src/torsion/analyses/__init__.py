@@ -152,6 +152,11 @@ ANALYSES: dict[str, Analysis] = {
         "critical speeds", "torsion.analyses.critical", needs=("modes", "frequencies over speed"),
         results={"critical_speeds": "CriticalSpeeds"}, wanted=always, chapters=("critical_speeds",),
     ),
+    "tolerances": Analysis(
+        "bands of the natural frequencies", "torsion.analyses.tolerances", settings="TolerancesSettings",
+        needs=("critical",), results={"tolerances": "Tolerances"}, chapters=("tolerances",),
+        wanted=lambda study: study.has_tolerances,
+    ),
     "joints": Analysis(
         "universal joints", "torsion.analyses.joints.joint_analysis", settings="JointsSettings", needs=("steady",),
         results={"joints": "Joints"}, wanted=lambda study: study.has_joints, chapters=("joint_motion",),

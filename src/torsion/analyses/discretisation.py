@@ -93,7 +93,9 @@ def run_assembly(work: Work) -> None:
         refuse_loops(system)
     for part in work.study.train.parts:
         if part.ratings is not None and part.ratings.tolerance and not work.study.varies_tolerances:
-            why = f"its {100 * part.ratings.tolerance:.3g} % are not varied; every result is at the nominal stiffness"
+            why = (
+                f"its {100 * part.ratings.tolerance:.3g} % move frequencies alone; all else is at the nominal stiffness"
+            )
             why += "" if work.study.case is not None else " (`cases: {from: tolerances}` varies them)"
             work.log.without(f"the tolerance of '{part.name}'", why)
         if part.nonlinear is not None:

@@ -1,12 +1,17 @@
 """Spans whose stiffness and damping follow a table: the system at one frequency, and complex stiffness over many."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
+
+if TYPE_CHECKING:
+    from torsion.kernels.stiffness_table import StiffnessTable
 
 WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0)}
 
@@ -37,20 +42,35 @@ def _taken(system: System, at: dict[int, float]) -> System:
     """
     if not at:
         return system
-    spans = list(at)
-    flexibility, viscous, loss = (one.copy() for one in (system.flexibility, system.viscous, system.loss_factor))
+    values = {}
     for span, x in at.items():
-        k, loss[span], viscous[span] = system.tables[span].values(np.asarray(x))
-        flexibility[span] = 1.0 / k
-    rest = {span: table for span, table in system.tables.items() if span not in at}
-    found = replace(system, flexibility=flexibility, viscous=viscous, loss_factor=loss, tables=rest)
+        k, loss, viscous = (float(one) for one in system.tables[span].values(np.asarray(x)))
+        values[span] = 1.0 / k, viscous, loss
+    return with_springs(system, values, {span: table for span, table in system.tables.items() if span not in at})
+
+
+def with_springs(
+    system: System, values: Mapping[int, tuple[float, float, float]], tables: "Mapping[int, StiffnessTable]"
+) -> System:
+    """The system with other flexibility (rad/(N m)), viscous damping and loss factor of some spans, and other tables.
+
+    The tree keeps its layout, but where a span that closes a loop becomes rigid.
+    """
+    spans = list(values)
+    taken = np.array(list(values.values())).reshape(-1, 3).T
+    stated = [one.copy() for one in (system.flexibility, system.viscous, system.loss_factor)]
+    for each, new in zip(stated, taken, strict=True):
+        each[spans] = new
+    found = replace(system, flexibility=stated[0], viscous=stated[1], loss_factor=stated[2], tables=tables)
     if system.uncondensed is not None:
-        vars(found)["uncondensed"] = _taken(system.uncondensed, at)
+        vars(found)["uncondensed"] = with_springs(system.uncondensed, values, tables)
     known, node, ratio2 = system.condensed, system.condensed.span[spans], system.span_ratio[spans] ** 2
     of_tree = (known.tree.flexibility.copy(), known.viscous.copy(), known.loss_factor.copy())
-    referred = (flexibility[spans] / ratio2, viscous[spans] * ratio2, loss[spans])
-    for each, values in zip(of_tree, referred, strict=True):
-        each[node] = values
+    referred, inside = (taken[0] / ratio2, taken[1] * ratio2, taken[2]), node >= 0
+    if (taken[0][~inside] == 0.0).any():
+        return found
+    for each, new in zip(of_tree, referred, strict=True):
+        each[node[inside]] = new[inside]
     tree = replace(known.tree, flexibility=of_tree[0])
     vars(found)["condensed"] = replace(known, tree=tree, viscous=of_tree[1], loss_factor=of_tree[2])
     return found

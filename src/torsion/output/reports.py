@@ -29,7 +29,7 @@ REPORTS = {
         "Torsional vibration calculation",
         (
             "case_comparison:over_all", "verdict", "case_comparison", "plant", "data_sheets", "mass_elastic", "@modes",
-            "twisted_train", "@critical", "excitations", "@engine", "damping_given", "@*", "closing",
+            "twisted_train", "@critical", "@tolerances", "excitations", "@engine", "damping_given", "@*", "closing",
             "provenance:steps", "verdict:remarks", "provenance:input_file",
         ),
         "report", {"json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip"},

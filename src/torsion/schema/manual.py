@@ -72,6 +72,7 @@ SETTINGS = {  # an example of every analysis and rule
     "joints": "joints: {optimise: phase, torque: 800 N*m}",
     "lateral": "lateral: {modes: 4, shear: true}",
     "transient": "transient: {duration: 2 s, events: [{at: motor-1, time: 0.1 s, step: {torque: 100 N*m}}]}",
+    "tolerances": "tolerances: {aim: [{mode: 2, frequency: 40 Hz}]}",
     "check": "check: {models: [lumped, exact], tolerance: 0.1 %}",
     "iacs-m68": "iacs-m68: {drive: electric, tachometer: 2 %}",
     "iacs-m53": "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm,\n"

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.tolerances import Tolerances
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
@@ -31,7 +32,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     )
     yield _matrix(found, reference(findings))
     yield _list(found, rated(findings), reference(findings))
-    by_torque = findings.get(FrequenciesOverSpeed)
+    by_torque, spread = findings.get(FrequenciesOverSpeed), findings.get(Tolerances)
     met = {c.order for c in found if c.is_inside}
     shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])
     crossings = [
@@ -43,6 +44,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         orders=[(float(one), f"order {order(one)}") for one in shown], crossings=crossings,
         speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
         curves=None if by_torque is None else (by_torque.speed * RPM, by_torque.frequency),
+        spread=() if spread is None or by_torque is not None else list(zip(spread.lower, spread.upper, strict=True)),
     ))  # fmt: skip
 
 

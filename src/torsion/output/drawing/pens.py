@@ -49,6 +49,7 @@ BANDS = {  # fill, colour of the hatching ('' for none), its distance in px, sig
     "unstable": ("#f6d9d6", BAD, 12.0, -1),
     "no answer": ("#f6e4e2", BAD, 4.5, 1),
     "doubt": ("#ececec", "", 0.0, 1),
+    "spread": ("#c3ccd4", "#6a7682", 5.0, 1),
 }
 
 

@@ -75,7 +75,7 @@ class Band:
     name: str
     low: float
     high: float
-    kind: Literal["range", "barred", "unstable", "no answer", "doubt"]
+    kind: Literal["range", "barred", "unstable", "no answer", "doubt", "spread"]
     axis: Literal["x", "y"] = "x"
     label: str = ""
 

@@ -1,0 +1,203 @@
+"""Natural frequencies over the tolerances of couplings: proven bands, which coupling matters, and exact inverses.
+
+Every natural frequency rises with every stiffness (Courant and Fischer), so that the band of a mode over independent
+tolerances is what all couplings at their soft and all at their stiff end give: two solutions, no sampling. The same
+says how far one coupling alone can move a mode, and at which stiffness, if any, the mode has a frequency.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from torsion import fields
+from torsion.analyses.critical import CriticalSpeeds
+from torsion.analyses.undamped_modes import MOST_MODES, Modes, modes_as_discretised
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import with_springs
+from torsion.errors import Fault, InputError
+from torsion.fields import Declared, given
+from torsion.findings import Work
+from torsion.results import reported, result
+from torsion.study import Study
+
+FARTHEST = 46.0  # ln of the factor to which a stiffness is sought: 1e20
+WHAT = "tolerances"
+Factors = tuple[tuple[int, float], ...]  # span, its stiffness over that of the file
+
+
+class Aim(Declared):
+    """A mode where it should be."""
+
+    mode: Annotated[int, Field(ge=1, le=MOST_MODES)] = given("which elastic mode, counted from 1")
+    frequency: Annotated[fields.Frequency, Field(gt=0)] = given("where it should be")
+
+
+class TolerancesSettings(Declared):
+    """Settings of `tolerances`."""
+
+    aim: tuple[Aim, ...] = given(
+        "modes and where they should be; the report states which stiffness of each coupling does it", ()
+    )
+
+
+@reported
+class CouplingReach:
+    """What one coupling alone does, all others as the file has them."""
+
+    coupling: str = result("", (), "its name")
+    tolerance: float = result("1", (), "of its stiffness; 0 where the file gives none")
+    lower: FloatArray = result("Hz", ("mode",), "natural frequencies at the soft end of its tolerance")
+    upper: FloatArray = result("Hz", ("mode",), "natural frequencies at the stiff end")
+    softest: FloatArray = result("Hz", ("mode",), "natural frequencies without it")
+    stiffest: FloatArray = result("Hz", ("mode",), "natural frequencies with it rigid; null where no such mode is left")
+
+
+@reported
+class AimedStiffness:
+    """The stiffness of one coupling with which a mode is where it should be."""
+
+    mode: int = result("", (), "counted from 1")
+    frequency: float = result("Hz", (), "where it should be")
+    coupling: str = result("", (), "whose stiffness alone is changed")
+    stiffness: float | None = result("N*m/rad", (), "with which it is there; null where none does it")
+    factor: float | None = result("1", (), "that stiffness over the one of the file")
+    softest: float = result("Hz", (), "the mode without the coupling")
+    stiffest: float = result("Hz", (), "the mode with the coupling rigid")
+
+
+@reported
+class Tolerances:
+    """Bands of the natural frequencies over the tolerances of the couplings, each independent of the others."""
+
+    frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies at the figures of the file")
+    lower: FloatArray = result("Hz", ("mode",), "least natural frequency within all tolerances, a proven bound")
+    upper: FloatArray = result("Hz", ("mode",), "greatest natural frequency within all tolerances, a proven bound")
+    critical_lower: FloatArray = result("rad/s", ("critical speed",), "least critical speed, as `critical_speeds`")
+    critical_upper: FloatArray = result("rad/s", ("critical speed",), "greatest critical speed")
+    couplings: tuple[CouplingReach, ...] = result("", (), "what each coupling alone does")
+    aims: tuple[AimedStiffness, ...] = result("", (), "stiffnesses with which modes are where they should be")
+
+
+class _Varied:
+    """Modes of the train with the stiffness of some spans scaled, as its shafts are divided."""
+
+    def __init__(self, found: Modes) -> None:
+        self.system, self.nominal, self.count = found.system, found, found.frequency.size
+        self.at = lru_cache(maxsize=256)(self._at)
+
+    def _at(self, factors: Factors) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Frequency (modes,) Hz and its proven bounds; 0 of what no longer vibrates, infinite where no mode is left."""
+        found = modes_as_discretised(scaled(self.system, dict(factors)), self.count)
+        loose = max(found.rigid - self.nominal.rigid, 0)
+        values = []
+        for one in (found.frequency, found.lower, found.upper):
+            whole = np.concatenate([np.zeros(loose), one, np.full(self.count, np.inf)])
+            values.append(whole[: self.count])
+        return values[0], values[1], values[2]
+
+    def stiffness(self, span: int, mode: int, frequency: float) -> tuple[float | None, float, float]:
+        """Factor of the stiffness of a span at which the mode has a frequency (Hz), and that mode at 0 and infinity."""
+        from scipy.optimize import brentq
+
+        softest, stiffest = (float(self.at(((span, factor),))[0][mode]) for factor in (0.0, math.inf))
+        if not softest < frequency < stiffest:
+            return None, softest, stiffest
+
+        def apart(log_factor: float) -> float:
+            return math.log(float(self.at(((span, math.exp(log_factor)),))[0][mode]) / frequency)
+
+        low = high = 0.0
+        step = 1.0
+        while apart(low) > 0.0 and low > -FARTHEST:
+            high, low, step = low, low - step, 2.0 * step
+        while apart(high) < 0.0 and high < FARTHEST:
+            low, high, step = high, high + step, 2.0 * step
+        if apart(low) * apart(high) > 0.0:
+            return None, softest, stiffest
+        return math.exp(float(brentq(apart, low, high, xtol=1e-16, rtol=1e-15))), softest, stiffest
+
+
+def scaled(system: System, factors: Mapping[int, float]) -> System:
+    """The system with the stiffness of some spans (and of their tables) times a factor; 0 takes a span out."""
+    values = {}
+    for span, factor in factors.items():
+        flexibility = float(system.flexibility[span])
+        taken = math.inf if factor == 0.0 else 0.0 if math.isinf(factor) else flexibility / factor
+        values[span] = taken, float(system.viscous[span]), float(system.loss_factor[span])
+    tables = dict(system.tables)
+    for span in factors.keys() & tables.keys():
+        table, factor = tables.pop(span), factors[span]
+        if 0.0 < factor < math.inf:
+            tables[span] = replace(table, stiffness=tuple(factor * k for k in table.stiffness))
+    return with_springs(system, values, tables)
+
+
+def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()) -> Tolerances:
+    """Of a study with its modes. Raises InputError for an aim at a mode that was not computed."""
+    train, system, varied = study.train, found.system, _Varied(found)
+    spans = {
+        train.parts[span.part].name: number for number, span in enumerate(system.own_spans)
+        if train.parts[span.part].ratings is not None and 0.0 < system.flexibility[number] < math.inf
+    }  # fmt: skip
+    width = {name: train.part(name).ratings.tolerance or 0.0 for name in spans}  # type: ignore[union-attr]
+    _refuse(aims, found)
+
+    def at(factor: Callable[[float], float], *names: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return varied.at(tuple((spans[name], factor(width[name])) for name in names if width[name]))
+
+    lower, upper = at(lambda t: 1.0 - t, *spans)[1], at(lambda t: 1.0 + t, *spans)[2]
+    each = [
+        CouplingReach(
+            name, width[name], at(lambda t: 1.0 - t, name)[0], at(lambda t: 1.0 + t, name)[0],
+            *(varied.at(((span, factor),))[0] for factor in (0.0, math.inf)),
+        )
+        for name, span in spans.items()
+    ]  # fmt: skip
+    aimed = []
+    for aim in aims:
+        for name, span in spans.items():
+            factor, *ends = varied.stiffness(span, aim.mode - 1, aim.frequency)
+            stiffness = None if factor is None else factor / float(system.flexibility[span])
+            aimed.append(AimedStiffness(aim.mode, aim.frequency, name, stiffness, factor, *ends))
+    crossings = () if critical is None else critical.crossings
+    moved = np.array([[lower[c.mode - 1], upper[c.mode - 1]] for c in crossings]).reshape(-1, 2)
+    speed = np.array([c.speed / c.frequency for c in crossings])
+    return Tolerances(
+        found.frequency, lower, upper, moved[:, 0] * speed, moved[:, 1] * speed, tuple(each), tuple(aimed)
+    )
+
+
+def _refuse(aims: Sequence[Aim], found: Modes) -> None:
+    faults = [
+        Fault(
+            ("analyses", WHAT, "aim", k, "mode"), f"mode {aim.mode} is not among the {found.frequency.size} computed",
+            "raise `modes: {count: ...}`, or name a lower mode",
+        )
+        for k, aim in enumerate(aims)
+        if aim.mode > found.frequency.size
+    ]  # fmt: skip
+    if faults:
+        raise InputError(faults)
+
+
+def run(work: Work) -> None:
+    """Where modes were found; critical speeds have bands where frequencies do not follow the mean torque."""
+    found, settings = work.get(Modes), work.study.analyses.get(WHAT)
+    if found is None or not found.frequency.size:
+        work.log.without("bands of the natural frequencies", "no modes")
+        return
+    aims = settings.aim if isinstance(settings, TolerancesSettings) else ()
+    follows = work.study.train.has_tables_over("mean torque")
+    if follows:
+        work.log.without("bands of the critical speeds", "the stiffness of a coupling follows the mean torque")
+    with work.log.step("bands of the natural frequencies", "couplings have tolerances") as step:
+        made = tolerances(work.study, found, None if follows else work.get(CriticalSpeeds), aims)
+        step.method = "every frequency rises with every stiffness: all couplings soft, all stiff, certified by counts"
+        step.size = f"{len(made.couplings)} couplings"
+    work.put(tolerances=made)

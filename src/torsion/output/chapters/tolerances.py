@@ -1,0 +1,124 @@
+"""Chapter: bands of the natural frequencies over the tolerances of the couplings, and what each coupling does."""
+
+from collections.abc import Iterator
+
+from torsion.analyses.critical import CriticalSpeeds
+from torsion.analyses.tolerances import CouplingReach, Tolerances
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.numbers import given_rpm, number, order, rpm
+from torsion.output.reported_values import reference
+
+MOST_ROWS = 60
+WHAT = (
+    "Every natural frequency rises with every stiffness. The least and the greatest value of each mode within the "
+    "tolerances are therefore those with all couplings at their soft and all at their stiff end, bounds proven by "
+    "counts: no combination of the couplings, each within its tolerance, lies outside. Torques, stresses and heat do "
+    "not rise or fall with a stiffness in one sense; they are at the stiffness of the file here, and at both ends with "
+    "the cases of the tolerances (cases: {from: tolerances})."
+)
+ALONE = (
+    "Each coupling alone, all others as the file has them; the coupling that moves a mode most comes first. Without it "
+    "and with it rigid are the limits that no stiffness of this coupling passes."
+)
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """Bands where a coupling has a tolerance, aims where the file states them."""
+    found = findings.need(Tolerances)
+    yield Heading("Tolerances of the couplings")
+    if any(one.tolerance for one in found.couplings):
+        yield Paragraph(WHAT)
+        rows = [
+            (
+                mode,
+                number(f, 7),
+                number(low, 7),
+                number(high, 7),
+                number(100.0 * (low / f - 1.0), 3),
+                number(100.0 * (high / f - 1.0), 3),
+            )
+            for mode, (f, low, high) in enumerate(zip(found.frequency, found.lower, found.upper, strict=True), start=1)
+        ]
+        titles = "Mode -> | Frequency [Hz] -> Hz | Least [Hz] -> least | Greatest [Hz] -> greatest | Down [%] | Up [%]"
+        yield table(
+            titles, rows, "Natural frequencies within the tolerances", short="Frequencies within the tolerances"
+        )
+        yield from _criticals(findings, found)
+    yield from _alone(found)
+    if found.aims:
+        yield _aims(found)
+
+
+def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:
+    """Critical speeds that can lie in the speed range."""
+    speeds, critical = findings.study.operation.speeds, findings.get(CriticalSpeeds)
+    if speeds is None or critical is None or not found.critical_lower.size:
+        return
+    bands = zip(critical.crossings, found.critical_lower.tolist(), found.critical_upper.tolist(), strict=True)
+    met = [one for one in bands if one[1] <= speeds.last and one[2] >= speeds.first]
+    rows = [
+        (
+            rpm(low), rpm(c.speed), rpm(high), order(c.order), c.mode, c.line.named(reference(findings)),
+            "" if c.is_inside else "only within the tolerances",
+        )
+        for c, low, high in met[:MOST_ROWS]
+    ]  # fmt: skip
+    within = f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
+    if not rows:
+        yield Paragraph(f"Within the tolerances no critical speed lies in the speed range {within}.")
+        return
+    titles = "Least [rpm] | Critical speed [rpm] | Greatest [rpm] | Order | Mode | < Excited by | < In the range"
+    if all(c.is_inside for c, *_ in met):
+        rows, titles = [row[:-1] for row in rows], titles.rpartition(" | ")[0]
+    rest = f" (the lowest {MOST_ROWS} of {len(met)})" if len(met) > MOST_ROWS else ""
+    yield table(titles, rows, f"Critical speeds that the tolerances can bring into the speed range {within}{rest}")
+
+
+def _alone(found: Tolerances) -> Iterator[Block]:
+    """What each coupling does alone, mode by mode, the one that does most first."""
+    if not found.couplings:
+        return
+    yield Paragraph(ALONE)
+    rows = []
+    for mode, frequency in enumerate(found.frequency.tolist()):
+
+        def width(one: CouplingReach, at: int = mode) -> tuple[float, float]:
+            return float(one.upper[at] - one.lower[at]), float(one.stiffest[at] - one.softest[at])
+
+        for one in sorted(found.couplings, key=width, reverse=True):
+            ends = (one.lower, one.upper) if one.tolerance else ()
+            rows.append(
+                (
+                    mode + 1, one.coupling, number(100.0 * one.tolerance, 3) if one.tolerance else None,
+                    *([number(float(end[mode]), 7) for end in ends] or (None, None)),
+                    number(100.0 * width(one)[0] / frequency, 3) if one.tolerance else None,
+                    number(float(one.softest[mode]), 7), number(float(one.stiffest[mode]), 7),
+                )
+            )  # fmt: skip
+    yield table(
+        "Mode | < Coupling | Tolerance [%] | Soft [Hz] | Stiff [Hz] | Moved [%] | Without it [Hz] | Rigid [Hz]",
+        rows[:MOST_ROWS],
+        "What each coupling alone does to each mode",
+    )
+
+
+def _aims(found: Tolerances) -> Block:
+    """The stiffness of each coupling with which a mode is where it should be."""
+    rows = [
+        (
+            one.mode, number(one.frequency, 7), one.coupling,
+            None if one.stiffness is None else number(one.stiffness, 7),
+            None if one.factor is None else number(one.factor, 5),
+            "no stiffness does it" if one.stiffness is None else "",
+            number(one.softest, 7), number(one.stiffest, 7),
+        )
+        for one in found.aims
+    ]  # fmt: skip
+    return table(
+        "Mode -> | Where it should be [Hz] -> at Hz | < Coupling -> | Stiffness for it [N m/rad] -> k | "
+        "Stiffness / that of the file -> of the file's | < Remark -> | Without it [Hz] | Rigid [Hz]",
+        rows,
+        "Stiffness with which a mode is where it should be",
+        short="Stiffness for the modes as aimed",
+    )
