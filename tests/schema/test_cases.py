@@ -54,8 +54,8 @@ def replaced(text: str, *pairs: tuple[str, str]) -> str:
 
 
 BY_HAND = {  # of the scene: what a hand would change in the file
-    "soft": [("stiffness: 90 kN*m/rad", "stiffness: 76.5 kN*m/rad"), ("      tolerance: 15 %\n", "")],
-    "stiff": [("stiffness: 90 kN*m/rad", "stiffness: 103.5 kN*m/rad"), ("      tolerance: 15 %\n", "")],
+    "soft": [("stiffness: 90 kN*m/rad", "stiffness: 76.5 kN*m/rad")],
+    "stiff": [("stiffness: 90 kN*m/rad", "stiffness: 103.5 kN*m/rad")],
     "warm": [("stiffness: 90 kN*m/rad", "stiffness: 72 kN*m/rad"), ("psi: 1.0", "psi: 0.8")],
     "zero pitch": [
         ("power: 750 kW}\n", "power: 750 kW}\n  load: [[400 rpm, 250 N*m], [1260 rpm, 1500 N*m]]\n"),
@@ -81,7 +81,11 @@ def test_the_scene_has_the_cases_that_are_written_by_hand(ferry: Findings) -> No
 @pytest.mark.parametrize("name", BY_HAND)
 def test_results_of_a_case_equal_those_of_the_file_written_out_by_hand(ferry: Findings, name: str) -> None:
     by_hand = torsion.run(torsion.parse(replaced(ALONE, *BY_HAND[name]), "ferry.yaml"))
-    assert numbers(ferry.cases[name]) == numbers(by_hand)
+    case, alone = numbers(ferry.cases[name]), numbers(by_hand)
+    if name in ("soft", "stiff"):  # at an end of the tolerances there is no band of them
+        assert case.pop("tolerances") is None
+        del alone["tolerances"]
+    assert case == alone
     assert ferry.cases[name].results["modes"].frequency.size
 
 
@@ -331,3 +335,9 @@ def test_no_case_ends_in_a_traceback(cases: dict[str, Any]) -> None:
         assert study.cases
         return
     assert all(fault.line for fault in found.faults)
+
+
+def test_a_case_based_on_one_at_fault_leaves_that_one_fault_alone() -> None:
+    with pytest.raises(InputError) as caught:
+        torsion.parse(BASE + "cases:\n  soft: tolerances\n  a: {based_on: soft, rules: [gear-hammer]}\n", "t.yaml")
+    assert [fault.line for fault in caught.value.faults] == [13]
